@@ -1,0 +1,13 @@
+.PHONY: demo test bench clean
+
+demo:
+	./furuta demo
+
+test:
+	tools/in_environment python -m pytest furuta_ws/tests
+
+bench:
+	tools/in_environment python benchmarks/run.py
+
+clean:
+	rm -rf .venv .setup.log .setup.lock furuta_ws/build furuta_ws/install furuta_ws/log

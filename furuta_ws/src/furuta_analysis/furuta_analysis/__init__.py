@@ -1,0 +1,1 @@
+"""The loop without ROS, and what is measured on it."""

@@ -1,0 +1,58 @@
+"""The command line ``furuta``: verbs, each in a module of its own, imported when it is used."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+from furuta_model.parameters import ParameterError
+
+VERBS = {
+    "demo": "The paper's experiments through the real node graph.",
+    "run": "The graph until Ctrl-C, in one process or in one per node.",
+    "simulate": "The same loop without ROS.",
+    "linearize": "Linear model, poles, and the gain by pole placement.",
+    "param": "Read and set parameters of running nodes; print parameter files.",
+    "node": "List the running nodes; run one.",
+}
+
+
+class Verbs(click.Group):
+    """Loads a verb's module only when that verb is wanted."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All verbs."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The verb's command."""
+        if cmd_name not in VERBS:
+            return None
+        module = importlib.import_module(f"furuta_bringup.verbs.{cmd_name}")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Help of all verbs without loading them."""
+        with formatter.section("Verbs"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+def furuta() -> None:
+    """Friction and friction compensation in the Furuta pendulum, on ROS 2."""
+
+
+def main() -> None:
+    """Entry point of the executable ``furuta``."""
+    from furuta_ros.errors import UserError
+
+    try:
+        furuta(prog_name="furuta")
+    except (ParameterError, UserError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)

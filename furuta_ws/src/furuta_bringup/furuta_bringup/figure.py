@@ -1,0 +1,49 @@
+"""The demo's figure, in the manner of Figs 6 to 8: arm, pendulum, control, friction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+from furuta_model.state import PHI, THETA
+
+from .bag import Recording
+from .demo import Phase
+
+TITLES = {
+    "none": "no compensation (Fig. 6)",
+    "coulomb": "Coulomb (Fig. 7)",
+    "lugre": "LuGre (Fig. 8)",
+}
+# Seconds shown of each phase, its last.
+SHOWN = 10.0
+
+
+def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
+    """One column per phase, one row per signal, each row with one scale."""
+    figure, axes = plt.subplots(
+        4, len(phases), sharex="col", sharey="row", figsize=(12, 8), layout="constrained"
+    )
+    for column, phase in zip(axes.T, phases, strict=True):
+        part = recording.between(max(phase.start, phase.end - SHOWN), phase.end)
+        column[0].set_title(TITLES[phase.compensation])
+        column[0].plot(part.time, part.state[:, PHI], lw=1.2)
+        column[1].plot(part.time, part.state[:, THETA], lw=1.2)
+        column[2].plot(part.time, part.command, lw=0.6)
+        column[3].plot(part.time, part.friction, lw=1.0, label="true F")
+        column[3].plot(part.time, part.friction_estimate, lw=0.6, label="estimate of F", alpha=0.8)
+        column[3].set_xlabel("time [s]")
+        for axis in column:
+            axis.grid(alpha=0.3)
+            axis.margins(x=0)
+    labels = ("arm φ [rad]", "pendulum θ [rad]", "control u [V]", "friction [V]")
+    for axis, label in zip(axes[:, 0], labels, strict=True):
+        axis.set_ylabel(label)
+    axes[3, 0].legend(loc="upper right", fontsize="small")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

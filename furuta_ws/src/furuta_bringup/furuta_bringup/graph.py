@@ -1,0 +1,75 @@
+"""The whole graph in one process, on one executor: the node classes that also run alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from time import monotonic, sleep
+
+from furuta_control.controller_node import Controller
+from furuta_control.estimator_node import Estimator
+from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_ros.errors import UserError
+from furuta_ros.spinning import executor_of, settle_memory, spin_until
+from furuta_sim.plant_node import Plant
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from .settings import Settings
+
+# Longest wait for the nodes of this process to find each other [s].
+DISCOVERY_TIMEOUT = 30.0
+
+
+class Graph:
+    """Plant, estimator, friction observer and controller, with other nodes beside them."""
+
+    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
+        def overrides(node: str) -> list[Parameter]:
+            return [Parameter(name, value=value) for name, value in settings[node].items()]
+
+        self.estimator = Estimator(overrides("estimator"))
+        self.friction_observer = FrictionObserver(overrides("friction_observer"))
+        self.controller = Controller(overrides("controller"))
+        self.plant = Plant(overrides("plant"))
+        self.nodes: list[Node] = [
+            self.plant,
+            self.estimator,
+            self.friction_observer,
+            self.controller,
+            *others,
+        ]
+        _wait_until_matched(self.nodes)
+        self.executor: Executor = executor_of(self.nodes)
+        settle_memory()
+
+    def run_until(self, seconds: float) -> None:
+        """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
+        spin_until(self.executor, lambda: self.plant.time >= seconds - 1e-9 or self.plant.paused)
+
+    def close(self) -> None:
+        """End the nodes."""
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+
+
+def _wait_until_matched(nodes: list[Node]) -> None:
+    """Return once every subscription of these nodes is known to every publisher among them.
+
+    In lock-step a message that a subscriber misses would stop the run, so time starts after.
+    """
+    wanted = {
+        publisher: sum(
+            subscription.topic_name == publisher.topic_name
+            for node in nodes
+            for subscription in node.subscriptions
+        )
+        for node in nodes
+        for publisher in node.publishers
+    }
+    deadline = monotonic() + DISCOVERY_TIMEOUT
+    while any(each.get_subscription_count() < count for each, count in wanted.items()):
+        if monotonic() > deadline:
+            raise UserError("the nodes of this process did not find each other")
+        sleep(0.005)

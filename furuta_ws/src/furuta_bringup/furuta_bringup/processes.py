@@ -1,0 +1,72 @@
+"""The graph as one process per node, as ``ros2 launch`` would start it."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from time import sleep
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from furuta_model.parameters import ParameterError
+
+from .settings import Settings
+
+# Node name → package; the executable bears the node's name.
+PACKAGES = {
+    "plant": "furuta_sim",
+    "estimator": "furuta_control",
+    "friction_observer": "furuta_friction",
+    "controller": "furuta_control",
+}
+# Seconds between looks at the processes, and that they get to end.
+LOOK = 0.1
+GRACE = 5.0
+
+
+def executable(package: str, name: str) -> Path:
+    """Where the install space keeps an executable, as ``ros2 run`` finds it."""
+    try:
+        directory = Path(get_package_prefix(package)) / "lib" / package
+    except (PackageNotFoundError, ValueError):
+        raise ParameterError(f"no package {package} is installed") from None
+    path = directory / name
+    if not path.is_file():
+        known = ", ".join(sorted(each.name for each in directory.glob("*"))) or "none"
+        raise ParameterError(f"package {package} has no executable {name}; it has {known}")
+    return path
+
+
+def arguments(values: dict[str, object]) -> list[str]:
+    """ROS arguments that give a node these parameters."""
+    given: list[str] = []
+    for name, value in values.items():
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        if isinstance(value, tuple):
+            text = str(list(value))
+        given += ["-p", f"{name}:={text}"]
+    return ["--ros-args", *given] if given else []
+
+
+def run_processes(settings: Settings, stop: Callable[[], bool]) -> int:
+    """Run a process per node until ``stop()`` or until one ends; returns the exit status."""
+    children = {
+        node: subprocess.Popen([executable(package, node), *arguments(settings[node])])
+        for node, package in PACKAGES.items()
+    }
+    try:
+        while not stop():
+            ended = [node for node, child in children.items() if child.poll() is not None]
+            if ended:
+                return max(children[node].returncode != 0 for node in ended)
+            sleep(LOOK)
+        return 0
+    finally:
+        for child in children.values():
+            child.terminate()
+        for child in children.values():
+            try:
+                child.wait(GRACE)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                child.wait()

@@ -1,0 +1,149 @@
+"""Parameters of all nodes, from parameter files and NAME=VALUE settings."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+from furuta_analysis.closed_loop import Loop
+from furuta_control.parameters import ControllerParameters, EstimatorParameters
+from furuta_friction.parameters import ObserverParameters
+from furuta_model.parameters import Declared, ParameterError, build, declared
+from furuta_sim.parameters import PlantNodeParameters
+
+NODES: dict[str, type[NamedTuple]] = {
+    "plant": PlantNodeParameters,
+    "estimator": EstimatorParameters,
+    "friction_observer": ObserverParameters,
+    "controller": ControllerParameters,
+}
+EVERY_NODE = "/**"
+
+# What is said of a node's parameters, by node and full parameter name.
+Settings = dict[str, dict[str, Any]]
+
+
+def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
+    """Settings from parameter files, then assignments, later ones over earlier ones.
+
+    Raises :class:`ParameterError` for anything that names no parameter or is not allowed.
+    """
+    settings: Settings = {node: {} for node in NODES}
+    for file in files:
+        for node, given in read_file(file).items():
+            settings[node] |= given
+    for assignment in assignments:
+        name, separator, text = assignment.partition("=")
+        if not separator:
+            raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
+        for node, each in _matches(name.strip()):
+            settings[node][each.name] = each.checked(_value(text, name))
+    for node, group in NODES.items():
+        build(group, settings[node])
+    return settings
+
+
+def loop(settings: Settings) -> Loop:
+    """The same parameters for the loop without ROS."""
+    made: dict[str, Any] = {node: build(group, settings[node]) for node, group in NODES.items()}
+    return Loop(
+        made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
+    )
+
+
+def read_file(file: Path) -> Settings:
+    """Settings from a ROS parameter file."""
+    try:
+        content = yaml.safe_load(file.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a text file"
+        raise ParameterError(f"cannot read parameter file {file}: {reason}") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}" if mark else ""
+        problem = getattr(error, "problem", None) or "malformed"
+        raise ParameterError(f"parameter file {file} is not YAML: {problem}{where}") from None
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
+    settings: Settings = {node: {} for node in NODES}
+    for key, section in content.items():
+        node = str(key).lstrip("/") if key != EVERY_NODE else EVERY_NODE
+        if node != EVERY_NODE and node not in NODES:
+            raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")
+        if not isinstance(section, Mapping) or not isinstance(
+            section.get("ros__parameters"), Mapping
+        ):
+            raise ParameterError(f"{file}: {key} has no ros__parameters")
+        for name, value in _flat(section["ros__parameters"]).items():
+            for target, each in _targets(node, name, file):
+                settings[target][each.name] = each.checked(value)
+    return settings
+
+
+def _targets(node: str, name: str, file: Path) -> list[tuple[str, Declared]]:
+    """The parameter of a node or, for the wildcard, of each node that has it."""
+    nodes = NODES if node == EVERY_NODE else {node: NODES[node]}
+    found = [
+        (target, each)
+        for target, group in nodes.items()
+        for each in declared(group)
+        if each.name == name
+    ]
+    if not found:
+        raise ParameterError(f"{file}: {node} has no parameter {name}{_similar(name)}")
+    return found
+
+
+def _matches(name: str) -> list[tuple[str, Declared]]:
+    """Parameters that ``name`` means.
+
+    ``node.parameter`` means one. Otherwise it is every parameter of that full name or of that
+    last part: ``alpha0`` is the plant's true one and the observer's, ``alpha`` the true model's
+    and the controller's nominal one.
+    """
+    node, _, rest = name.partition(".")
+    if node in NODES:
+        found = [(node, each) for each in declared(NODES[node]) if each.name == rest]
+    else:
+        found = [
+            (target, each)
+            for target, group in NODES.items()
+            for each in declared(group)
+            if name in (each.name, each.name.rpartition(".")[2])
+        ]
+    if not found:
+        raise ParameterError(f"no parameter {name}{_similar(name)}")
+    return found
+
+
+def _similar(name: str) -> str:
+    known = {part for group in NODES.values() for d in declared(group) for part in (d.name, d.name.rpartition(".")[2])}
+    near = difflib.get_close_matches(name.rpartition(".")[2], sorted(known), n=3)
+    return f"; did you mean {', '.join(near)}?" if near else ""
+
+
+def _value(text: str, name: str) -> Any:
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise ParameterError(f"{name}: cannot read the value {text!r}") from None
+    if isinstance(value, str):
+        # YAML wants a dot in 1e-3; people do not.
+        try:
+            return float(value)
+        except ValueError:
+            return value
+    return value
+
+
+def _flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in section.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat

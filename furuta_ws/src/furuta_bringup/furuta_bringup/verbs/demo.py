@@ -1,0 +1,111 @@
+"""``furuta demo``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..options import json_option, model_options, print_json
+
+
+@click.command()
+@click.option("--seconds", default=30.0, show_default=True, help="Pendulum time per compensation.")
+@click.option(
+    "--out",
+    "directory",
+    default="output/demo",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Directory for figure, bag and summary.json; the contents of an earlier demo go.",
+)
+@model_options
+@json_option
+def command(
+    seconds: float,
+    directory: Path,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Run none, Coulomb and LuGre compensation through the real node graph.
+
+    The graph runs in lock-step in one process and is recorded; compensations are switched by
+    the parameter services.
+    """
+    from furuta_bringup.demo import check_seconds
+    from furuta_bringup.settings import gather
+
+    check_seconds(seconds)
+    settings = gather(files, assignments)
+    summary = _run(settings, seconds, directory, quiet=as_json)
+    (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    if as_json:
+        print_json(summary)
+    else:
+        _print(summary)
+
+
+def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
+    import rclpy
+    from furuta_bringup.bag import read_recording
+    from furuta_bringup.demo import COMPENSATIONS, evaluate, run_demo
+    from furuta_bringup.figure import draw
+    from rclpy.signals import SignalHandlerOptions
+    from rich.console import Console
+    from rich.progress import Progress
+
+    bag = directory / "bag"
+    _clear(bag)
+    console = Console(stderr=True, quiet=quiet)
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        with Progress(console=console, transient=True) as bar:
+            task = bar.add_task("pendulum time", total=seconds * len(COMPENSATIONS))
+            phases = run_demo(settings, seconds, bag, lambda t: bar.update(task, completed=t))
+    finally:
+        rclpy.try_shutdown()
+    with console.status("reading the bag, drawing"):
+        recording = read_recording(bag)
+        figure = directory / "demo.png"
+        draw(recording, phases, figure)
+    return {"runs": evaluate(phases, recording), "figure": str(figure), "bag": str(bag)}
+
+
+def _clear(bag: Path) -> None:
+    """Remove the bag of an earlier demo, and nothing that is not one."""
+    if not bag.exists():
+        return
+    for file in bag.iterdir():
+        if file.suffix not in (".mcap", ".yaml"):
+            raise click.ClickException(f"{bag} holds {file.name}, which is not of a bag")
+    for file in bag.iterdir():
+        file.unlink()
+    bag.rmdir()
+
+
+def _print(summary: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title="limit cycle by compensation")
+    for heading in ("compensation", "arm p-p [rad]", "pendulum p-p [rad]", "period [s]"):
+        table.add_column(heading, justify="left" if heading == "compensation" else "right")
+    for heading in ("command rms [V]", "samples", "samples/s"):
+        table.add_column(heading, justify="right")
+    for run in summary["runs"]:
+        table.add_row(
+            run["compensation"],
+            f"{run['phi_peak_to_peak_rad']:.4f}",
+            f"{run['theta_peak_to_peak_rad']:.4f}",
+            f"{run['period_s']:.3f}",
+            f"{run['command_rms_v']:.3f}",
+            str(run["samples"]),
+            f"{run['samples'] / run['wall_seconds']:.0f}",
+        )
+    console = Console()
+    console.print(table)
+    for name in ("figure", "bag"):
+        console.print(f"{name}: {summary[name]}", soft_wrap=True)

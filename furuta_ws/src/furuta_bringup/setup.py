@@ -1,0 +1,28 @@
+from glob import glob
+
+from setuptools import find_packages, setup
+
+NAME = "furuta_bringup"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="The whole graph of the Furuta pendulum: launch file, composed graph, recorder, demo, command line.",
+    license="Apache-2.0",
+    maintainer="The furuta_ws developers",
+    maintainer_email="furuta_ws@users.noreply.github.com",
+    packages=find_packages(),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/launch", glob("launch/*")),
+        (f"share/{NAME}/config", glob("config/*.yaml")),
+    ],
+    entry_points={
+        "console_scripts": [
+            "furuta = furuta_bringup.command_line:main",
+        ]
+    },
+    zip_safe=False,
+)

@@ -1,0 +1,1 @@
+"""State estimator and stabilising controller: a core and a node each."""

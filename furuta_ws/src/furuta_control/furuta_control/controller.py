@@ -1,0 +1,58 @@
+"""State feedback with friction compensation, eqs. (6) to (8).
+
+The sign convention of the whole workspace: (1) has u − F on its right side, with F > 0 when
+friction opposes positive arm speed. An estimate F̂ of that F is therefore *added*:
+
+    u = −Lx + F̂
+
+(the scan of the paper prints a minus in (8), which would double the friction).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from furuta_model.compiled import compiled
+from furuta_model.linear import place_poles
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+
+from .parameters import ControllerParameters
+
+# The controller's memory: whether it holds the pendulum (1) or has given up (0).
+MEMORY = 1
+
+
+class StateFeedback(NamedTuple):
+    """What :func:`control` computes with."""
+
+    l1: float
+    l2: float
+    l3: float
+    l4: float
+    voltage_limit: float
+    fall_angle: float
+    catch_angle: float
+    enabled: bool
+
+
+def state_feedback(p: ControllerParameters) -> StateFeedback:
+    """The gain given explicitly, or else by pole placement on the nominal model, eq. (7)."""
+    gain = p.gain or place_poles(p.model, p.poles)
+    return StateFeedback(
+        *(float(each) for each in gain), p.voltage_limit, p.fall_angle, p.catch_angle, p.enabled
+    )
+
+
+@compiled
+def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback) -> float:
+    """Command u [V] for the state estimate ``x`` (4,) and friction estimate [V]."""
+    tilt = abs(x[THETA])
+    if tilt > p.fall_angle:
+        memory[0] = 0.0
+    elif tilt <= p.catch_angle:
+        memory[0] = 1.0
+    if memory[0] == 0.0 or not p.enabled:
+        return 0.0
+    u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    return min(max(u, -p.voltage_limit), p.voltage_limit)

@@ -1,0 +1,90 @@
+"""Node ``controller``: joint_states and friction_estimate → command."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from furuta_model.state import RIGID_STATES
+from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
+from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from .controller import MEMORY, control, state_feedback
+from .parameters import ControllerParameters
+
+
+class Controller(FurutaNode[ControllerParameters]):
+    """Stabilises the pendulum.
+
+    Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
+    per state, as soon as the friction estimate for it is there. Estimates carry no stamp; one
+    that arrives while a state waits belongs to it. If the next state arrives first, the
+    estimate is missing: from then on each state is answered at once with the last estimate,
+    or with 0 V when that is older than ``friction_timeout``, until estimates come in time again.
+    """
+
+    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+        self._memory = np.zeros(MEMORY)
+        self._x = np.zeros(RIGID_STATES)
+        self._stamp = -1
+        self._waiting = False
+        self._friction = 0.0
+        self._friction_stamp = -1
+        self._command = Float64()
+        self.missed_estimates = 0
+        super().__init__("controller", ControllerParameters, overrides)
+        self._publisher = self.publish_on(COMMAND)
+        self.subscribe_to(JOINT_STATES, self._on_state)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
+
+    def parameters_changed(self, parameters: ControllerParameters) -> None:
+        """Place the poles anew."""
+        self._feedback = state_feedback(parameters)
+        control(self._memory.copy(), self._x, 0.0, self._feedback)
+
+    def _on_state(self, message: JointState) -> None:
+        read_joints(message, self._x)
+        stamp = stamp_nanoseconds(message)
+        if self._waiting and stamp != self._stamp:
+            self._stamp = stamp
+            self._go_without_estimate()
+        else:
+            self._stamp = stamp
+            self._waiting = True
+
+    def _on_friction(self, message: Float64) -> None:
+        self._friction = read_float(message)
+        self._friction_stamp = self._stamp
+        if self._waiting:
+            self._waiting = False
+            self._publish(self._friction)
+
+    def _go_without_estimate(self) -> None:
+        self.missed_estimates += 1
+        self.get_logger().warning(
+            f"no friction estimate in time ({self.missed_estimates} so far)",
+            throttle_duration_sec=WARNING_PERIOD,
+        )
+        age = self._stamp - self._friction_stamp
+        fresh = self._friction_stamp >= 0 and age <= self._timeout
+        self._publish(self._friction if fresh else 0.0)
+
+    @property
+    def _timeout(self) -> float:
+        return self.parameters.friction_timeout * NANOSECONDS
+
+    def _publish(self, friction: float) -> None:
+        self._command.data = control(self._memory, self._x, friction, self._feedback)
+        self._publisher.publish(self._command)
+
+
+def main() -> None:
+    """Entry point of the executable ``controller``."""
+    sys.exit(run_node(Controller))

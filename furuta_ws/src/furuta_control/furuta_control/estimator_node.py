@@ -1,0 +1,56 @@
+"""Node ``estimator``: measurement → joint_states."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from furuta_model.state import RIGID_STATES
+from furuta_ros.messages import JointWriter, read_joints
+from furuta_ros.node import FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import JOINT_STATES, MEASUREMENT
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+
+from .estimator import MEMORY, estimate_state, sample_filter
+from .parameters import EstimatorParameters
+
+
+class Estimator(FurutaNode[EstimatorParameters]):
+    """Estimates the state from what the sensors say.
+
+    Subscribes to ``measurement``, publishes ``joint_states`` with the measurement's stamp. A
+    measurement that comes again (same stamp) is answered again without a new step.
+    """
+
+    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+        self._memory = np.zeros(MEMORY)
+        self._measurement = np.zeros(RIGID_STATES)
+        self._estimate = np.zeros(RIGID_STATES)
+        self._writer = JointWriter()
+        self._last_stamp: Any = None
+        super().__init__("estimator", EstimatorParameters, overrides)
+        self._publisher = self.publish_on(JOINT_STATES)
+        self.subscribe_to(MEASUREMENT, self._on_measurement)
+
+    def parameters_changed(self, parameters: EstimatorParameters) -> None:
+        """Sample the filter anew; its memory stays."""
+        self._filter = sample_filter(parameters)
+        estimate_state(self._memory.copy(), self._measurement, self._filter, self._estimate)
+
+    def _on_measurement(self, message: JointState) -> None:
+        stamp = message.header.stamp
+        if stamp != self._last_stamp:
+            read_joints(message, self._measurement, self._filter.passthrough)
+            estimate_state(self._memory, self._measurement, self._filter, self._estimate)
+            self._writer.fill(self._estimate).header.stamp = stamp
+            self._last_stamp = stamp
+        self._publisher.publish(self._writer.message)
+
+
+def main() -> None:
+    """Entry point of the executable ``estimator``."""
+    sys.exit(run_node(Estimator))

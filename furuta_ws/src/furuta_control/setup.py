@@ -1,0 +1,25 @@
+from setuptools import find_packages, setup
+
+NAME = "furuta_control"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="State estimator and stabilising controller of the Furuta pendulum.",
+    license="Apache-2.0",
+    maintainer="The furuta_ws developers",
+    maintainer_email="furuta_ws@users.noreply.github.com",
+    packages=find_packages(),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+    ],
+    entry_points={
+        "console_scripts": [
+            "estimator = furuta_control.estimator_node:main",
+            "controller = furuta_control.controller_node:main",
+        ]
+    },
+    zip_safe=False,
+)

@@ -1,0 +1,1 @@
+"""Friction compensators and the friction observer node."""

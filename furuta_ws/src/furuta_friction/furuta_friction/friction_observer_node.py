@@ -1,0 +1,55 @@
+"""Node ``friction_observer``: joint_states → friction_estimate."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from furuta_model.state import RIGID_STATES
+from furuta_ros.messages import read_joints
+from furuta_ros.node import FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from .compensators import MEMORY, compensator, estimate_friction
+from .parameters import ObserverParameters
+
+
+class FrictionObserver(FurutaNode[ObserverParameters]):
+    """Estimates the friction in the arm's joint.
+
+    Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. A
+    state that comes again (same stamp) is answered again without a new step.
+    """
+
+    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+        self._memory = np.zeros(MEMORY)
+        self._x = np.zeros(RIGID_STATES)
+        self._estimate = Float64()
+        self._last_stamp: Any = None
+        super().__init__("friction_observer", ObserverParameters, overrides)
+        self._publisher = self.publish_on(FRICTION_ESTIMATE)
+        self.subscribe_to(JOINT_STATES, self._on_state)
+
+    def parameters_changed(self, parameters: ObserverParameters) -> None:
+        """Take the compensator that the parameters name; its memory stays."""
+        self._compensator = compensator(parameters)
+        estimate_friction(self._memory.copy(), self._x, self._compensator)
+
+    def _on_state(self, message: JointState) -> None:
+        stamp = message.header.stamp
+        if stamp != self._last_stamp:
+            read_joints(message, self._x)
+            self._estimate.data = estimate_friction(self._memory, self._x, self._compensator)
+            self._last_stamp = stamp
+        self._publisher.publish(self._estimate)
+
+
+def main() -> None:
+    """Entry point of the executable ``friction_observer``."""
+    sys.exit(run_node(FrictionObserver))

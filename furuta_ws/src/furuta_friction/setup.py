@@ -1,0 +1,24 @@
+from setuptools import find_packages, setup
+
+NAME = "furuta_friction"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="Friction observer of the Furuta pendulum: Coulomb and LuGre compensation.",
+    license="Apache-2.0",
+    maintainer="The furuta_ws developers",
+    maintainer_email="furuta_ws@users.noreply.github.com",
+    packages=find_packages(),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+    ],
+    entry_points={
+        "console_scripts": [
+            "friction_observer = furuta_friction.friction_observer_node:main",
+        ]
+    },
+    zip_safe=False,
+)

@@ -1,0 +1,1 @@
+"""Bridge to a real rig. Not built yet."""

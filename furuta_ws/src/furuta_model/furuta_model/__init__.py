@@ -1,0 +1,1 @@
+"""Furuta pendulum and friction: pure mathematics, no ROS."""

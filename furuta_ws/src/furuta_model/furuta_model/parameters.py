@@ -1,0 +1,141 @@
+"""Declaration of parameters: each is stated once, with default, unit, range and meaning.
+
+A group of parameters is a ``NamedTuple`` whose fields are annotated with :class:`About`. ROS
+parameter descriptors, command-line options, parameter files and the documentation's tables
+are all read from it; compiled code takes the same tuple as an argument.
+
+    class Motor(NamedTuple):
+        gain: Annotated[float, About("torque per volt", "Nm/V", low=0.0)] = 1.0
+
+A field that is itself a group nests with a dotted name (``motor.gain``), or without one if it
+is annotated with :data:`INLINE`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+
+Group = TypeVar("Group", bound=NamedTuple)
+INLINE = "inline"
+
+
+class ParameterError(ValueError):
+    """A parameter was given a value that it cannot have."""
+
+
+@dataclass(frozen=True)
+class About:
+    """What a user must know of a parameter: meaning, unit, allowed values.
+
+    ``low`` and ``high`` are inclusive. ``read_only`` parameters are set at start only.
+    """
+
+    meaning: str
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    choices: tuple[str, ...] = ()
+    read_only: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        if self.low == -math.inf and self.high == math.inf:
+            return "any"
+        if self.high == math.inf:
+            return f"at least {self.low:g}"
+        return f"{self.low:g} to {self.high:g}"
+
+
+class Declared(NamedTuple):
+    """One parameter with its full name, Python type (float, int, bool, str, list) and default."""
+
+    name: str
+    kind: type
+    default: Any
+    about: About
+
+    def checked(self, value: Any) -> Any:
+        """Return ``value`` as the declared type or raise :class:`ParameterError`."""
+        if self.kind is list:
+            return tuple(self._number(element) for element in value)
+        if self.kind in (float, int):
+            return self._number(value)
+        if not isinstance(value, self.kind):
+            raise ParameterError(f"{self.name} must be a {self.kind.__name__}, given {value!r}")
+        if self.about.choices and value not in self.about.choices:
+            raise ParameterError(f"{self.name} must be {self.about.allowed}, given {value!r}")
+        return value
+
+    def _number(self, value: Any) -> Any:
+        about = self.about
+        whole = self.kind is int
+        if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
+            kind = "an integer" if whole else "a number"
+            raise ParameterError(f"{self.name} must be {kind}, given {value!r}")
+        if not math.isfinite(value):
+            raise ParameterError(f"{self.name} must be finite, given {value}")
+        if not about.low <= value <= about.high:
+            unit = f" {about.unit}" if about.unit else ""
+            raise ParameterError(f"{self.name} must be {about.allowed}{unit}, given {value:g}")
+        return value if whole else float(value)
+
+
+def declared(group: type[NamedTuple], prefix: str = "") -> Iterator[Declared]:
+    """All parameters of a group and of the groups inside it, in order."""
+    for field, hint in get_type_hints(group, include_extras=True).items():
+        kind, notes = (
+            (get_args(hint)[0], get_args(hint)[1:]) if get_origin(hint) is Annotated else (hint, ())
+        )
+        if _is_group(kind):
+            yield from declared(kind, prefix if INLINE in notes else f"{prefix}{field}.")
+        else:
+            plain = list if get_origin(kind) is tuple else kind
+            yield Declared(prefix + field, plain, group._field_defaults[field], notes[0])
+
+
+def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Group:
+    """Make a group from values by full name, the defaults where none is given.
+
+    Raises :class:`ParameterError` for a value out of range, a wrong type, or values that do not
+    go together (the group's own ``check``). A name that the group lacks is the caller's matter.
+    """
+    specifications = {each.name: each for each in declared(group, prefix)}
+    fields: dict[str, Any] = {}
+    for field, hint in get_type_hints(group, include_extras=True).items():
+        kind = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+        if _is_group(kind):
+            inline = INLINE in get_args(hint)[1:]
+            fields[field] = build(kind, given, prefix if inline else f"{prefix}{field}.")
+        else:
+            specification = specifications[prefix + field]
+            fields[field] = specification.checked(
+                given.get(specification.name, specification.default)
+            )
+    made = group(**fields)
+    check = getattr(made, "check", None)
+    if check:
+        check()
+    return made
+
+
+def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
+    """The inverse of :func:`build`: every value by its full name."""
+    result: dict[str, Any] = {}
+    for field, hint in get_type_hints(type(group), include_extras=True).items():
+        value = getattr(group, field)
+        if _is_group(type(value)):
+            inline = INLINE in get_args(hint)[1:]
+            result |= values(value, prefix if inline else f"{prefix}{field}.")
+        else:
+            result[prefix + field] = list(value) if isinstance(value, tuple) else value
+    return result
+
+
+def _is_group(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields")

@@ -1,0 +1,74 @@
+r"""The rigid body of the Furuta pendulum, eq. (1), with θ = 0 upright.
+
+.. math::
+    (α + β\sin^2θ)\ddot φ + γ\cosθ\,\ddot θ + 2β\cosθ\sinθ\,\dot φ\dot θ - γ\sinθ\,\dot θ^2 = u - F
+
+    γ\cosθ\,\ddot φ + β\ddot θ - β\cosθ\sinθ\,\dot φ^2 - δ\sinθ = 0
+
+Torque and friction are normalised to the control signal, so all coefficients are in volts per
+acceleration. The damaged sign and factor of the printed equation are corrected from the
+Lagrangian T = ½αφ̇² + ½β(θ̇² + sin²θ φ̇²) + γ cosθ φ̇θ̇, V = δ cosθ.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from .compiled import compiled
+from .parameters import About, ParameterError
+from .state import PHI_DOT, THETA, THETA_DOT
+
+
+class FurutaPendulum(NamedTuple):
+    """Coefficients of (1). The defaults follow from the rig's identified linear model."""
+
+    alpha: Annotated[
+        float, About("inertia of arm, motor and pendulum about the arm's axis", "V s²/rad", 1e-9)
+    ] = 87 / 3074
+    beta: Annotated[
+        float, About("inertia of the pendulum about its joint", "V s²/rad", 1e-9)
+    ] = 45 / 3074
+    gamma: Annotated[float, About("inertial coupling of the joints", "V s²/rad", 1e-9)] = 29 / 3074
+    delta: Annotated[float, About("gravity torque of the pendulum", "V/rad", 1e-9)] = 11 / 29
+
+    def check(self) -> None:
+        """Refuse an inertia matrix that is not positive definite."""
+        if self.alpha * self.beta <= self.gamma**2:
+            raise ParameterError(
+                "alpha * beta must exceed gamma² (positive definite inertia), given "
+                f"alpha = {self.alpha:g}, beta = {self.beta:g}, gamma = {self.gamma:g}"
+            )
+
+    @property
+    def determinant(self) -> float:
+        """αβ − γ² [V² s⁴/rad²], the determinant of the upright inertia matrix."""
+        return self.alpha * self.beta - self.gamma**2
+
+
+@compiled
+def accelerations(
+    phi_dot: float, theta: float, theta_dot: float, torque: float, p: FurutaPendulum
+) -> tuple[float, float]:
+    """(φ̈, θ̈) [rad/s²] from eq. (1); ``torque`` is u − F [V]."""
+    s = sin(theta)
+    c = cos(theta)
+    coupling = p.gamma * c
+    arm = torque - 2 * p.beta * c * s * phi_dot * theta_dot + p.gamma * s * theta_dot * theta_dot
+    pendulum = (p.beta * c * phi_dot * phi_dot + p.delta) * s
+    inertia = p.alpha + p.beta * s * s
+    determinant = inertia * p.beta - coupling * coupling
+    return (
+        (p.beta * arm - coupling * pendulum) / determinant,
+        (inertia * pendulum - coupling * arm) / determinant,
+    )
+
+
+def energy(x: np.ndarray, p: FurutaPendulum) -> float:
+    """Kinetic plus potential energy T + V [V rad] at state ``x`` (4,), V = δ cosθ."""
+    s, c = np.sin(x[THETA]), np.cos(x[THETA])
+    v, w = x[PHI_DOT], x[THETA_DOT]
+    kinetic = 0.5 * p.alpha * v**2 + 0.5 * p.beta * (w**2 + (s * v) ** 2) + p.gamma * c * v * w
+    return float(kinetic + p.delta * c)

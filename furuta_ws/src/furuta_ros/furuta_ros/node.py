@@ -1,0 +1,58 @@
+"""What every node of the graph does alike: parameters, refusal of bad messages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+
+from .messages import Refused
+from .parameters import NodeParameters
+from .topics import QOS, Topic
+
+Group = TypeVar("Group", bound=NamedTuple)
+
+# Seconds between two warnings of one kind.
+WARNING_PERIOD = 1.0
+
+
+class FurutaNode(Node, Generic[Group]):
+    """A node with a declared group of parameters and checked subscriptions."""
+
+    def __init__(
+        self, name: str, group: type[Group], overrides: Sequence[Parameter[Any]] = ()
+    ) -> None:
+        super().__init__(name, parameter_overrides=list(overrides))
+        self.refused = 0
+        self._parameters = NodeParameters(self, group, self.parameters_changed)
+        self.parameters_changed(self.parameters)
+
+    @property
+    def parameters(self) -> Group:
+        """The parameters in force."""
+        return self._parameters.current
+
+    def parameters_changed(self, parameters: Group) -> None:
+        """Derive from the parameters what the samples need; called at start and at a change."""
+
+    def publish_on(self, topic: Topic) -> Publisher[Any]:
+        """A publisher on a topic of the graph."""
+        return self.create_publisher(topic.type, topic.name, QOS)
+
+    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
+        """Hand each message to ``receive``; one that it refuses is counted and reported."""
+
+        def checked(message: Any) -> None:
+            try:
+                receive(message)
+            except Refused as refusal:
+                self.refused += 1
+                self.get_logger().warning(
+                    f"refused a message on {topic.name}: {refusal}",
+                    throttle_duration_sec=WARNING_PERIOD,
+                )
+
+        self.create_subscription(topic.type, topic.name, checked, QOS)

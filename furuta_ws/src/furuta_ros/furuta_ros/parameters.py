@@ -1,0 +1,119 @@
+"""ROS parameters of a node from a declared group of parameters (furuta_model.parameters)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from furuta_model.parameters import Declared, ParameterError, build, declared
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+Group = TypeVar("Group", bound=NamedTuple)
+
+_TYPES = {
+    float: Parameter.Type.DOUBLE,
+    int: Parameter.Type.INTEGER,
+    bool: Parameter.Type.BOOL,
+    str: Parameter.Type.STRING,
+    list: Parameter.Type.DOUBLE_ARRAY,
+}
+
+
+class NodeParameters(Generic[Group]):
+    """A node's parameters as one immutable tuple, ``current``.
+
+    Each change is checked whole before any of it is kept; then ``current`` is replaced and
+    ``changed`` called with it. Callbacks of a node do not overlap, so that happens between two
+    samples. Values given at start are held to the same rules, and a name that the node does not
+    know is refused, for a misspelt parameter would otherwise be lost in silence.
+    """
+
+    def __init__(
+        self, node: Node, group: type[Group], changed: Callable[[Group], None] | None = None
+    ) -> None:
+        self._node = node
+        self._group = group
+        self._changed = changed
+        self._names = {each.name for each in declared(group)}
+        self._refuse_unknown(node)
+        for each in declared(group):
+            self._declare(each)
+        self.current: Group = build(group, self._values())
+        self._next = self.current
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._keep)
+
+    def _refuse_unknown(self, node: Node) -> None:
+        known = self._names | {"use_sim_time", "start_type_description_service"}
+        unknown = sorted(
+            name
+            for name in node._parameter_overrides
+            if name not in known and not name.startswith("qos_overrides.")
+        )
+        if unknown:
+            raise ParameterError(
+                f"{node.get_name()} has no parameter {', '.join(unknown)}; "
+                f"it has {', '.join(sorted(self._names))}"
+            )
+
+    def _declare(self, each: Declared) -> None:
+        try:
+            self._node.declare_parameter(each.name, _ros_value(each), _descriptor(each))
+        except InvalidParameterTypeException as error:
+            raise ParameterError(str(error)) from None
+
+    def _values(self) -> dict[str, Any]:
+        return {name: self._node.get_parameter(name).value for name in self._names}
+
+    def _check(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+        mine = {each.name: each.value for each in parameters if each.name in self._names}
+        if mine:
+            try:
+                self._next = build(self._group, self._values() | mine)
+            except ParameterError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _keep(self, parameters: list[Parameter[Any]]) -> None:
+        if any(each.name in self._names for each in parameters):
+            self.current = self._next
+            if self._changed:
+                self._changed(self.current)
+
+
+def _ros_value(each: Declared) -> Any:
+    if each.kind is not list:
+        return each.default
+    return Parameter(each.name, Parameter.Type.DOUBLE_ARRAY, list(each.default)).value
+
+
+def _descriptor(each: Declared) -> ParameterDescriptor:
+    """Type, meaning and allowed values; the range itself where ROS can hold it."""
+    about = each.about
+    unit = f" [{about.unit}]" if about.unit else ""
+    descriptor = ParameterDescriptor(
+        name=each.name,
+        type=_TYPES[each.kind].value,
+        description=f"{about.meaning}{unit}",
+        additional_constraints=about.allowed if about.choices else "",
+        read_only=about.read_only,
+    )
+    if math.isfinite(about.low) and math.isfinite(about.high):
+        if each.kind is float:
+            descriptor.floating_point_range = [
+                FloatingPointRange(from_value=float(about.low), to_value=float(about.high))
+            ]
+        elif each.kind is int:
+            descriptor.integer_range = [
+                IntegerRange(from_value=int(about.low), to_value=int(about.high), step=1)
+            ]
+    return descriptor

@@ -1,0 +1,38 @@
+"""The graph's contract: topic names, types and quality of service, in one place.
+
+Names are relative, so that a namespace or a remapping moves a whole graph. Every sample matters
+to the loop, so topics are reliable; a depth of a few samples lets a slow reader see the newest
+ones without holding anybody up.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+JOINTS = ["arm", "pendulum"]
+
+QOS = QoSProfile(
+    depth=10,
+    reliability=QoSReliabilityPolicy.RELIABLE,
+    durability=QoSDurabilityPolicy.VOLATILE,
+)
+
+
+class Topic(NamedTuple):
+    """A topic of the graph."""
+
+    name: str
+    type: Any
+
+
+MEASUREMENT = Topic("measurement", JointState)
+JOINT_STATES = Topic("joint_states", JointState)
+FRICTION_ESTIMATE = Topic("friction_estimate", Float64)
+COMMAND = Topic("command", Float64)
+GROUND_TRUTH = Topic("ground_truth", JointState)
+
+TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)

@@ -1,0 +1,1 @@
+"""Simulated rig: core in ``rig``, node in ``plant_node``."""

@@ -1,0 +1,99 @@
+"""Parameters of the simulated rig: true pendulum, true friction, sensors and actuator.
+
+Levels are those of the paper's rig (Section 4). What the paper leaves open is chosen from its
+converters: the tachometer's range is that of a ±10 V converter at 1 V s/rad, and each analogue
+channel has noise of one code (standard deviation), what a 12-bit board of the time specifies.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, NamedTuple
+
+from furuta_model.lugre import LuGre
+from furuta_model.parameters import About
+from furuta_model.pendulum import FurutaPendulum
+
+CLOCKS = ("realtime", "lockstep")
+
+
+class Sensors(NamedTuple):
+    """Encoder on the arm, tachometer on the arm, potentiometer on the pendulum."""
+
+    ideal: Annotated[
+        bool, About("measure all four states exactly; the rest of this group is unused")
+    ] = False
+    encoder_counts: Annotated[
+        int, About("encoder pulses per revolution of the arm, 0 for no quantisation", "", 0, 2**24)
+    ] = 250
+    tachometer_range: Annotated[float, About("arm speed at full scale", "rad/s", 1e-3, 1e4)] = 10.0
+    tachometer_bits: Annotated[
+        int, About("bits of the tachometer's converter, 0 for no quantisation", "", 0, 32)
+    ] = 12
+    tachometer_noise: Annotated[
+        float, About("standard deviation of the tachometer's noise", "rad/s", 0.0, 100.0)
+    ] = 20.0 / 4096
+    potentiometer_range: Annotated[
+        float, About("pendulum angle at full scale", "rad", 1e-3, 2 * pi)
+    ] = pi / 4
+    potentiometer_bits: Annotated[
+        int, About("bits of the potentiometer's converter, 0 for no quantisation", "", 0, 32)
+    ] = 12
+    potentiometer_noise: Annotated[
+        float, About("standard deviation of the potentiometer's noise", "rad", 0.0, 1.0)
+    ] = pi / 2 / 4096
+
+
+class Actuator(NamedTuple):
+    """Drive of the arm's motor through a digital-to-analogue converter."""
+
+    voltage_range: Annotated[float, About("largest voltage of the drive", "V", 1e-3, 1e3)] = 10.0
+    bits: Annotated[
+        int, About("bits of the drive's converter, 0 for no quantisation", "", 0, 32)
+    ] = 12
+
+
+class InitialState(NamedTuple):
+    """Where the rig is held until the first command arrives."""
+
+    phi: Annotated[float, About("arm angle", "rad", -100, 100, read_only=True)] = 0.0
+    phi_dot: Annotated[float, About("arm speed", "rad/s", -100, 100, read_only=True)] = 0.0
+    theta: Annotated[float, About("pendulum angle, 0 upright", "rad", -pi, pi, read_only=True)] = (
+        0.05
+    )
+    theta_dot: Annotated[float, About("pendulum speed", "rad/s", -100, 100, read_only=True)] = 0.0
+
+
+class Plant(NamedTuple):
+    """Everything that :mod:`furuta_sim.plant` computes with."""
+
+    model: FurutaPendulum = FurutaPendulum()
+    friction: LuGre = LuGre()
+    sensors: Sensors = Sensors()
+    actuator: Actuator = Actuator()
+    initial: InitialState = InitialState()
+    sample_time: Annotated[float, About("time between samples", "s", 1e-5, 0.1, read_only=True)] = (
+        0.001
+    )
+    seed: Annotated[int, About("seed of the sensors' noise", "", 0, 2**62, read_only=True)] = 0
+
+
+class PlantNodeParameters(NamedTuple):
+    """Parameters of the node ``plant``: the rig and how its time runs."""
+
+    plant: Annotated[Plant, "inline"] = Plant()
+    clock: Annotated[
+        str,
+        About(
+            "realtime: paced by absolute deadlines; lockstep: the next sample starts when the "
+            "command for this one has arrived",
+            choices=CLOCKS,
+            read_only=True,
+        ),
+    ] = "realtime"
+    run_until: Annotated[
+        float, About("time at which the plant pauses, to go on when this is raised", "s", 0, 1e9)
+    ] = 1e9
+    command_timeout: Annotated[
+        float, About("age at which a command becomes 0 V (realtime)", "s", 1e-3, 10.0)
+    ] = 0.05

@@ -1,0 +1,113 @@
+"""Node ``plant``: command → measurement and ground_truth, in real time or in lock-step."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from furuta_model.lugre import friction
+from furuta_model.state import BRISTLE, PHI_DOT, RIGID_STATES
+from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
+from furuta_ros.node import FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from .lockstep import LockStep
+from .parameters import PlantNodeParameters
+from .realtime import RealTime
+from .rig import Noise, initial_state, measure, move, substeps
+
+
+class Plant(FurutaNode[PlantNodeParameters]):
+    """Simulates the rig.
+
+    Publishes ``measurement`` (NaN where there is no sensor) and ``ground_truth`` (effort of the
+    arm: the true friction [V]); subscribes to ``command`` [V]. The rig is held in its initial
+    state until the first command arrives, and again after the service ``~/reset``. How time
+    runs is the matter of :class:`RealTime` or :class:`LockStep`.
+    """
+
+    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+        self._measurement = np.zeros(RIGID_STATES)
+        self._measurement_writer = JointWriter()
+        self._truth_writer = JointWriter(with_effort=True)
+        self.sample = 0
+        self.start = 0
+        self.held = True
+        self.x = np.zeros(0)
+        super().__init__("plant", PlantNodeParameters, overrides)
+        self._noise = Noise(self.parameters.plant.seed)
+        self.x = initial_state(self.parameters.plant)
+        self._period = round(self.parameters.plant.sample_time * NANOSECONDS)
+        self._measurement_publisher = self.publish_on(MEASUREMENT)
+        self._truth_publisher = self.publish_on(GROUND_TRUTH)
+        self._compile()
+        self.create_service(Trigger, "~/reset", self._reset)
+        self.clockwork = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
+        self.subscribe_to(COMMAND, self._on_command)
+
+    def parameters_changed(self, parameters: PlantNodeParameters) -> None:
+        """Take the new rig between two samples."""
+        self._rig = parameters.plant
+        self._substeps = substeps(self._rig)
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self.sample * self._period / NANOSECONDS
+
+    @property
+    def paused(self) -> bool:
+        """Whether ``run_until`` is reached."""
+        return self.time >= self.parameters.run_until - 0.5 * self._rig.sample_time
+
+    def publish_sample(self) -> None:
+        """Read the sensors and publish the measurement and the truth."""
+        x, rig = self.x, self._rig
+        measure(x, self._noise(), rig.sensors, self._measurement)
+        stamp = self.start + self.sample * self._period
+        self._truth_writer.stamp(stamp)
+        self._truth_writer.fill(x, friction(x[PHI_DOT], x[BRISTLE], rig.friction))
+        self._measurement_writer.stamp(stamp)
+        self._measurement_writer.fill(self._measurement)
+        self._truth_publisher.publish(self._truth_writer.message)
+        self.repeat_measurement()
+
+    def repeat_measurement(self) -> None:
+        """Publish the measurement of this sample (again)."""
+        self._measurement_publisher.publish(self._measurement_writer.message)
+
+    def move(self, command: float) -> None:
+        """Move the rig by one sample under ``command`` [V]."""
+        if not self.held:
+            move(self.x, command, self._substeps, self._rig)
+        self.sample += 1
+
+    def _on_command(self, message: Float64) -> None:
+        command = read_float(message)
+        self.held = False
+        self.clockwork.on_command(command)
+
+    def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self.x = initial_state(self._rig)
+        self.held = True
+        response.success = True
+        response.message = "held in the initial state until the next command"
+        return response
+
+    def _compile(self) -> None:
+        """Have all compiled code in memory before time starts."""
+        x = initial_state(self._rig)
+        measure(x, np.zeros(2), self._rig.sensors, self._measurement)
+        move(x, 0.0, self._substeps, self._rig)
+        friction(x[PHI_DOT], x[BRISTLE], self._rig.friction)
+
+
+def main() -> None:
+    """Entry point of the executable ``plant``."""
+    sys.exit(run_node(Plant))

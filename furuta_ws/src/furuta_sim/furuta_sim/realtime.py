@@ -1,0 +1,80 @@
+"""Real time: samples at absolute deadlines of the steady clock."""
+
+from __future__ import annotations
+
+from time import monotonic_ns
+from typing import TYPE_CHECKING, NamedTuple
+
+from furuta_ros.messages import NANOSECONDS
+from furuta_ros.node import WARNING_PERIOD
+from rclpy.clock import Clock, ClockType
+
+if TYPE_CHECKING:
+    from .plant_node import Plant
+
+
+class Punctuality(NamedTuple):
+    """Counts since the start of the motion."""
+
+    samples: int = 0
+    on_time: int = 0  # samples whose command came before the next sample
+    overruns: int = 0  # samples that were skipped because the plant itself came late
+    timeouts: int = 0  # samples driven with 0 V because the command was too old
+
+
+class RealTime:
+    """Drives a :class:`Plant` by a timer.
+
+    A sample without a new command keeps the last one; once that is older than
+    ``command_timeout``, the rig gets 0 V until the next arrives. If the process comes late by
+    whole samples, the rig moves on through them as a real one would.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self._plant = plant
+        self._period = round(plant.parameters.plant.sample_time * NANOSECONDS)
+        self._command = 0.0
+        self._command_at = 0
+        self._answered = False
+        self.punctuality = Punctuality()
+        # Stamps are ROS time, deadlines steady time: an adjusted clock moves no deadline.
+        plant.start = plant.get_clock().now().nanoseconds
+        self._first_deadline = monotonic_ns()
+        plant.create_timer(
+            plant.parameters.plant.sample_time,
+            self._tick,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
+        )
+
+    def on_command(self, command: float) -> None:
+        """Keep the command until the next one."""
+        self._command, self._command_at, self._answered = command, monotonic_ns(), True
+
+    def _tick(self) -> None:
+        plant = self._plant
+        now = monotonic_ns()
+        if plant.paused:
+            self._first_deadline = now - plant.sample * self._period
+            return
+        due = max(1, (now - self._first_deadline) // self._period - plant.sample)
+        stale = now - self._command_at > plant.parameters.command_timeout * NANOSECONDS
+        if not plant.held:
+            self._count(due, stale)
+        for _ in range(due):
+            plant.move(0.0 if stale else self._command)
+        self._answered = False
+        plant.publish_sample()
+
+    def _count(self, due: int, stale: bool) -> None:
+        samples, on_time, overruns, timeouts = self.punctuality
+        self.punctuality = Punctuality(
+            samples + due,
+            on_time + self._answered,
+            overruns + due - 1,
+            timeouts + due * stale,
+        )
+        if stale:
+            self._plant.get_logger().warning(
+                f"no command for {self._plant.parameters.command_timeout:g} s: 0 V",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
