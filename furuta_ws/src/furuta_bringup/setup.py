@@ -7,7 +7,7 @@ NAME = "furuta_bringup"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The whole graph of the Furuta pendulum: launch file, composed graph, recorder, demo, command line.",
+    description="The whole graph of the Furuta pendulum",
     license="Apache-2.0",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",

@@ -5,7 +5,7 @@ NAME = "furuta_ros"
 setup(
     name=NAME,
     version="0.1.0",
-    description="What the nodes of the Furuta pendulum share: topics, messages, parameters, executor.",
+    description="What the nodes of the Furuta pendulum share",
     license="Apache-2.0",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",

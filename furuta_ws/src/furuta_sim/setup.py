@@ -5,7 +5,7 @@ NAME = "furuta_sim"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Simulated Furuta pendulum: plant, sensors, actuator; real time or lock-step.",
+    description="Simulated Furuta pendulum",
     license="Apache-2.0",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",

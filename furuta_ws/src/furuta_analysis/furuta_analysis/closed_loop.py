@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+
 from furuta_control.controller import MEMORY as CONTROLLER_MEMORY
 from furuta_control.controller import StateFeedback, control, state_feedback
 from furuta_control.estimator import MEMORY as ESTIMATOR_MEMORY

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+
 from furuta_model.state import PHI, PHI_DOT, THETA
 
 # Part of the peak-to-peak value that a crossing of the middle must go beyond to count.
@@ -44,7 +45,9 @@ def period(signal: np.ndarray, sample_time: float) -> float:
     band = HYSTERESIS * (high - low)
     crossings: list[float] = []
     below = False
-    for index in np.flatnonzero((np.abs(centred[1:]) > band) | (centred[:-1] < 0) & (centred[1:] >= 0)):
+    for index in np.flatnonzero(
+        (np.abs(centred[1:]) > band) | (centred[:-1] < 0) & (centred[1:] >= 0)
+    ):
         before, after = centred[index], centred[index + 1]
         if before < 0 <= after and below:
             crossings.append(index + before / (before - after))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
-from rosbags.highlevel import AnyReader
-from rosbags.typesys import Stores, get_typestore
 
 
 class Recording(NamedTuple):
@@ -40,7 +41,7 @@ def read_recording(path: Path) -> Recording:
         wanted = {GROUND_TRUTH.name, *floats}
         connections = [c for c in reader.connections if _base(c.topic) in wanted]
         for connection, _, data in reader.messages(connections):
-            message = reader.deserialize(data, connection.msgtype)
+            message: Any = reader.deserialize(data, connection.msgtype)
             name = _base(connection.topic)
             if name == GROUND_TRUTH.name:
                 rows.append(_row(message))
@@ -61,7 +62,7 @@ def _base(topic: str) -> str:
     return topic.rpartition("/")[2]
 
 
-def _row(message: object) -> tuple[float, ...]:
+def _row(message: Any) -> tuple[float, ...]:
     """Time, state and friction of a ground truth message."""
     stamp = message.header.stamp
     x = [0.0] * RIGID_STATES

@@ -6,7 +6,9 @@ import importlib
 import sys
 
 import click
+
 from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
 
 VERBS = {
     "demo": "The paper's experiments through the real node graph.",
@@ -46,8 +48,6 @@ def furuta() -> None:
 
 def main() -> None:
     """Entry point of the executable ``furuta``."""
-    from furuta_ros.errors import UserError
-
     try:
         furuta(prog_name="furuta")
     except (ParameterError, UserError) as error:

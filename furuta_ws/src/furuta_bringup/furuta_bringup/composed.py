@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import rclpy
-from furuta_ros.spinning import Stop, spin_until
-from furuta_sim.realtime import RealTime
 from rclpy.signals import SignalHandlerOptions
 
+from furuta_ros.spinning import Stop, spin_until
+from furuta_sim.realtime import RealTime
+
 from .graph import Graph
+from .recorder import Recorder
 from .settings import Settings
 
 
@@ -19,16 +21,12 @@ def run_composed(settings: Settings, record: Path | None, seconds: float | None)
     try:
         others = []
         if record is not None:
-            from .recorder import Recorder
-
             others.append(Recorder(record, settings["plant"].get("clock") == "lockstep"))
         graph = Graph(settings, others)
         try:
             stop = Stop()
             plant = graph.plant
-            spin_until(
-                graph.executor, lambda: stop() or (seconds is not None and plant.paused)
-            )
+            spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
             _report(graph)
         finally:
             graph.close()
@@ -43,6 +41,6 @@ def _report(graph: Graph) -> None:
         count = plant.clockwork.punctuality
         share = count.on_time / max(1, count.samples)
         print(
-            f"{share:.2%} of samples had their command in time; "
+            f"{share:.2%} of {count.samples} samples had their command before the next one; "
             f"{count.overruns} overruns, {count.timeouts} samples at 0 V for want of a command"
         )

@@ -11,9 +11,10 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
+from rclpy.node import Node
+
 from furuta_analysis.oscillation import measure_oscillation
 from furuta_model.parameters import ParameterError
-from rclpy.node import Node
 
 from .bag import Recording
 from .graph import Graph
@@ -90,5 +91,3 @@ def check_seconds(seconds: float) -> None:
     """Refuse a phase too short to hold a limit cycle (2.4 s) after its transients."""
     if not 5.0 <= seconds <= 3600.0:
         raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
-
-

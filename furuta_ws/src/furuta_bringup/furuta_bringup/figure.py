@@ -9,6 +9,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
+
 from furuta_model.state import PHI, THETA
 
 from .bag import Recording

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from time import monotonic, sleep
 
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
 from furuta_control.controller_node import Controller
 from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
 from furuta_sim.plant_node import Plant
-from rclpy.executors import Executor
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from .settings import Settings
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from furuta_ros.errors import UserError
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import Executor
@@ -12,6 +11,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
+
+from furuta_ros.errors import UserError
 
 # Longest wait for a node's parameter services or their answer [s].
 TIMEOUT = 5.0
@@ -45,9 +46,12 @@ class Operator:
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""
         answer = self._answer(node, self._client(node).get_parameters(names))
-        for name, value in zip(names, answer.values, strict=True):
-            if value.type == ParameterType.PARAMETER_NOT_SET:
-                raise ServiceError(f"{node} has no parameter {name}")
+        unset = [value.type == ParameterType.PARAMETER_NOT_SET for value in answer.values]
+        if any(unset) or len(unset) != len(names):
+            known = set(self.names(node))
+            raise ServiceError(
+                f"{node} has no parameter {', '.join(n for n in names if n not in known)}"
+            )
         values = (parameter_value_to_python(value) for value in answer.values)
         return dict(zip(names, values, strict=True))
 
@@ -57,7 +61,7 @@ class Operator:
 
     def describe(self, node: str, names: list[str]) -> list[ParameterDescriptor]:
         """Descriptors of parameters of one node."""
-        return list(self._answer(node, self._client(node).describe_parameters(names)).values)
+        return list(self._answer(node, self._client(node).describe_parameters(names)).descriptors)
 
     def _client(self, node: str) -> AsyncParameterClient:
         if node not in self._clients:

@@ -8,6 +8,7 @@ from pathlib import Path
 from time import sleep
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
 from furuta_model.parameters import ParameterError
 
 from .settings import Settings

@@ -7,14 +7,22 @@ from collections import deque
 from pathlib import Path
 from threading import Event, Thread
 
-from furuta_model.parameters import ParameterError
-from furuta_ros.messages import NANOSECONDS
-from furuta_ros.topics import QOS, TOPICS, Topic
 from rclpy.node import Node
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.interfaces import (
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
+
+from furuta_model.parameters import ParameterError
+from furuta_ros.messages import NANOSECONDS
+from furuta_ros.topics import QOS, TOPICS, Topic
 
 # Seconds between two turns of the writing thread, and messages it may lag behind.
 TURN = 0.02

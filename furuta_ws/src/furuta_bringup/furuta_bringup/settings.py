@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
+
 from furuta_analysis.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
@@ -120,7 +121,12 @@ def _matches(name: str) -> list[tuple[str, Declared]]:
 
 
 def _similar(name: str) -> str:
-    known = {part for group in NODES.values() for d in declared(group) for part in (d.name, d.name.rpartition(".")[2])}
+    known = {
+        part
+        for group in NODES.values()
+        for d in declared(group)
+        for part in (d.name, d.name.rpartition(".")[2])
+    }
     near = difflib.get_close_matches(name.rpartition(".")[2], sorted(known), n=3)
     return f"; did you mean {', '.join(near)}?" if near else ""
 

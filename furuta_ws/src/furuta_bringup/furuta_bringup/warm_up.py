@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import rclpy
+
 from furuta_analysis.closed_loop import Loop, simulate
 
 from .graph import Graph

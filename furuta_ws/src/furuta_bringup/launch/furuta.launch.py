@@ -1,13 +1,14 @@
 """The graph, one process per node.
 
-    ros2 launch furuta_bringup furuta.launch.py clock:=lockstep params_file:=mine.yaml
+ros2 launch furuta_bringup furuta.launch.py clock:=lockstep params_file:=mine.yaml
 """
 
-from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
 
 NODES = {
     "plant": "furuta_sim",

@@ -10,9 +10,11 @@ friction opposes positive arm speed. An estimate F̂ of that F is therefore *add
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+
 from furuta_model.compiled import compiled
 from furuta_model.linear import place_poles
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
@@ -38,10 +40,9 @@ class StateFeedback(NamedTuple):
 
 def state_feedback(p: ControllerParameters) -> StateFeedback:
     """The gain given explicitly, or else by pole placement on the nominal model, eq. (7)."""
-    gain = p.gain or place_poles(p.model, p.poles)
-    return StateFeedback(
-        *(float(each) for each in gain), p.voltage_limit, p.fall_angle, p.catch_angle, p.enabled
-    )
+    gain: Iterable[float] = p.gain or place_poles(p.model, p.poles)
+    l1, l2, l3, l4 = (float(each) for each in gain)
+    return StateFeedback(l1, l2, l3, l4, p.voltage_limit, p.fall_angle, p.catch_angle, p.enabled)
 
 
 @compiled

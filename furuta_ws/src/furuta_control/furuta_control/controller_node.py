@@ -4,39 +4,46 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from furuta_model.state import RIGID_STATES
-from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
-from furuta_ros.node import WARNING_PERIOD, FurutaNode
-from furuta_ros.spinning import run_node
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_model.state import RIGID_STATES
+from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
+from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
+
 from .controller import MEMORY, control, state_feedback
 from .parameters import ControllerParameters
+
+# Estimates that can still be under way: the depth of the topic's queue.
+UNDER_WAY = QOS.depth
 
 
 class Controller(FurutaNode[ControllerParameters]):
     """Stabilises the pendulum.
 
     Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
-    per state, as soon as the friction estimate for it is there. Estimates carry no stamp; one
-    that arrives while a state waits belongs to it. If the next state arrives first, the
-    estimate is missing: from then on each state is answered at once with the last estimate,
-    or with 0 V when that is older than ``friction_timeout``, until estimates come in time again.
+    per state, as soon as state and friction estimate are both there, in whichever order.
+
+    Estimates carry no stamp, so they are matched to states by counting. If the next state comes
+    before the estimate for the last one, the estimate is missing: that state is answered at
+    once with the newest estimate, or with 0 V when that is older than ``friction_timeout``; the
+    missing one is not matched to a later state when it does come, unless so many are missing
+    that they must be lost.
     """
 
-    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
         self._x = np.zeros(RIGID_STATES)
         self._stamp = -1
-        self._waiting = False
         self._friction = 0.0
         self._friction_stamp = -1
+        self._surplus = 0  # estimates less states
+        self._missed_in_a_row = 0
         self._command = Float64()
         self.missed_estimates = 0
         super().__init__("controller", ControllerParameters, overrides)
@@ -52,22 +59,34 @@ class Controller(FurutaNode[ControllerParameters]):
     def _on_state(self, message: JointState) -> None:
         read_joints(message, self._x)
         stamp = stamp_nanoseconds(message)
-        if self._waiting and stamp != self._stamp:
-            self._stamp = stamp
+        repeated = stamp == self._stamp
+        self._stamp = stamp
+        if not (repeated and self._surplus < 0):
+            self._surplus -= 1
+        if self._surplus == 0:
+            self._answer()
+        elif self._surplus < -1:
             self._go_without_estimate()
-        else:
-            self._stamp = stamp
-            self._waiting = True
 
     def _on_friction(self, message: Float64) -> None:
-        self._friction = read_float(message)
+        friction = read_float(message)
+        if self._stamp < 0:
+            return
+        self._friction = friction
         self._friction_stamp = self._stamp
-        if self._waiting:
-            self._waiting = False
-            self._publish(self._friction)
+        self._surplus = min(self._surplus + 1, 1)
+        if self._surplus == 0:
+            self._answer()
+
+    def _answer(self) -> None:
+        self._missed_in_a_row = 0
+        self._publish(self._friction)
 
     def _go_without_estimate(self) -> None:
         self.missed_estimates += 1
+        self._missed_in_a_row += 1
+        if self._missed_in_a_row >= UNDER_WAY:
+            self._surplus = -1
         self.get_logger().warning(
             f"no friction estimate in time ({self.missed_estimates} so far)",
             throttle_duration_sec=WARNING_PERIOD,

@@ -13,6 +13,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import expm
+
 from furuta_model.compiled import compiled
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -23,33 +25,23 @@ MEMORY = 4
 
 
 class LowPass(NamedTuple):
-    """Sampled filter: s⁺ = a s + b_before y + b_now y⁺ with s = (θ, θ̇)."""
+    """Sampled filter: (θ, θ̇)⁺ = ``step`` (2, 4) times (θ, θ̇, measured before, measured now)."""
 
-    a11: float
-    a12: float
-    a21: float
-    a22: float
-    b_before1: float
-    b_before2: float
-    b_now1: float
-    b_now2: float
+    step: np.ndarray
     passthrough: bool
 
 
 def sample_filter(p: EstimatorParameters) -> LowPass:
     """Exact sampling of the filter by the exponential of the system and its linear input."""
-    from scipy.linalg import expm
-
     omega, zeta, dt = p.filter_bandwidth, p.filter_damping, p.sample_time
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
     system[1] = [-(omega**2), -2.0 * zeta * omega, omega**2, 0.0]
     system[2, 3] = 1.0 / dt
-    step = expm(system * dt)
-    a, constant, ramp = step[:2, :2], step[:2, 2], step[:2, 3]
-    before = constant - ramp
-    numbers = (*a.ravel(), *before, *ramp)
-    return LowPass(*(float(number) for number in numbers), p.method == "passthrough")
+    step = expm(system * dt)[:2]
+    # The input's states are its value before and its rise; the rise is the difference to now.
+    step[:, 2] -= step[:, 3]
+    return LowPass(np.ascontiguousarray(step), p.method == "passthrough")
 
 
 @compiled
@@ -60,10 +52,9 @@ def estimate_state(
     theta = measurement[THETA]
     if memory[3] == 0.0:
         memory[0], memory[1], memory[2], memory[3] = theta, 0.0, theta, 1.0
-    angle = filter_.a11 * memory[0] + filter_.a12 * memory[1]
-    angle += filter_.b_before1 * memory[2] + filter_.b_now1 * theta
-    speed = filter_.a21 * memory[0] + filter_.a22 * memory[1]
-    speed += filter_.b_before2 * memory[2] + filter_.b_now2 * theta
+    a, b = filter_.step
+    angle = a[0] * memory[0] + a[1] * memory[1] + a[2] * memory[2] + a[3] * theta
+    speed = b[0] * memory[0] + b[1] * memory[1] + b[2] * memory[2] + b[3] * theta
     memory[0], memory[1], memory[2] = angle, speed, theta
     estimate[PHI] = measurement[PHI]
     estimate[PHI_DOT] = measurement[PHI_DOT]

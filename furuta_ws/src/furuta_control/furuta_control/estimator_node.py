@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+
 from furuta_model.state import RIGID_STATES
 from furuta_ros.messages import JointWriter, read_joints
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
-from rclpy.parameter import Parameter
-from sensor_msgs.msg import JointState
 
 from .estimator import MEMORY, estimate_state, sample_filter
 from .parameters import EstimatorParameters
@@ -26,7 +27,7 @@ class Estimator(FurutaNode[EstimatorParameters]):
     measurement that comes again (same stamp) is answered again without a new step.
     """
 
-    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
         self._measurement = np.zeros(RIGID_STATES)
         self._estimate = np.zeros(RIGID_STATES)

@@ -4,7 +4,8 @@ The LuGre observer runs the bristle's equation on the measured speed with the co
 work that the paper cites ([6]):
 
 .. math::
-    \dot{\hat z} = v - σ_0\frac{|v|}{g(v)}\hat z - K e, \qquad \hat F = σ_0\hat z + σ_1\dot{\hat z} + σ_2 v
+    \dot{\hat z} = v - σ_0\frac{|v|}{g(v)}\hat z - K e, \qquad
+    \hat F = σ_0\hat z + σ_1\dot{\hat z} + σ_2 v
 
 K appears in no equation of the paper. In [6] e is the position error of the joint with
 friction; here that is the arm angle φ, whose reference is zero. The correction alone would
@@ -17,6 +18,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+
 from furuta_model.compiled import compiled
 from furuta_model.lugre import LuGre, bristle_after, bristle_rate, highest_level
 from furuta_model.state import PHI, PHI_DOT

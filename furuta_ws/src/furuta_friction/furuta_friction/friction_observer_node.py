@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
 from furuta_model.state import RIGID_STATES
 from furuta_ros.messages import read_joints
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
-from rclpy.parameter import Parameter
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
 
 from .compensators import MEMORY, compensator, estimate_friction
 from .parameters import ObserverParameters
@@ -27,7 +28,7 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
     state that comes again (same stamp) is answered again without a new step.
     """
 
-    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
         self._x = np.zeros(RIGID_STATES)
         self._estimate = Float64()

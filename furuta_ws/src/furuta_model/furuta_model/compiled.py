@@ -11,9 +11,9 @@ import hashlib
 import inspect
 import os
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -27,21 +27,22 @@ def compiled(function: Function) -> Function:
     """
     digest = _digest(function)
     cache = _cache_directory(inspect.getfile(function)) / digest[:16]
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache)
+    config: Any = numba.config
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(cache)
     try:
-        dispatcher = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
     dispatcher.furuta_digest = digest
-    return dispatcher
+    return cast(Function, dispatcher)
 
 
 def _digest(function: Callable[..., Any]) -> str:
     """Hash of the function's file and, through its globals, of all compiled functions it calls."""
     content = hashlib.sha256(_file_digest(inspect.getfile(function)).encode())
     for name in sorted(set(function.__code__.co_names)):
-        used = function.__globals__.get(name)
+        used: Any = function.__globals__.get(name)
         if hasattr(used, "furuta_digest"):
             content.update(used.furuta_digest.encode())
         elif isinstance(used, (bool, int, float)):
@@ -51,12 +52,12 @@ def _digest(function: Callable[..., Any]) -> str:
     return content.hexdigest()
 
 
-@lru_cache(maxsize=None)
+@cache
 def _file_digest(path: str) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-@lru_cache(maxsize=None)
+@cache
 def _cache_directory(source: str) -> Path:
     """``__pycache__`` beside the source or, where that cannot be written, the user's cache."""
     if os.environ.get("NUMBA_CACHE_DIR"):

@@ -35,7 +35,7 @@ def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
 def advance(
     x: np.ndarray, u: float, dt: float, substeps: int, body: FurutaPendulum, lugre: LuGre
 ) -> None:
-    """Move the plant's state ``x`` (5,) over ``dt`` [s] with the torque ``u`` [V] held, in place."""
+    """Move the plant's state ``x`` (5,), in place, over ``dt`` [s] with torque ``u`` [V] held."""
     h = dt / substeps
     half = 0.5 * h
     for _ in range(substeps):

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 Group = TypeVar("Group", bound=NamedTuple)
 INLINE = "inline"
@@ -117,7 +117,7 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
             fields[field] = specification.checked(
                 given.get(specification.name, specification.default)
             )
-    made = group(**fields)
+    made: Group = cast(Any, group)(**fields)
     check = getattr(made, "check", None)
     if check:
         check()

@@ -28,9 +28,9 @@ class FurutaPendulum(NamedTuple):
     alpha: Annotated[
         float, About("inertia of arm, motor and pendulum about the arm's axis", "V s²/rad", 1e-9)
     ] = 87 / 3074
-    beta: Annotated[
-        float, About("inertia of the pendulum about its joint", "V s²/rad", 1e-9)
-    ] = 45 / 3074
+    beta: Annotated[float, About("inertia of the pendulum about its joint", "V s²/rad", 1e-9)] = (
+        45 / 3074
+    )
     gamma: Annotated[float, About("inertial coupling of the joints", "V s²/rad", 1e-9)] = 29 / 3074
     delta: Annotated[float, About("gravity torque of the pendulum", "V/rad", 1e-9)] = 11 / 29
 

@@ -1,7 +1,8 @@
 """Conversion between messages and the arrays of the cores.
 
-A state is an array (4,) in the order x = (φ, φ̇, θ, θ̇). Readers check all that comes from outside
-and raise :class:`Refused`; writers reuse their message, which is safe because publishing copies it.
+A state is an array (4,) in the order x = (φ, φ̇, θ, θ̇). Readers check all that comes from
+outside and raise :class:`RefusedError`; writers reuse their message, which is safe because
+publishing copies it.
 """
 
 from __future__ import annotations
@@ -11,16 +12,17 @@ from collections.abc import Sequence
 from math import isfinite
 
 import numpy as np
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
+
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 from .topics import JOINTS
 
 NANOSECONDS = 1_000_000_000
 
 
-class Refused(ValueError):
+class RefusedError(ValueError):
     """A message that cannot be used, with the reason in words."""
 
 
@@ -28,7 +30,7 @@ def read_float(message: Float64) -> float:
     """The message's value, which must be finite."""
     value: float = message.data
     if not isfinite(value):
-        raise Refused(f"data is {value}, must be finite")
+        raise RefusedError(f"data is {value}, must be finite")
     return value
 
 
@@ -38,22 +40,22 @@ def read_joints(message: JointState, x: np.ndarray, pendulum_speed_measured: boo
     Without ``pendulum_speed_measured`` the speed of the pendulum is not looked at.
     """
     position, velocity = message.position, message.velocity
-    if len(position) != 2 or len(velocity) != 2:
-        raise Refused(
+    if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
+        raise RefusedError(
             f"needs position and velocity of {JOINTS}, given {len(position)} positions and "
             f"{len(velocity)} velocities"
         )
     arm, pendulum = 0, 1
     if message.name != JOINTS:
         if sorted(message.name) != JOINTS:
-            raise Refused(f"joint names must be {JOINTS}, given {list(message.name)}")
+            raise RefusedError(f"joint names must be {JOINTS}, given {list(message.name)}")
         arm, pendulum = 1, 0
     phi, theta, phi_dot = position[arm], position[pendulum], velocity[arm]
     theta_dot = velocity[pendulum]
     # A sum is finite only if its terms are.
     total = phi + theta + phi_dot + theta_dot if pendulum_speed_measured else phi + theta + phi_dot
     if not isfinite(total):
-        raise Refused(
+        raise RefusedError(
             f"values must be finite, given position {list(position)}, velocity {list(velocity)}"
         )
     x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot

@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
-from .messages import Refused
+from .messages import RefusedError
 from .parameters import NodeParameters
 from .topics import QOS, Topic
 
@@ -22,23 +22,21 @@ WARNING_PERIOD = 1.0
 class FurutaNode(Node, Generic[Group]):
     """A node with a declared group of parameters and checked subscriptions."""
 
-    def __init__(
-        self, name: str, group: type[Group], overrides: Sequence[Parameter[Any]] = ()
-    ) -> None:
+    def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         super().__init__(name, parameter_overrides=list(overrides))
         self.refused = 0
-        self._parameters = NodeParameters(self, group, self.parameters_changed)
+        self._declared = NodeParameters(self, group, self.parameters_changed)
         self.parameters_changed(self.parameters)
 
     @property
     def parameters(self) -> Group:
         """The parameters in force."""
-        return self._parameters.current
+        return self._declared.current
 
     def parameters_changed(self, parameters: Group) -> None:
         """Derive from the parameters what the samples need; called at start and at a change."""
 
-    def publish_on(self, topic: Topic) -> Publisher[Any]:
+    def publish_on(self, topic: Topic) -> Publisher:
         """A publisher on a topic of the graph."""
         return self.create_publisher(topic.type, topic.name, QOS)
 
@@ -48,7 +46,7 @@ class FurutaNode(Node, Generic[Group]):
         def checked(message: Any) -> None:
             try:
                 receive(message)
-            except Refused as refusal:
+            except RefusedError as refusal:
                 self.refused += 1
                 self.get_logger().warning(
                     f"refused a message on {topic.name}: {refusal}",

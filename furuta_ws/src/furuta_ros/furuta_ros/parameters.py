@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from furuta_model.parameters import Declared, ParameterError, build, declared
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -16,6 +15,8 @@ from rcl_interfaces.msg import (
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+
+from furuta_model.parameters import Declared, ParameterError, build, declared
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -74,7 +75,7 @@ class NodeParameters(Generic[Group]):
     def _values(self) -> dict[str, Any]:
         return {name: self._node.get_parameter(name).value for name in self._names}
 
-    def _check(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         mine = {each.name: each.value for each in parameters if each.name in self._names}
         if mine:
             try:
@@ -83,7 +84,7 @@ class NodeParameters(Generic[Group]):
                 return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    def _keep(self, parameters: list[Parameter[Any]]) -> None:
+    def _keep(self, parameters: list[Parameter]) -> None:
         if any(each.name in self._names for each in parameters):
             self.current = self._next
             if self._changed:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import gc
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from types import FrameType
 
 import rclpy
-from furuta_model.parameters import ParameterError
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+
+from furuta_model.parameters import ParameterError
 
 # The executor's own endless spin() delivers nothing in some builds, so it is asked in turns.
 TURN = 0.1
@@ -30,7 +31,7 @@ def executor_of(nodes: Iterable[Node]) -> Executor:
 
 def spin_until(executor: Executor, done: Callable[[], bool]) -> None:
     """Spin until ``done()``, looking at least every ``TURN`` seconds."""
-    while not done() and rclpy.ok():
+    while not done():
         executor.spin_once(timeout_sec=TURN)
 
 
@@ -52,10 +53,11 @@ class Stop:
         self._asked = True
 
     def __call__(self) -> bool:
+        """Whether the process was asked to stop."""
         return self._asked
 
 
-def run_node(make: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
+def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Run one node until it is told to stop; returns the process's exit status."""
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)

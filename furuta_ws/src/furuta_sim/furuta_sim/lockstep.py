@@ -11,8 +11,9 @@ from __future__ import annotations
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 from rclpy.clock import Clock, ClockType
+
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
 if TYPE_CHECKING:
     from .plant_node import Plant
@@ -32,6 +33,7 @@ class LockStep:
         self._repeated = False
         self._command: float | None = None  # arrived after a repetition
         self._published_at = 0.0
+        self._repeated_at = 0.0
         self._arrived_at = 0.0
         self._complained = False
         self._ring: frozenset[bytes] = frozenset()
@@ -56,7 +58,7 @@ class LockStep:
         self._waiting = True
         self._repeated = False
         self._complained = False
-        self._published_at = monotonic()
+        self._published_at = self._repeated_at = monotonic()
         self._plant.publish_sample()
 
     def _look(self) -> None:
@@ -71,8 +73,8 @@ class LockStep:
             if now - self._arrived_at >= QUIET:
                 command, self._command = self._command, None
                 self._step(command)
-            return
-        if now - self._published_at >= REPEAT:
+        elif now - self._repeated_at >= REPEAT:
+            self._repeated_at = now
             self._repeat_if_lost()
         if now - self._published_at >= COMPLAIN and not self._complained:
             self._complained = True
@@ -80,14 +82,17 @@ class LockStep:
 
     def _repeat_if_lost(self) -> None:
         ring = self._publishers()
-        if self._plant.sample == 0 or ring != self._ring:
+        if self._repeated or self._plant.sample == 0 or ring != self._ring:
             self._ring = ring
             self._repeated = True
             self._plant.repeat_measurement()
 
     def _complete(self) -> bool:
         plant = self._plant
-        return plant.count_subscribers(MEASUREMENT.name) > 0 and plant.count_publishers(COMMAND.name) > 0
+        return (
+            plant.count_subscribers(plant.resolve_topic_name(MEASUREMENT.name)) > 0
+            and plant.count_publishers(plant.resolve_topic_name(COMMAND.name)) > 0
+        )
 
     def _publishers(self) -> frozenset[bytes]:
         """Identities of the publishers that make the ring."""
@@ -103,7 +108,7 @@ class LockStep:
         missing = [
             topic.name
             for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
-            if self._plant.count_publishers(topic.name) == 0
+            if self._plant.count_publishers(self._plant.resolve_topic_name(topic.name)) == 0
         ]
         nobody = f"; nobody publishes {', '.join(missing)}" if missing else ""
         self._plant.get_logger().warning(

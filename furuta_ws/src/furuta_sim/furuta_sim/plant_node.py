@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
 from furuta_model.lugre import friction
 from furuta_model.state import BRISTLE, PHI_DOT, RIGID_STATES
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
-from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
 
 from .lockstep import LockStep
 from .parameters import PlantNodeParameters
@@ -32,7 +32,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     runs is the matter of :class:`RealTime` or :class:`LockStep`.
     """
 
-    def __init__(self, overrides: Sequence[Parameter[Any]] = ()) -> None:
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._measurement = np.zeros(RIGID_STATES)
         self._measurement_writer = JointWriter()
         self._truth_writer = JointWriter(with_effort=True)

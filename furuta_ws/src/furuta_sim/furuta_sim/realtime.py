@@ -5,9 +5,10 @@ from __future__ import annotations
 from time import monotonic_ns
 from typing import TYPE_CHECKING, NamedTuple
 
+from rclpy.clock import Clock, ClockType
+
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
-from rclpy.clock import Clock, ClockType
 
 if TYPE_CHECKING:
     from .plant_node import Plant
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
 class Punctuality(NamedTuple):
     """Counts since the start of the motion."""
 
-    samples: int = 0
-    on_time: int = 0  # samples whose command came before the next sample
-    overruns: int = 0  # samples that were skipped because the plant itself came late
+    samples: int = 0  # measurements published
+    on_time: int = 0  # of these, commanded before the next one
+    overruns: int = 0  # deadlines without measurement because the plant's process came late
     timeouts: int = 0  # samples driven with 0 V because the command was too old
 
 
@@ -27,7 +28,8 @@ class RealTime:
 
     A sample without a new command keeps the last one; once that is older than
     ``command_timeout``, the rig gets 0 V until the next arrives. If the process comes late by
-    whole samples, the rig moves on through them as a real one would.
+    more than half a sample it waits for the next deadline, so that measurements keep their
+    distance; the rig moves on meanwhile, as a real one would.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -56,7 +58,10 @@ class RealTime:
         if plant.paused:
             self._first_deadline = now - plant.sample * self._period
             return
-        due = max(1, (now - self._first_deadline) // self._period - plant.sample)
+        deadline, late = divmod(now - self._first_deadline, self._period)
+        if late > self._period // 2:
+            return
+        due = max(1, deadline - plant.sample)
         stale = now - self._command_at > plant.parameters.command_timeout * NANOSECONDS
         if not plant.held:
             self._count(due, stale)
@@ -68,7 +73,7 @@ class RealTime:
     def _count(self, due: int, stale: bool) -> None:
         samples, on_time, overruns, timeouts = self.punctuality
         self.punctuality = Punctuality(
-            samples + due,
+            samples + 1,
             on_time + self._answered,
             overruns + due - 1,
             timeouts + due * stale,

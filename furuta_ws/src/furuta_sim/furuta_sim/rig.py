@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import floor, nan, pi
 
 import numpy as np
+
 from furuta_model.compiled import compiled
 from furuta_model.motion import advance, substeps_for
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT

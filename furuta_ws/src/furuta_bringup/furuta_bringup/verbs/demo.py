@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import json
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 import click
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from furuta_bringup.bag import read_recording
+from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo
+from furuta_bringup.figure import draw
+from furuta_bringup.settings import gather
 
 from ..options import json_option, model_options, print_json
 
@@ -35,9 +46,6 @@ def command(
     The graph runs in lock-step in one process and is recorded; compensations are switched by
     the parameter services.
     """
-    from furuta_bringup.demo import check_seconds
-    from furuta_bringup.settings import gather
-
     check_seconds(seconds)
     settings = gather(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
@@ -49,14 +57,6 @@ def command(
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
-    import rclpy
-    from furuta_bringup.bag import read_recording
-    from furuta_bringup.demo import COMPENSATIONS, evaluate, run_demo
-    from furuta_bringup.figure import draw
-    from rclpy.signals import SignalHandlerOptions
-    from rich.console import Console
-    from rich.progress import Progress
-
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
@@ -87,22 +87,17 @@ def _clear(bag: Path) -> None:
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title="limit cycle by compensation")
-    for heading in ("compensation", "arm p-p [rad]", "pendulum p-p [rad]", "period [s]"):
-        table.add_column(heading, justify="left" if heading == "compensation" else "right")
-    for heading in ("command rms [V]", "samples", "samples/s"):
+    table = Table(title="limit cycle, peak to peak")
+    table.add_column("compensation", no_wrap=True)
+    for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
         table.add_column(heading, justify="right")
     for run in summary["runs"]:
         table.add_row(
             run["compensation"],
             f"{run['phi_peak_to_peak_rad']:.4f}",
             f"{run['theta_peak_to_peak_rad']:.4f}",
-            f"{run['period_s']:.3f}",
+            "none" if isnan(run["period_s"]) else f"{run['period_s']:.3f}",
             f"{run['command_rms_v']:.3f}",
-            str(run["samples"]),
             f"{run['samples'] / run['wall_seconds']:.0f}",
         )
     console = Console()

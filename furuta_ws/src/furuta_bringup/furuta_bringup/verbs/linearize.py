@@ -5,6 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+import numpy as np
+
+from furuta_bringup.settings import gather, loop
+from furuta_control.controller import state_feedback
+from furuta_model.linear import linearize
 
 from ..options import json_option, model_options, print_json
 
@@ -14,11 +19,6 @@ from ..options import json_option, model_options, print_json
 @json_option
 def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
     """Linear model (2), (3) of the controller's nominal pendulum and its gain, eq. (7)."""
-    import numpy as np
-    from furuta_bringup.settings import gather, loop
-    from furuta_control.controller import state_feedback
-    from furuta_model.linear import linearize
-
     parameters = loop(gather(files, assignments)).controller
     a, b = linearize(parameters.model)
     gain = np.array(state_feedback(parameters)[:4])

@@ -5,6 +5,11 @@ from __future__ import annotations
 import os
 
 import click
+import rclpy
+from rclpy.node import Node
+
+from furuta_bringup.processes import executable as find
+from furuta_ros.spinning import executor_of, spin_until
 
 from ..options import json_option, print_json
 
@@ -21,10 +26,6 @@ def command() -> None:
 @json_option
 def list_(as_json: bool) -> None:
     """List the running nodes."""
-    import rclpy
-    from furuta_ros.spinning import executor_of, spin_until
-    from rclpy.node import Node
-
     rclpy.init(args=[])
     try:
         node = Node("furuta_node_list")
@@ -49,7 +50,5 @@ def list_(as_json: bool) -> None:
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def run(package: str, executable: str, arguments: tuple[str, ...]) -> None:
     """Run EXECUTABLE of PACKAGE: furuta node run furuta_sim plant --ros-args -p seed:=1."""
-    from furuta_bringup.processes import executable as find
-
     path = find(package, executable)
     os.execv(path, [str(path), *arguments])

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import click
+import rclpy
+import yaml
+from rcl_interfaces.msg import ParameterType
+from rclpy.node import Node
+
+from furuta_bringup.operator import Operator
+from furuta_bringup.parameter_files import parameter_file, parameter_table
+from furuta_bringup.settings import NODES
+from furuta_model.parameters import ParameterError
+from furuta_ros.spinning import executor_of
 
 from ..options import json_option, print_json
-
-if TYPE_CHECKING:
-    from furuta_bringup.operator import Operator
 
 
 @click.group()
@@ -21,11 +27,6 @@ def command() -> None:
 
 @contextmanager
 def _operator() -> Iterator[Operator]:
-    import rclpy
-    from furuta_bringup.operator import Operator
-    from furuta_ros.spinning import executor_of
-    from rclpy.node import Node
-
     rclpy.init(args=[])
     try:
         node = Node("furuta_param")
@@ -67,9 +68,6 @@ def get(node: str, name: str, as_json: bool) -> None:
 @click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
 def set_(node: str, assignments: tuple[str, ...]) -> None:
     """Set parameters of NODE: one as NAME VALUE, or several at once as NAME=VALUE, all or none."""
-    import yaml
-    from rcl_interfaces.msg import ParameterType
-
     pairs = (
         [assignments]
         if len(assignments) == 2 and "=" not in assignments[0]
@@ -103,10 +101,6 @@ def _number(value: int | str) -> float | int | str:
 @click.option("--markdown", is_flag=True, help="A table instead of a parameter file.")
 def defaults(node: str | None, markdown: bool) -> None:
     """Print a parameter file with the defaults of NODE, or of all nodes."""
-    from furuta_bringup.parameter_files import parameter_file, parameter_table
-    from furuta_bringup.settings import NODES
-    from furuta_model.parameters import ParameterError
-
     if node is not None and node not in NODES:
         raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
     render = parameter_table if markdown else parameter_file

@@ -7,6 +7,12 @@ from pathlib import Path
 
 import click
 
+from furuta_bringup.composed import run_composed
+from furuta_bringup.processes import run_processes
+from furuta_bringup.settings import gather
+from furuta_model.parameters import ParameterError
+from furuta_ros.spinning import Stop
+
 from ..options import model_options
 
 
@@ -28,9 +34,6 @@ def command(
     assignments: tuple[str, ...],
 ) -> None:
     """Run the graph until Ctrl-C."""
-    from furuta_bringup.settings import gather
-    from furuta_model.parameters import ParameterError
-
     if plant == "hardware":
         raise ParameterError("--plant hardware: this version has no hardware bridge yet")
     settings = gather(files, assignments)
@@ -43,10 +46,5 @@ def command(
     if processes:
         if record or seconds is not None:
             raise ParameterError("--processes goes with neither --record nor --seconds")
-        from furuta_bringup.processes import run_processes
-        from furuta_ros.spinning import Stop
-
         sys.exit(run_processes(settings, Stop()))
-    from furuta_bringup.composed import run_composed
-
     run_composed(settings, record, seconds)

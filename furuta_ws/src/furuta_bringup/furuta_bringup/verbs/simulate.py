@@ -7,6 +7,12 @@ from time import perf_counter
 from typing import Any
 
 import click
+import numpy as np
+
+from furuta_analysis.closed_loop import simulate
+from furuta_analysis.oscillation import fell, measure_oscillation
+from furuta_bringup.settings import gather, loop
+from furuta_model.parameters import ParameterError
 
 from ..options import json_option, model_options, print_json
 
@@ -32,10 +38,6 @@ def command(
     as_json: bool,
 ) -> None:
     """Simulate the loop without ROS and measure its oscillation over the second half."""
-    from furuta_analysis.closed_loop import simulate
-    from furuta_bringup.settings import gather, loop
-    from furuta_model.parameters import ParameterError
-
     if not 0 < seconds <= 1e6:
         raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
     extra = []
@@ -62,8 +64,6 @@ def command(
 
 
 def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
-    from furuta_analysis.oscillation import fell, measure_oscillation
-
     settled = record.state[len(record.command) // 2 :]
     return {
         **measure_oscillation(settled, record.sample_time)._asdict(),
@@ -74,7 +74,5 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 
 def _keep(record: Any, out: Path) -> None:
-    import numpy as np
-
     fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
     np.savez_compressed(out, time=record.time, **fields)

@@ -1,0 +1,82 @@
+"""The reference for the graph's speed: four nodes that pass the same messages and do nothing.
+
+Same topics, types, quality of service and executor as the graph; no subscription more or less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from std_msgs.msg import Float64
+
+from furuta_ros.messages import JointWriter
+from furuta_ros.spinning import executor_of, settle_memory
+from furuta_ros.topics import (
+    COMMAND,
+    FRICTION_ESTIMATE,
+    GROUND_TRUTH,
+    JOINT_STATES,
+    MEASUREMENT,
+    QOS,
+    Topic,
+)
+
+
+class BareChain:
+    """Do-nothing plant, estimator, friction observer and controller in a ring."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._measurement = JointWriter().message
+        self._truth = JointWriter(with_effort=True).message
+        self._state = JointWriter().message
+        self._friction, self._command = Float64(), Float64()
+        names = ("bare_plant", "bare_estimator", "bare_observer", "bare_controller")
+        self.nodes = [Node(name, namespace="bare") for name in names]
+        plant, estimator, observer, controller = self.nodes
+        self._measurement_publisher = _publisher(plant, MEASUREMENT)
+        self._truth_publisher = _publisher(plant, GROUND_TRUTH)
+        self._state_publisher = _publisher(estimator, JOINT_STATES)
+        self._friction_publisher = _publisher(observer, FRICTION_ESTIMATE)
+        self._command_publisher = _publisher(controller, COMMAND)
+        _subscribe(estimator, MEASUREMENT, lambda _: self._state_publisher.publish(self._state))
+        _subscribe(
+            observer, JOINT_STATES, lambda _: self._friction_publisher.publish(self._friction)
+        )
+        _subscribe(controller, JOINT_STATES, lambda _: None)
+        _subscribe(
+            controller, FRICTION_ESTIMATE, lambda _: self._command_publisher.publish(self._command)
+        )
+        _subscribe(plant, COMMAND, self._on_command)
+        self.executor = executor_of(self.nodes)
+        settle_memory()
+
+    @property
+    def matched(self) -> bool:
+        """Whether every publisher has found its subscriptions."""
+        return (
+            self._state_publisher.get_subscription_count() == 2
+            and self._measurement_publisher.get_subscription_count() == 1
+            and self._friction_publisher.get_subscription_count() == 1
+            and self._command_publisher.get_subscription_count() == 1
+        )
+
+    def publish_sample(self) -> None:
+        """Send one sample round."""
+        self._truth_publisher.publish(self._truth)
+        self._measurement_publisher.publish(self._measurement)
+
+    def _on_command(self, _: Float64) -> None:
+        self.count += 1
+        self.publish_sample()
+
+
+def _publisher(node: Node, topic: Topic) -> Publisher:
+    return node.create_publisher(topic.type, topic.name, QOS)
+
+
+def _subscribe(node: Node, topic: Topic, receive: Callable[[Any], None]) -> None:
+    node.create_subscription(topic.type, topic.name, receive, QOS)
