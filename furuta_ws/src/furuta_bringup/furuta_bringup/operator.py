@@ -41,7 +41,7 @@ class Operator:
             node, self._client(node).set_parameters_atomically(parameters)
         )
         if not answer.result.successful:
-            raise ServiceError(f"{node} refuses: {answer.result.reason}")
+            raise ServiceError(f"{node} refuses {', '.join(values)}: {answer.result.reason}")
 
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""

@@ -68,12 +68,14 @@ class NodeParameters(Generic[Group]):
 
     def _declare(self, each: Declared) -> None:
         try:
-            self._node.declare_parameter(each.name, _ros_value(each), _descriptor(each))
+            self._node.declare_parameter(each.name, each.default, _descriptor(each))
         except InvalidParameterTypeException as error:
             raise ParameterError(str(error)) from None
 
     def _values(self) -> dict[str, Any]:
-        return {name: self._node.get_parameter(name).value for name in self._names}
+        values = {name: self._node.get_parameter(name).value for name in self._names}
+        # An empty list in a parameter file arrives as no value at all.
+        return {name: () if value is None else value for name, value in values.items()}
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         mine = {each.name: each.value for each in parameters if each.name in self._names}
@@ -91,12 +93,6 @@ class NodeParameters(Generic[Group]):
                 self._changed(self.current)
 
 
-def _ros_value(each: Declared) -> Any:
-    if each.kind is not list:
-        return each.default
-    return Parameter(each.name, Parameter.Type.DOUBLE_ARRAY, list(each.default)).value
-
-
 def _descriptor(each: Declared) -> ParameterDescriptor:
     """Type, meaning and allowed values; the range itself where ROS can hold it."""
     about = each.about
@@ -107,6 +103,8 @@ def _descriptor(each: Declared) -> ParameterDescriptor:
         description=f"{about.meaning}{unit}",
         additional_constraints=about.allowed if about.choices else "",
         read_only=about.read_only,
+        # ROS cannot tell the type of an empty list; the declaration checks what is in it.
+        dynamic_typing=each.kind is list,
     )
     if math.isfinite(about.low) and math.isfinite(about.high):
         if each.kind is float:

@@ -1,0 +1,52 @@
+"""The composed graph in real time."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+from furuta_bringup.graph import Graph
+from furuta_bringup.settings import Settings
+from furuta_ros.spinning import spin_until
+
+
+def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
+    """Three seconds at 1 kHz: upright, most samples commanded in time, time keeps up."""
+    graph = Graph(settings)
+    end = monotonic() + 3.0
+    spin_until(graph.executor, lambda: monotonic() > end)
+    count = graph.plant.clockwork.punctuality
+    theta = graph.plant.x[2]
+    seconds = graph.plant.time
+    graph.close()
+    assert abs(theta) < 0.2
+    # How punctual depends on the machine's load; the benchmark measures it.
+    assert count.on_time > 0.5 * count.samples > 500
+    assert 2.5 < seconds < 3.5
+
+
+def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None:
+    """A controller that is gone is noticed within its timeout, and the pendulum falls."""
+    graph = Graph(settings)
+    plant = graph.plant
+    spin_until(graph.executor, lambda: plant.clockwork.punctuality.samples > 200)
+    graph.executor.remove_node(graph.controller)
+    spin_until(graph.executor, lambda: plant.clockwork.punctuality.timeouts > 0)
+    spin_until(graph.executor, lambda: abs(plant.x[2]) > 1.0)
+    graph.close()
+
+
+def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> None:
+    """Without friction estimates the controller holds the pendulum by itself."""
+    settings["friction_observer"]["compensation"] = "lugre"
+    graph = Graph(settings)
+    plant, controller = graph.plant, graph.controller
+    spin_until(graph.executor, lambda: plant.clockwork.punctuality.samples > 200)
+    graph.executor.remove_node(graph.friction_observer)
+    before = plant.sample
+    spin_until(graph.executor, lambda: plant.sample > before + 2000)
+    theta, timeouts = plant.x[2], plant.clockwork.punctuality.timeouts
+    missed = controller.missed_estimates
+    graph.close()
+    assert abs(theta) < 0.2
+    assert missed > 1000
+    assert timeouts == 0

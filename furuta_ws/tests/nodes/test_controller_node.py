@@ -1,0 +1,130 @@
+"""The node ``controller``: one command per state, with or without a friction estimate."""
+
+from __future__ import annotations
+
+from math import nan
+
+import numpy as np
+import pytest
+from conftest import Bench, joint_state
+from furuta_bringup.operator import Operator, ServiceError
+from furuta_control.controller_node import Controller
+from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.pendulum import FurutaPendulum
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
+from std_msgs.msg import Float64
+
+X = (0.1, -0.2, 0.03, 0.04)
+FEEDBACK = -float(place_poles(FurutaPendulum(), DesiredPoles()) @ np.array(X))
+MS = 1_000_000
+
+
+class Loop:
+    """Controller with publishers for both inputs."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self.node = bench.add(Controller())
+        self.commands = bench.collect(COMMAND)
+        self._states = bench.publisher(JOINT_STATES)
+        self._estimates = bench.publisher(FRICTION_ESTIMATE)
+        self._sent = 0
+
+    def state(self, milliseconds: int, x: tuple[float, float, float, float] = X) -> None:
+        self._states.publish(joint_state(x, milliseconds * MS))
+        self.bench.spin(lambda: self.node._stamp == milliseconds * MS)
+
+    def estimate(self, value: float) -> None:
+        self._estimates.publish(Float64(data=value))
+        self.bench.settle(0.1)
+
+    def expect(self, *values: float) -> None:
+        """The commands since the last call."""
+        wanted = self._sent + len(values)
+        self.bench.spin(lambda: len(self.commands) >= wanted)
+        self.bench.settle(0.1)
+        assert [c.data for c in self.commands[self._sent :]] == pytest.approx(list(values))
+        self._sent = wanted
+
+
+@pytest.fixture
+def loop(bench: Bench) -> Loop:
+    return Loop(bench)
+
+
+def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
+    """u = −Lx + F̂, once state and estimate are there."""
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.expect(FEEDBACK + 0.2)
+
+
+def test_estimate_may_come_before_its_state(loop: Loop) -> None:
+    """Between processes the two overtake each other; the pairs stay the same."""
+    loop.state(1)
+    loop.estimate(0.1)
+    loop.estimate(0.2)
+    loop.state(2)
+    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.2)
+
+
+def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
+    """State 2 is answered at once with the old estimate; 3 again waits for its own."""
+    loop.state(1)
+    loop.estimate(0.1)
+    loop.state(2)
+    loop.state(3)
+    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1)
+    loop.estimate(0.2)
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)
+    assert loop.node.missed_estimates == 1
+
+
+def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
+    """From the second state on each is answered at once, F̂ = 0; an observer is taken up."""
+    for k in range(1, 31):
+        loop.state(k)
+    loop.expect(*[FEEDBACK] * 29)
+    loop.estimate(0.2)
+    loop.state(31)
+    loop.estimate(0.4)
+    assert loop.commands[-1].data == pytest.approx(FEEDBACK + 0.4)
+
+
+def test_old_estimate_becomes_zero(loop: Loop) -> None:
+    """Beyond ``friction_timeout`` (10 ms) nothing is added."""
+    loop.state(1)
+    loop.estimate(0.1)
+    loop.state(5)
+    loop.state(6)
+    loop.state(30)
+    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK)
+
+
+def test_refuses_nonsense_and_goes_on(loop: Loop) -> None:
+    """NaN in either input is counted, named and without effect."""
+    loop._states.publish(joint_state((nan, 0.0, 0.0, 0.0), MS))
+    loop.estimate(nan)
+    loop.bench.spin(lambda: loop.node.refused == 2)
+    loop.state(2)
+    loop.estimate(0.0)
+    loop.expect(FEEDBACK)
+
+
+def test_gain_and_poles_by_service(loop: Loop) -> None:
+    """A new gain is in force for the next sample; a bad one is refused and changes nothing."""
+    operator = Operator(loop.bench.probe, loop.bench.executor)
+    operator.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
+    loop.state(1)
+    loop.estimate(0.0)
+    loop.expect(-(0.1 - 0.4 + 0.09 + 0.16))
+    with pytest.raises(ServiceError, match="four numbers"):
+        operator.set("controller", gain=[1.0, 2.0])
+    with pytest.raises(ServiceError, match="catch_angle"):
+        operator.set("controller", catch_angle=0.9)
+    assert loop.node.parameters.gain == (1.0, 2.0, 3.0, 4.0)
+    operator.set("controller", enabled=False)
+    loop.state(2)
+    loop.estimate(0.2)
+    loop.expect(0.0)

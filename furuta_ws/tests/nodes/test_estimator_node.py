@@ -1,0 +1,74 @@
+"""The node ``estimator``: messages through the core, bad ones refused."""
+
+from __future__ import annotations
+
+from math import nan
+
+import numpy as np
+from conftest import Bench, joint_state
+from furuta_control.estimator import MEMORY, estimate_state, sample_filter
+from furuta_control.estimator_node import Estimator
+from furuta_control.parameters import EstimatorParameters
+from furuta_ros.topics import JOINT_STATES, MEASUREMENT
+from rclpy.parameter import Parameter
+
+MS = 1_000_000
+
+
+def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
+    """Same numbers and stamp as the core gives."""
+    bench.add(Estimator())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    memory, estimate = np.zeros(MEMORY), np.zeros(4)
+    filter_ = sample_filter(EstimatorParameters())
+    for k in range(5):
+        x = (0.1 * k, 0.2, 0.01 * k**2, nan)
+        measurement.publish(joint_state(x, k * MS))
+        bench.spin(lambda k=k: len(states) == k + 1)
+        estimate_state(memory, np.array(x), filter_, estimate)
+        got = states[-1]
+        assert [*got.position, *got.velocity] == estimate[[0, 2, 1, 3]].tolist()
+        assert got.header.stamp.nanosec == k * MS
+
+
+def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> None:
+    """The same stamp twice gives the same estimate twice."""
+    bench.add(Estimator())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    for stamp, theta in ((0, 0.0), (1, 0.1), (1, 0.1), (2, 0.1)):
+        before = len(states)
+        measurement.publish(joint_state((0.0, 0.0, theta, nan), stamp))
+        bench.spin(lambda before=before: len(states) == before + 1)
+    assert states[1] == states[2]
+    assert states[2] != states[3]
+
+
+def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
+    """Nonsense gets no answer and does not touch the filter."""
+    node = bench.add(Estimator())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    for bad in (
+        joint_state((nan, 0.0, 0.0, 0.0), 1),
+        joint_state((0.0, 0.0, 0.0, 0.0), 2, ["foot", "hand"]),
+        MEASUREMENT.type(),
+    ):
+        measurement.publish(bad)
+    bench.spin(lambda: node.refused == 3)
+    measurement.publish(joint_state((0.0, 0.0, 0.25, nan), 3))
+    bench.spin(lambda: len(states) == 1)
+    assert states[0].position[1] == 0.25
+
+
+def test_passthrough_needs_the_pendulum_speed(bench: Bench) -> None:
+    """With method passthrough NaN for θ̇ is refused, a number handed on."""
+    node = bench.add(Estimator([Parameter("method", value="passthrough")]))
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    measurement.publish(joint_state((0.0, 0.0, 0.0, nan), 1))
+    bench.spin(lambda: node.refused == 1)
+    measurement.publish(joint_state((0.1, 0.2, 0.3, 0.4), 2))
+    bench.spin(lambda: len(states) == 1)
+    assert [*states[0].position, *states[0].velocity] == [0.1, 0.3, 0.2, 0.4]

@@ -1,0 +1,85 @@
+"""Parameters of all nodes as ROS sees them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from conftest import Bench
+from furuta_bringup.operator import Operator, ServiceError
+from furuta_bringup.settings import NODES
+from furuta_control.controller_node import Controller
+from furuta_control.estimator_node import Estimator
+from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_model.parameters import ParameterError, declared
+from furuta_sim.plant_node import Plant
+from rclpy.parameter import Parameter
+
+CLASSES: dict[str, Any] = {
+    "plant": Plant,
+    "estimator": Estimator,
+    "friction_observer": FrictionObserver,
+    "controller": Controller,
+}
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_every_parameter_is_described(bench: Bench, name: str) -> None:
+    """Each has its meaning, unit and range in its descriptor, and its default as value."""
+    bench.add(CLASSES[name]())
+    operator = Operator(bench.probe, bench.executor)
+    expected = {each.name: each for each in declared(NODES[name])}
+    assert set(expected) <= set(operator.names(name))
+    values = operator.get(name, list(expected))
+    for descriptor in operator.describe(name, list(expected)):
+        each = expected[descriptor.name]
+        assert each.about.meaning in descriptor.description
+        assert each.about.unit in descriptor.description
+        assert descriptor.read_only == each.about.read_only
+        value = values[each.name]
+        assert (list(value) if each.kind is list else value) == (
+            list(each.default) if each.kind is list else each.default
+        )
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"sigma0": -1.0}, "sigma0"),
+        ({"sigma0": float("nan")}, "sigma0"),
+        ({"sigma0": float("inf")}, "sigma0"),
+        ({"sigma0": 100}, "sigma0"),
+        ({"sigma0": "much"}, "sigma0"),
+        ({"compensation": "magic"}, "none, coulomb, lugre"),
+        ({"sample_time": 0.01}, "read-only"),
+        ({"nonsense": 1.0}, "nonsense"),
+        ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),
+    ],
+)
+def test_bad_values_are_refused_whole(bench: Bench, values: dict[str, Any], reason: str) -> None:
+    """The reason names the parameter, and nothing has changed, not even the good part."""
+    node = bench.add(FrictionObserver())
+    before = node.parameters
+    operator = Operator(bench.probe, bench.executor)
+    with pytest.raises(ServiceError, match=reason):
+        operator.set_all("friction_observer", values)
+    assert node.parameters == before
+    assert operator.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
+
+
+@pytest.mark.parametrize(
+    ("overrides", "reason"),
+    [
+        ([Parameter("sigma_0", value=1.0)], "no parameter sigma_0"),
+        ([Parameter("sigma0", value=-1.0)], "sigma0"),
+        ([Parameter("sigma0", value=float("nan"))], "sigma0"),
+        ([Parameter("sigma0", value="x")], "sigma0"),
+    ],
+)
+def test_bad_start_values_are_refused(ros: None, overrides: list[Any], reason: str) -> None:
+    """A node does not start on a misspelt or impossible parameter."""
+    with pytest.raises(Exception, match=reason) as caught:
+        FrictionObserver(overrides)
+    assert isinstance(caught.value, (ParameterError, ValueError)) or "Parameter" in repr(
+        type(caught.value)
+    )

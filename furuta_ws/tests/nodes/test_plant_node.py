@@ -1,0 +1,142 @@
+"""The node ``plant`` in both kinds of time."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import Any
+
+import pytest
+from conftest import Bench
+from furuta_model.parameters import build
+from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
+from furuta_sim.parameters import PlantNodeParameters
+from furuta_sim.plant_node import Plant
+from furuta_sim.rig import initial_state, move, substeps
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+
+def plant(bench: Bench, **values: Any) -> Plant:
+    named = {name.replace("__", "."): value for name, value in values.items()}
+    return bench.add(Plant([Parameter(name, value=value) for name, value in named.items()]))
+
+
+def test_lockstep_moves_once_per_command(bench: Bench) -> None:
+    """Sample k + 1 comes only after the command for k, stamped k + 1 periods on, moved as the core does."""
+    node = plant(bench, clock="lockstep")
+    measurements, truths = bench.collect(MEASUREMENT), bench.collect(GROUND_TRUTH)
+    commands = bench.publisher(COMMAND)
+    rig = node.parameters.plant
+    x = initial_state(rig)
+    bench.spin(lambda: len(measurements) == 1)
+    bench.settle()
+    assert len(measurements) == 1
+    for k in range(1, 4):
+        commands.publish(Float64(data=0.5 * k))
+        bench.spin(lambda k=k: len(truths) == k + 1 == len(measurements))
+        move(x, 0.5 * k, substeps(rig), rig)
+        assert truths[-1].header.stamp.nanosec == k * 1_000_000
+        assert [*truths[-1].position, *truths[-1].velocity] == x[[0, 2, 1, 3]].tolist()
+
+
+def test_lockstep_refuses_nan_and_waits_on(bench: Bench) -> None:
+    """A command that is no number moves nothing."""
+    node = plant(bench, clock="lockstep")
+    measurements = bench.collect(MEASUREMENT)
+    commands = bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) == 1)
+    commands.publish(Float64(data=nan))
+    bench.spin(lambda: node.refused == 1)
+    assert node.sample == 0
+    commands.publish(Float64(data=0.0))
+    bench.spin(lambda: len(measurements) == 2)
+
+
+def test_lockstep_pauses_and_goes_on(bench: Bench) -> None:
+    """``run_until`` stops time; raising it starts time again where it stood."""
+    node = plant(bench, clock="lockstep", run_until=0.002)
+    measurements = bench.collect(MEASUREMENT)
+    commands = bench.publisher(COMMAND)
+    for k in (1, 2):
+        bench.spin(lambda k=k: len(measurements) == k)
+        commands.publish(Float64(data=0.0))
+    bench.spin(lambda: node.paused)
+    bench.settle()
+    assert len(measurements) == 2
+    node.set_parameters([Parameter("run_until", value=1.0)])
+    bench.spin(lambda: len(measurements) == 3)
+    assert measurements[-1].header.stamp.nanosec == 2_000_000
+
+
+def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
+    """The rig stays put while nobody controls it, then falls."""
+    node = plant(bench, sensors__ideal=True)
+    truths = bench.collect(GROUND_TRUTH)
+    commands = bench.publisher(COMMAND)
+    bench.spin(lambda: len(truths) >= 50)
+    assert {t.position[1] for t in truths} == {0.05}
+    commands.publish(Float64(data=0.0))
+    bench.spin(lambda: truths[-1].position[1] > 0.06)
+    assert node.clockwork.punctuality.samples > 0
+
+
+def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
+    """Stamps are whole periods from the start, whatever the machine's jitter."""
+    node = plant(bench)
+    measurements = bench.collect(MEASUREMENT)
+    bench.spin(lambda: len(measurements) >= 100)
+    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in measurements]
+    assert {(stamp - node.start) % 1_000_000 for stamp in stamps} == {0}
+    assert all(later > earlier for earlier, later in zip(stamps, stamps[1:], strict=False))
+
+
+def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:
+    """After ``command_timeout`` the arm no longer feels the last command."""
+    node = plant(bench, command_timeout=0.02, friction__alpha0=0.0, friction__alpha1=0.0)
+    commands = bench.publisher(COMMAND)
+    commands.publish(Float64(data=5.0))
+    bench.spin(lambda: node.clockwork.punctuality.timeouts > 10)
+    driven = abs(node.x[1])
+    # 5 V for 20 ms on 45 rad/s² per volt; without the timeout it would go on rising.
+    assert 1.0 < driven < 20.0
+    commands.publish(Float64(data=0.0))
+    bench.spin(lambda: node.clockwork.punctuality.on_time >= 2)
+
+
+def test_reset_puts_the_pendulum_back(bench: Bench) -> None:
+    """The service holds the initial state until the next command."""
+    node = plant(bench)
+    commands = bench.publisher(COMMAND)
+    commands.publish(Float64(data=0.0))
+    bench.spin(lambda: abs(node.x[2]) > 0.5)
+    client = bench.probe.create_client(Trigger, "plant/reset")
+    assert client.wait_for_service(10.0)
+    answer = client.call_async(Trigger.Request())
+    bench.spin(answer.done)
+    assert answer.result().success
+    held = node.sample
+    bench.spin(lambda: node.sample > held + 20)
+    assert node.x[2] == 0.05
+
+
+def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
+    """True friction is turned while it runs; the bad value of two refuses both."""
+    node = plant(bench)
+    assert node.set_parameters([Parameter("friction.alpha0", value=0.3)])[0].successful
+    assert node.parameters.plant.friction.alpha0 == 0.3
+    result = node.set_parameters_atomically(
+        [Parameter("friction.alpha0", value=0.4), Parameter("model.alpha", value=1e-6)]
+    )
+    assert not result.successful
+    assert "gamma" in result.reason
+    assert node.parameters.plant.friction.alpha0 == 0.3
+    expected = build(PlantNodeParameters, {"friction.alpha0": 0.3})
+    assert node.parameters == expected
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
+def test_impossible_sample_time_is_refused(ros: None, value: float) -> None:
+    """Zero, negative and NaN are no sample time."""
+    with pytest.raises(Exception, match="sample_time"):
+        Plant([Parameter("sample_time", value=value)])
