@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
+
 from furuta_analysis.closed_loop import simulate
 from furuta_analysis.oscillation import measure_oscillation
 from furuta_bringup.bag import read_recording
@@ -13,7 +15,6 @@ from furuta_bringup.graph import Graph
 from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import Settings, gather, loop
 from furuta_ros.topics import TOPICS
-from rosbags.highlevel import AnyReader
 
 IDEAL = ["plant.sensors.ideal=true", "estimator.method=passthrough"]
 

@@ -6,13 +6,14 @@ from math import nan
 
 import numpy as np
 import pytest
-from conftest import Bench, joint_state
+from std_msgs.msg import Float64
+from testbench import Bench, joint_state
+
 from furuta_bringup.operator import Operator, ServiceError
 from furuta_control.controller_node import Controller
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
-from std_msgs.msg import Float64
 
 X = (0.1, -0.2, 0.03, 0.04)
 FEEDBACK = -float(place_poles(FurutaPendulum(), DesiredPoles()) @ np.array(X))
@@ -31,10 +32,12 @@ class Loop:
         self._sent = 0
 
     def state(self, milliseconds: int, x: tuple[float, float, float, float] = X) -> None:
+        """Send a state."""
         self._states.publish(joint_state(x, milliseconds * MS))
         self.bench.spin(lambda: self.node._stamp == milliseconds * MS)
 
     def estimate(self, value: float) -> None:
+        """Send a friction estimate."""
         self._estimates.publish(Float64(data=value))
         self.bench.settle(0.1)
 
@@ -53,7 +56,7 @@ def loop(bench: Bench) -> Loop:
 
 
 def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
-    """u = −Lx + F̂, once state and estimate are there."""
+    """U = −Lx + F̂, once state and estimate are there."""
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import nan
 
 import numpy as np
-from conftest import Bench, joint_state
+from rclpy.parameter import Parameter
+from testbench import Bench, joint_state
+
 from furuta_control.estimator import MEMORY, estimate_state, sample_filter
 from furuta_control.estimator_node import Estimator
 from furuta_control.parameters import EstimatorParameters
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
-from rclpy.parameter import Parameter
 
 MS = 1_000_000
 

@@ -7,9 +7,10 @@ from math import inf, nan
 
 import numpy as np
 import pytest
-from conftest import joint_state
-from furuta_ros.messages import RefusedError, read_float, read_joints, stamp_nanoseconds
 from std_msgs.msg import Float64
+from testbench import joint_state
+
+from furuta_ros.messages import RefusedError, read_float, read_joints, stamp_nanoseconds
 
 STATE = (0.1, -0.2, 0.3, -0.4)
 
@@ -33,7 +34,9 @@ def test_joints_are_found_by_name() -> None:
     assert read(message).tolist() == [0.3, -0.4, 0.1, -0.2]
 
 
-@pytest.mark.parametrize("names", [["a", "b"], ["arm"], [], ["arm", "arm"], ["arm", "pendulum", "x"]])
+@pytest.mark.parametrize(
+    "names", [["a", "b"], ["arm"], [], ["arm", "arm"], ["arm", "pendulum", "x"]]
+)
 def test_wrong_joint_names_are_refused(names: list[str]) -> None:
     """The reason says which names are needed and which came."""
     with pytest.raises(RefusedError, match=r"\['arm', 'pendulum'\]"):
@@ -41,7 +44,9 @@ def test_wrong_joint_names_are_refused(names: list[str]) -> None:
 
 
 @pytest.mark.parametrize("field", ["position", "velocity"])
-@pytest.mark.parametrize("values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf]])
+@pytest.mark.parametrize(
+    "values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf]]
+)
 def test_bad_values_are_refused_and_nothing_is_written(field: str, values: list[float]) -> None:
     """Empty, short, long and non-finite arrays leave the state as it was."""
     message = joint_state(STATE, 0)

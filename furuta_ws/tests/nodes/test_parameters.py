@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from conftest import Bench
+from rclpy.parameter import Parameter
+from testbench import Bench
+
 from furuta_bringup.operator import Operator, ServiceError
 from furuta_bringup.settings import NODES
 from furuta_control.controller_node import Controller
@@ -13,7 +15,6 @@ from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.plant_node import Plant
-from rclpy.parameter import Parameter
 
 CLASSES: dict[str, Any] = {
     "plant": Plant,

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import nan
 from typing import Any
 
 import pytest
-from conftest import Bench
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from testbench import Bench
+
 from furuta_model.parameters import build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant_node import Plant
 from furuta_sim.rig import initial_state, move, substeps
-from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
 
 
 def plant(bench: Bench, **values: Any) -> Plant:
@@ -23,7 +25,7 @@ def plant(bench: Bench, **values: Any) -> Plant:
 
 
 def test_lockstep_moves_once_per_command(bench: Bench) -> None:
-    """Sample k + 1 comes only after the command for k, stamped k + 1 periods on, moved as the core does."""
+    """Sample k + 1 comes only after the command for k, one period on, as the core says."""
     node = plant(bench, clock="lockstep")
     measurements, truths = bench.collect(MEASUREMENT), bench.collect(GROUND_TRUTH)
     commands = bench.publisher(COMMAND)
@@ -88,7 +90,7 @@ def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
     bench.spin(lambda: len(measurements) >= 100)
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in measurements]
     assert {(stamp - node.start) % 1_000_000 for stamp in stamps} == {0}
-    assert all(later > earlier for earlier, later in zip(stamps, stamps[1:], strict=False))
+    assert all(later > earlier for earlier, later in pairwise(stamps))
 
 
 def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:

@@ -22,11 +22,13 @@ from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
-from furuta_ros.topics import QOS, TOPICS, Topic
+from furuta_ros.topics import QOS, TOPICS, Topic, deep
 
 # Seconds between two turns of the writing thread, and messages it may lag behind.
 TURN = 0.02
 LONGEST_QUEUE = 100_000
+# Messages that may wait for this node while others of its executor run.
+RECEIVE_DEPTH = 10_000
 
 
 class Recorder(Node):
@@ -75,7 +77,7 @@ class Recorder(Node):
             if self._stamped and len(self._queue) > LONGEST_QUEUE:
                 self._stop.wait(TURN)
 
-        self.create_subscription(topic.type, topic.name, receive, QOS, raw=True)
+        self.create_subscription(topic.type, topic.name, receive, deep(RECEIVE_DEPTH), raw=True)
 
     def _write(self) -> None:
         queue, writer, connections = self._queue, self._writer, self._connections

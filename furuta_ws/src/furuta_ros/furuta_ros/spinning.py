@@ -59,13 +59,13 @@ class Stop:
 
 def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Run one node until it is told to stop; returns the process's exit status."""
+    stop = Stop()
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises its own, unexported, types here
         return fail(f"cannot start: {_first_line(error)}")
     try:
         node = make()
-        stop = Stop()
         settle_memory()
         spin_until(executor_of([node]), stop)
         node.destroy_node()

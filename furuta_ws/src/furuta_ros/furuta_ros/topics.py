@@ -22,6 +22,11 @@ QOS = QoSProfile(
 )
 
 
+def deep(depth: int) -> QoSProfile:
+    """The same for a subscriber that may lag behind by ``depth`` messages without losing any."""
+    return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
+
+
 class Topic(NamedTuple):
     """A topic of the graph."""
 

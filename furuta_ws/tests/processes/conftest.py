@@ -1,0 +1,77 @@
+"""Running the product as a user does: executables of the install space, as processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from furuta_bringup.processes import PACKAGES, executable
+
+TIMEOUT = 120.0
+GRACE = 10.0
+
+
+class Processes:
+    """Processes that end with the test."""
+
+    def __init__(self) -> None:
+        self._all: list[subprocess.Popen[str]] = []
+
+    def node(self, name: str, *arguments: str) -> subprocess.Popen[str]:
+        """Start a node by its executable with ROS arguments ``name:=value``."""
+        ros = [part for argument in arguments for part in ("-p", argument)]
+        return self.start(executable(PACKAGES[name], name), *(["--ros-args", *ros] if ros else []))
+
+    def furuta(self, *arguments: str | Path) -> subprocess.Popen[str]:
+        """Start a verb of the command line."""
+        return self.start(executable("furuta_bringup", "furuta"), *arguments)
+
+    def start(self, *command: str | Path) -> subprocess.Popen[str]:
+        """Start a command."""
+        process = subprocess.Popen(
+            list(map(str, command)),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"COLUMNS": "200"},
+        )
+        self._all.append(process)
+        return process
+
+    def close(self) -> None:
+        """End what still runs."""
+        for process in self._all:
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        for process in self._all:
+            try:
+                process.communicate(timeout=GRACE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+
+
+@pytest.fixture
+def processes() -> Iterator[Processes]:
+    """Starts processes and ends them after the test."""
+    processes = Processes()
+    yield processes
+    processes.close()
+
+
+@pytest.fixture
+def furuta(processes: Processes) -> Callable[..., Any]:
+    """Run a verb to its end: exit status, standard output, standard error."""
+
+    def run(*arguments: str | Path) -> tuple[int, str, str]:
+        process = processes.furuta(*arguments)
+        out, err = process.communicate(timeout=TIMEOUT)
+        return process.returncode, out, err
+
+    return run

@@ -1,0 +1,202 @@
+"""The command line as a user meets it: results, exit status, one-line errors."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+GOOD_FILE = """
+/**:
+  ros__parameters:
+    sample_time: 0.002
+plant:
+  ros__parameters:
+    friction: {alpha0: 0.3, alpha1: 0}
+"""
+
+
+def test_help_names_every_verb(furuta: Any) -> None:
+    """``--help`` lists the verbs, each of which has help of its own."""
+    status, out, _ = furuta("--help")
+    assert status == 0
+    for verb in ("demo", "run", "simulate", "linearize", "param", "node"):
+        assert verb in out
+        assert furuta(verb, "--help")[0] == 0
+
+
+def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
+    """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
+    out_dir = tmp_path / "demo"
+    status, out, err = furuta("demo", "--seconds", "8", "--out", out_dir, "--json")
+    assert status == 0, err
+    result = json.loads(out)
+    assert result == json.loads((out_dir / "summary.json").read_text().replace("NaN", "null"))
+    none, coulomb, lugre = result["runs"]
+    assert [none["compensation"], coulomb["compensation"], lugre["compensation"]] == [
+        "none",
+        "coulomb",
+        "lugre",
+    ]
+    assert {run["samples"] for run in result["runs"]} == {8000}
+    assert 0.45 < none["phi_peak_to_peak_rad"] < 0.54
+    assert coulomb["phi_peak_to_peak_rad"] < 0.25 * none["phi_peak_to_peak_rad"]
+    assert lugre["phi_peak_to_peak_rad"] < 0.25 * none["phi_peak_to_peak_rad"]
+    assert Path(result["figure"]).stat().st_size > 10_000
+    assert list(Path(result["bag"]).glob("*.mcap"))
+    # A second demo may take the place of the first, but of nothing else.
+    (Path(result["bag"]) / "thesis.txt").write_text("three years of work")
+    status, _, err = furuta("demo", "--seconds", "8", "--out", out_dir)
+    assert status == 1
+    assert "thesis.txt" in err
+    assert (Path(result["bag"]) / "thesis.txt").exists()
+
+
+def test_simulate(furuta: Any, tmp_path: Path) -> None:
+    """Numbers as JSON, series as file."""
+    series = tmp_path / "run.npz"
+    status, out, err = furuta(
+        "simulate", "--ideal-sensors", "--seconds", "30", "--out", series, "--json"
+    )
+    assert status == 0, err
+    result = json.loads(out)
+    assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=0.01)
+    assert result["steps"] == 30_000
+    assert not result["fell"]
+    assert np.load(series)["state"].shape == (30_000, 4)
+
+
+def test_simulate_explicit_feedback(furuta: Any) -> None:
+    """``--feedback`` takes u = l·x: the gain of pole placement with the sign turned."""
+    _, out, _ = furuta("linearize", "--json")
+    feedback = [str(-each) for each in json.loads(out)["L"]]
+    runs = [
+        json.loads(furuta("simulate", "--seconds", "5", "--json", *extra)[1])
+        for extra in ([], ["--feedback", *feedback])
+    ]
+    for run in runs:
+        run.pop("wall_seconds")
+    assert runs[0] == runs[1]
+
+
+def test_linearize(furuta: Any) -> None:
+    """The rig's identified numbers and the poles asked for."""
+    _, out, _ = furuta("linearize", "--json")
+    result = json.loads(out)
+    assert result["A"][1][2] == pytest.approx(-11)
+    assert result["A"][3][2] == pytest.approx(33)
+    assert result["B"] == pytest.approx([0, 45, 0, -29])
+    wanted = np.sort_complex(np.roots(np.polymul([1, 9.8, 49], [1, 7, 25])))
+    got = [complex(*pole) for pole in result["closed_loop_poles"]]
+    np.testing.assert_allclose(np.sort_complex(got), wanted, atol=1e-9)
+
+
+def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
+    """A ROS parameter file with a wildcard and a node; --set goes over it."""
+    file = tmp_path / "rig.yaml"
+    file.write_text(GOOD_FILE)
+    common = ("simulate", "--json", "--seconds", "20", "--ideal-sensors", "--params", file)
+    by_file = json.loads(furuta(*common)[1])
+    assert by_file["steps"] == 10_000
+    over = json.loads(furuta(*common, "--set", "plant.friction.alpha0=0.21")[1])
+    assert over["phi_peak_to_peak_rad"] < 0.8 * by_file["phi_peak_to_peak_rad"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["simulate", "--set", "sigma0=-1"], "sigma0 must be 0.001 to 1e+06 V/rad, given -1"),
+        (["simulate", "--set", "sigma0=nan"], "sigma0 must be finite"),
+        (["simulate", "--set", "alpha0"], "expected NAME=VALUE"),
+        (["simulate", "--set", "sigma_0=1"], "did you mean sigma0"),
+        (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
+        (["simulate", "--compensation", "magic"], "one of none, coulomb, lugre"),
+        (["simulate", "--seconds", "-1"], "--seconds must be"),
+        (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),
+        (["simulate", "--out", "/nonexistent/run.npz"], "/nonexistent/run.npz"),
+        (["demo", "--seconds", "1"], "--seconds must be 5 to 3600"),
+        (["run", "--plant", "hardware"], "hardware"),
+        (["node", "run", "furuta_sim", "plane"], "it has plant"),
+        (["node", "run", "furuta_simulator", "plant"], "no package furuta_simulator"),
+        (["param", "defaults", "observer"], "no node observer"),
+    ],
+)
+def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
+    """Exit status 1, the reason on standard error, nothing on standard output."""
+    status, out, err = furuta(*arguments)
+    assert status == 1
+    assert out == ""
+    assert reason in err
+    assert len(err.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "arguments", [["simulate", "--no-such-option"], ["dance"], ["node", "run"]]
+)
+def test_wrong_usage_is_status_2(furuta: Any, arguments: list[str]) -> None:
+    """Unknown verbs and options are wrong usage."""
+    status, _, err = furuta(*arguments)
+    assert status == 2
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("plant: [", "is not YAML"),
+        ("just words", "must map node names"),
+        ("plant: {friction: 1}", "has no ros__parameters"),
+        ("plate: {ros__parameters: {seed: 1}}", "no node plate"),
+        ("plant: {ros__parameters: {seeed: 1}}", "did you mean seed"),
+        ("plant: {ros__parameters: {seed: -1}}", "seed must be"),
+    ],
+)
+def test_bad_parameter_file_is_one_line(
+    furuta: Any, tmp_path: Path, content: str, reason: str
+) -> None:
+    """What is wrong with the file, in one line."""
+    file = tmp_path / "bad.yaml"
+    file.write_text(content)
+    status, _, err = furuta("simulate", "--params", file)
+    assert status == 1
+    assert reason in err
+    assert len(err.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--params-file", "missing.yaml"], "missing.yaml"),
+        (["-p", "seeed:=1"], "no parameter seeed"),
+        (["-p", "friction.sigma0:=-1.0"], "sigma0"),
+        (["-p", "friction.sigma0:=.nan"], "sigma0"),
+        (["-p", "model.alpha:=.nan"], "alpha must be finite"),
+        (["-p", "clock:=sundial"], "realtime, lockstep"),
+    ],
+)
+def test_node_refuses_bad_start(furuta: Any, arguments: list[str], reason: str) -> None:
+    """An executable says why it does not start, without a traceback."""
+    status, _, err = furuta("node", "run", "furuta_sim", "plant", "--ros-args", *arguments)
+    assert status == 1
+    assert reason in err.splitlines()[-1]
+    assert "Traceback" not in err
+
+
+def test_param_verbs(furuta: Any, processes: Any) -> None:
+    """Set, get and list on a running node, as ``ros2 param`` does."""
+    processes.node("friction_observer")
+    assert furuta("param", "set", "friction_observer", "sigma0", "90")[0] == 0
+    status, out, _ = furuta("param", "get", "friction_observer", "sigma0")
+    assert (status, out.strip()) == (0, "90.0")
+    status, _, err = furuta("param", "set", "friction_observer", "sigma0=-1", "alpha0=0.3")
+    assert status == 1
+    assert "sigma0" in err
+    values = json.loads(furuta("param", "list", "friction_observer", "--json")[1])
+    assert (values["sigma0"], values["alpha0"]) == (90.0, 0.21)
+    assert "/friction_observer" in json.loads(furuta("node", "list", "--json")[1])["nodes"]
+    status, _, err = furuta("param", "get", "nobody", "x")
+    assert status == 1
+    assert "no node nobody" in err

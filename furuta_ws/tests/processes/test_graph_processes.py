@@ -1,0 +1,105 @@
+"""The graph as one process per node, with parameters set from outside."""
+
+from __future__ import annotations
+
+import signal
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.highlevel import AnyReader
+from testbench import Bench
+
+from furuta_analysis.closed_loop import simulate
+from furuta_bringup.operator import Operator, ServiceError
+from furuta_bringup.processes import PACKAGES
+from furuta_bringup.settings import gather, loop
+from furuta_ros.topics import GROUND_TRUTH, TOPICS
+
+SAMPLES = 1500
+
+
+def truth_until(bench: Bench, truths: list[Any], seconds: float) -> None:
+    """Spin until the pendulum's time is there."""
+
+    def there() -> bool:
+        if not truths:
+            return False
+        stamp = truths[-1].header.stamp
+        return stamp.sec + stamp.nanosec * 1e-9 >= seconds - 1e-9
+
+    bench.spin(there, timeout=120.0)
+
+
+def test_separate_processes_are_the_same_loop(bench: Bench, processes: Any) -> None:
+    """In lock-step, four processes give the offline loop's run to the last bit."""
+    truths = bench.collect(GROUND_TRUTH)
+    for name in PACKAGES:
+        extra = ("clock:=lockstep", "run_until:=1.5") if name == "plant" else ()
+        processes.node(name, *extra, *(("compensation:=lugre",) if "observer" in name else ()))
+    truth_until(bench, truths, (SAMPLES - 1) * 0.001)
+    expected = simulate(loop(gather([], ["compensation=lugre"])), SAMPLES * 0.001)
+    for truth in truths:
+        k = round(truth.header.stamp.sec * 1000 + truth.header.stamp.nanosec / 1e6)
+        got = (truth.position[0], truth.velocity[0], truth.position[1], truth.velocity[1])
+        assert got == tuple(expected.state[k])
+    assert len(truths) > 100
+
+
+def test_parameters_from_outside(bench: Bench, processes: Any) -> None:
+    """A running process takes good values, refuses bad ones and runs on."""
+    for name in PACKAGES:
+        processes.node(name, *(("clock:=lockstep",) if name == "plant" else ()))
+    truths = bench.collect(GROUND_TRUTH)
+    operator = Operator(bench.probe, bench.executor)
+    bench.spin(lambda: len(truths) > 10, timeout=60.0)
+    operator.set("friction_observer", compensation="coulomb", alpha0=0.25)
+    assert operator.get("friction_observer", ["alpha0"]) == {"alpha0": 0.25}
+    with pytest.raises(ServiceError, match="sigma0"):
+        operator.set("friction_observer", sigma0=-5.0)
+    count = len(truths)
+    bench.spin(lambda: len(truths) > count + 100)
+
+
+def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
+    """Lock-step stops when a node is killed and goes on where it stood when it is back."""
+    running = {
+        name: processes.node(name, *(("clock:=lockstep",) if name == "plant" else ()))
+        for name in PACKAGES
+    }
+    truths = bench.collect(GROUND_TRUTH)
+    bench.spin(lambda: len(truths) > 10, timeout=60.0)
+    for name in ("controller", "friction_observer", "estimator"):
+        running[name].send_signal(signal.SIGKILL)
+        running[name].wait()
+        bench.settle()
+        stopped = len(truths)
+        processes.node(name)
+        bench.spin(lambda stopped=stopped: len(truths) > stopped + 200, timeout=60.0)
+    stamps = [t.header.stamp.sec * 10**9 + t.header.stamp.nanosec for t in truths]
+    assert {b - a for a, b in pairwise(stamps)} == {1_000_000}
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_node_ends_cleanly(processes: Any, name: str, bench: Bench) -> None:
+    """SIGINT and SIGTERM end each executable with status 0 and no traceback."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = processes.node(name)
+        bench.spin(lambda: name in bench.probe.get_node_names())
+        process.send_signal(number)
+        _, err = process.communicate(timeout=30.0)
+        assert process.returncode == 0, err
+        assert "Traceback" not in err
+        bench.spin(lambda: name not in bench.probe.get_node_names())
+
+
+def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
+    """``furuta run --record`` leaves a bag with every topic of the graph."""
+    bag = tmp_path / "bag"
+    status, out, err = furuta("run", "--lockstep", "--seconds", "0.5", "--record", bag)
+    assert status == 0, err
+    assert "500 samples" in out
+    with AnyReader([bag]) as reader:
+        counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
+    assert counts == {topic.name: 500 for topic in TOPICS}

@@ -1,0 +1,83 @@
+"""A bench for nodes under test: a probe beside them that publishes and collects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from furuta_ros.messages import JointWriter
+from furuta_ros.spinning import executor_of
+from furuta_ros.topics import QOS, TOPICS, Topic, deep
+
+TIMEOUT = 30.0
+
+
+class Bench:
+    """Nodes under test with a probe that publishes and collects."""
+
+    def __init__(self) -> None:
+        self.probe = Node("probe")
+        self.received: dict[str, list[Any]] = {topic.name: [] for topic in TOPICS}
+        self._nodes: list[Node] = [self.probe]
+        self._executor: Executor | None = None
+
+    def add(self, node: Any) -> Any:
+        """Put a node on the bench."""
+        self._nodes.append(node)
+        return node
+
+    def collect(self, topic: Topic) -> list[Any]:
+        """Collect what comes on a topic."""
+        received = self.received[topic.name]
+        self.probe.create_subscription(topic.type, topic.name, received.append, deep(10_000))
+        return received
+
+    def publisher(self, topic: Topic) -> Any:
+        """A publisher on a topic, known to its subscribers."""
+        publisher = self.probe.create_publisher(topic.type, topic.name, QOS)
+        self.spin(lambda: publisher.get_subscription_count() > 0)
+        return publisher
+
+    @property
+    def executor(self) -> Executor:
+        """The executor of all nodes; none is added after its first use."""
+        if self._executor is None:
+            self._executor = executor_of(self._nodes)
+        return self._executor
+
+    def spin(self, until: Callable[[], bool], timeout: float = TIMEOUT) -> None:
+        """Spin until the condition holds; fail if it does not."""
+        deadline = monotonic() + timeout
+        while not until():
+            assert monotonic() < deadline, "the awaited condition did not come true"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def settle(self, seconds: float = 0.3) -> None:
+        """Spin long enough that a message that should not come would have come."""
+        end = monotonic() + seconds
+        while monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def close(self) -> None:
+        """End all nodes."""
+        if self._executor is not None:
+            self._executor.shutdown()
+        for node in self._nodes:
+            node.destroy_node()
+
+
+def joint_state(
+    x: tuple[float, float, float, float], stamp: int, names: list[str] | None = None
+) -> JointState:
+    """A message with state x = (φ, φ̇, θ, θ̇), stamped in nanoseconds."""
+    writer = JointWriter()
+    writer.stamp(stamp)
+    message = writer.fill(x)
+    if names is not None:
+        message.name = names
+    return message

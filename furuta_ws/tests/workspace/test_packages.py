@@ -1,0 +1,180 @@
+"""What ROS tools rely on in the install space, and the shape of the workspace."""
+
+from __future__ import annotations
+
+import ast
+import os
+import stat
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from ament_index_python.packages import get_package_share_directory
+from ament_index_python.resources import get_resources
+
+from furuta_bringup.parameter_files import parameter_file, parameter_table
+from furuta_bringup.processes import executable
+from furuta_bringup.settings import NODES, read_file
+from furuta_model.parameters import declared
+
+ROOT = Path(__file__).resolve().parents[3]
+SOURCES = ROOT / "furuta_ws" / "src"
+PACKAGES = sorted(path.name for path in SOURCES.iterdir())
+
+# Who may import whom: each package only those further left, siblings in one group not each other.
+LAYERS = [
+    {"furuta_model"},
+    {"furuta_ros"},
+    {"furuta_sim", "furuta_control", "furuta_friction", "furuta_hw"},
+    {"furuta_analysis"},
+    {"furuta_bringup"},
+]
+EXECUTABLES = [
+    ("furuta_sim", "plant"),
+    ("furuta_control", "estimator"),
+    ("furuta_control", "controller"),
+    ("furuta_friction", "friction_observer"),
+    ("furuta_bringup", "furuta"),
+]
+# Modules that know ROS; every other module of the workspace is pure.
+ROS_MODULES = {"rclpy", "rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "furuta_ros"}
+PURE = ["furuta_model", "furuta_analysis"]
+
+
+def imports(file: Path) -> set[str]:
+    """Top-level names of the packages that a file imports."""
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names.add(node.module.partition(".")[0])
+    return names
+
+
+def modules(package: str) -> list[Path]:
+    return sorted((SOURCES / package / package).rglob("*.py"))
+
+
+def test_colcon_takes_every_package_for_ament_python() -> None:
+    """An invalid package.xml would silently demote a package to plain python."""
+    listing = subprocess.run(
+        ["colcon", "--log-base", os.devnull, "list", "--base-paths", str(SOURCES)],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    types = {line.split()[0]: line.split()[-1] for line in listing.splitlines()}
+    assert types == dict.fromkeys(PACKAGES, "(ros.ament_python)")
+
+
+def test_packages_are_in_the_ament_index() -> None:
+    """``ros2`` finds packages by the index, not by the source tree."""
+    assert set(PACKAGES) <= set(get_resources("packages"))
+    for package in PACKAGES:
+        assert (Path(get_package_share_directory(package)) / "package.xml").is_file()
+
+
+@pytest.mark.parametrize(("package", "name"), EXECUTABLES)
+def test_executables_are_where_ros2_run_looks(package: str, name: str) -> None:
+    """In lib/<package>, executable."""
+    path = executable(package, name)
+    assert path.parent.name == package
+    assert path.stat().st_mode & stat.S_IXUSR
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_manifest_lists_what_is_imported(package: str) -> None:
+    """Every import outside the standard library and the package has its dependency."""
+    keys = {
+        "numpy": "python3-numpy",
+        "scipy": "python3-scipy",
+        "numba": "python3-numba",
+        "yaml": "python3-yaml",
+        "click": "python3-click",
+        "rich": "python3-rich",
+        "matplotlib": "python3-matplotlib",
+        "rosbags": "python3-rosbags-pip",
+    }
+    manifest = ET.parse(SOURCES / package / "package.xml").getroot()
+    declared_keys = {e.text for tag in ("depend", "exec_depend") for e in manifest.findall(tag)}
+    launch = list((SOURCES / package / "launch").glob("*.py"))
+    used = set().union(*(imports(file) for file in modules(package) + launch))
+    foreign = {name for name in used if name not in sys.stdlib_module_names and name != package}
+    assert {keys.get(name, name) for name in foreign} - {None} == declared_keys
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_import_downward_only(package: str) -> None:
+    """No package knows one above it or beside it."""
+    level = next(i for i, layer in enumerate(LAYERS) if package in layer)
+    allowed = set().union({package}, *LAYERS[:level])
+    for file in modules(package):
+        assert {name for name in imports(file) if name.startswith("furuta_")} <= allowed, file
+
+
+@pytest.mark.parametrize("package", [*PURE, "furuta_sim", "furuta_control", "furuta_friction"])
+def test_cores_know_no_ros(package: str) -> None:
+    """Only nodes and their clocks import ROS."""
+    for file in modules(package):
+        if package in PURE or not (
+            file.stem.endswith("_node") or file.stem in ("lockstep", "realtime")
+        ):
+            assert not imports(file) & ROS_MODULES, file
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_parameter_files_are_the_declarations(node: str) -> None:
+    """config/ holds what ``furuta param defaults`` prints, and reads back as the defaults."""
+    file = ROOT / "furuta_ws" / "config" / f"{node}.yaml"
+    assert file.read_text() == parameter_file(node)
+    installed = Path(get_package_share_directory("furuta_bringup")) / "config" / file.name
+    assert installed.read_text() == file.read_text()
+    given = read_file(file)[node]
+    assert given == {each.name: each.default for each in declared(NODES[node])}
+
+
+def test_parameter_documentation_is_the_declarations() -> None:
+    """docs/parameters.md holds what ``furuta param defaults --markdown`` prints."""
+    text = (ROOT / "docs" / "parameters.md").read_text()
+    assert text.endswith("\n".join(parameter_table(node) for node in NODES))
+
+
+def test_launch_file_starts_what_is_installed() -> None:
+    """The launch file parses, and every node in it is an executable of its package."""
+    file = Path(get_package_share_directory("furuta_bringup")) / "launch" / "furuta.launch.py"
+    tree = ast.parse(file.read_text())
+    assert any(
+        isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description"
+        for node in tree.body
+    )
+    (nodes,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and node.targets[0].id == "NODES"
+    )
+    for name, package in nodes.items():
+        assert executable(package, name)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "."],
+        ["ruff", "format", "--check", "."],
+        ["mypy", "furuta_ws/src", "benchmarks"],
+    ],
+    ids=" ".join,
+)
+def test_lint_and_types(command: list[str]) -> None:
+    """The house style holds."""
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_no_machine_of_ours_is_named() -> None:
+    """Pinned requirements carry versions and no addresses."""
+    for name in ("requirements.in", "requirements.lock"):
+        assert "://" not in (ROOT / name).read_text()
