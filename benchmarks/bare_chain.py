@@ -30,6 +30,7 @@ class BareChain:
 
     def __init__(self) -> None:
         self.count = 0
+        self.on_command: Callable[[], None] = self.publish_sample
         self._measurement = JointWriter().message
         self._truth = JointWriter(with_effort=True).message
         self._state = JointWriter().message
@@ -69,9 +70,15 @@ class BareChain:
         self._truth_publisher.publish(self._truth)
         self._measurement_publisher.publish(self._measurement)
 
+    def close(self) -> None:
+        """End the nodes."""
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+
     def _on_command(self, _: Float64) -> None:
         self.count += 1
-        self.publish_sample()
+        self.on_command()
 
 
 def _publisher(node: Node, topic: Topic) -> Publisher:

@@ -10,8 +10,9 @@ from furuta_model.state import PHI, PHI_DOT, THETA
 
 # Part of the peak-to-peak value that a crossing of the middle must go beyond to count.
 HYSTERESIS = 0.1
-# Arm speed [rad/s] below which the arm counts as stuck. LuGre creeps, it never stands still.
-STUCK_SPEED = 1e-3
+# Arm speed [rad/s] below which the arm counts as stuck. LuGre never stands still: while it sticks
+# it creeps through the bristle's deflection, 5 mrad from end to end in about half a second.
+STUCK_SPEED = 1e-2
 # Arm amplitude [rad] below which there is no oscillation to time.
 SMALLEST_OSCILLATION = 1e-6
 

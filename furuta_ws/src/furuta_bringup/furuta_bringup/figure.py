@@ -35,8 +35,8 @@ def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
         column[0].plot(part.time, part.state[:, PHI], lw=1.2)
         column[1].plot(part.time, part.state[:, THETA], lw=1.2)
         column[2].plot(part.time, part.command, lw=0.6)
-        column[3].plot(part.time, part.friction, lw=1.0, label="true F")
-        column[3].plot(part.time, part.friction_estimate, lw=0.6, label="estimate of F", alpha=0.8)
+        column[3].plot(part.time, part.friction, lw=1.6, label="true friction F")
+        column[3].plot(part.time, part.friction_estimate, lw=0.6, label="estimate of F")
         column[3].set_xlabel("time [s]")
         for axis in column:
             axis.grid(alpha=0.3)
@@ -44,7 +44,7 @@ def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
     labels = ("arm φ [rad]", "pendulum θ [rad]", "control u [V]", "friction [V]")
     for axis, label in zip(axes[:, 0], labels, strict=True):
         axis.set_ylabel(label)
-    axes[3, 0].legend(loc="upper right", fontsize="small")
+    figure.legend(*axes[3, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     plt.close(figure)

@@ -11,6 +11,7 @@ import click
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -87,10 +88,10 @@ def _clear(bag: Path) -> None:
 
 
 def _print(summary: dict[str, Any]) -> None:
-    table = Table(title="limit cycle, peak to peak")
+    table = Table(title="limit cycle, peak to peak, second half of each phase")
     table.add_column("compensation", no_wrap=True)
     for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
-        table.add_column(heading, justify="right")
+        table.add_column(escape(heading), justify="right")
     for run in summary["runs"]:
         table.add_row(
             run["compensation"],

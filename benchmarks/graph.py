@@ -1,0 +1,146 @@
+"""Speed of the node graph, beside a chain of nodes that do nothing, in turns in one process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from statistics import median
+from time import monotonic, perf_counter, perf_counter_ns, sleep
+from typing import Any
+
+import numpy as np
+import rclpy
+from bare_chain import BareChain
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import Executor
+from rclpy.signals import SignalHandlerOptions
+
+from furuta_bringup.graph import Graph
+from furuta_bringup.settings import NODES, Settings
+from furuta_ros.spinning import spin_until
+
+TURNS = 7
+TURN_SECONDS = 1.5
+REALTIME_SECONDS = 5.0
+PERIOD = 0.001
+
+
+def lockstep() -> dict[str, float]:
+    """Samples per second of graph and bare chain, and the median of the ratios turn by turn."""
+    _start()
+    bare = _bare_chain()
+    bare.publish_sample()
+    graph = Graph(_settings("lockstep"))
+
+    def bare_rate() -> float:
+        return _rate(bare.executor, lambda: bare.count)
+
+    def graph_rate() -> float:
+        return _rate(graph.executor, lambda: graph.plant.sample)
+
+    bare_rate(), graph_rate()  # warm
+    pairs = [(graph_rate(), bare_rate()) for _ in range(TURNS)]
+    _stop(graph, bare)
+    return {
+        "lockstep_vs_bare_chain": median(ours / theirs for ours, theirs in pairs),
+        "lockstep_samples_per_s": median(ours for ours, _ in pairs),
+        "bare_chain_samples_per_s": median(theirs for _, theirs in pairs),
+    }
+
+
+def realtime() -> dict[str, float]:
+    """Latency from measurement to command at 1 kHz, and how many samples got theirs in time."""
+    _start()
+    bare = _bare_chain()
+    graph = Graph(_settings("realtime"))
+    clockwork: Any = graph.plant.clockwork
+    ours = _latencies(graph.executor, graph.plant, clockwork)
+    theirs = _paced_bare_latencies(bare)
+    count = clockwork.punctuality
+    _stop(graph, bare)
+    return {
+        "latency_p50_s": float(np.percentile(ours, 50)),
+        "latency_p99_s": float(np.percentile(ours, 99)),
+        "latency_p50_vs_bare_chain": float(np.percentile(ours, 50) / np.percentile(theirs, 50)),
+        "latency_p99_vs_bare_chain": float(np.percentile(ours, 99) / np.percentile(theirs, 99)),
+        "realtime_on_time_fraction": count.on_time / count.samples,
+        "realtime_overrun_fraction": count.overruns / (count.samples + count.overruns),
+        "machine_late_fraction": machine_late_fraction(),
+    }
+
+
+def machine_late_fraction() -> float:
+    """Share of a bare sleeping loop's deadlines that the machine serves half a sample late."""
+    start, late, ticks = perf_counter(), 0, round(REALTIME_SECONDS / PERIOD)
+    for tick in range(1, ticks):
+        wait = start + tick * PERIOD - perf_counter()
+        if wait > 0:
+            sleep(wait)
+        late += perf_counter() - start - tick * PERIOD > 0.5 * PERIOD
+    return late / ticks
+
+
+def _latencies(executor: Executor, plant: Any, clockwork: Any) -> list[float]:
+    sent = [0]
+    latencies: list[float] = []
+    publish, receive = plant.publish_sample, clockwork.on_command
+
+    def publish_sample() -> None:
+        sent[0] = perf_counter_ns()
+        publish()
+
+    def on_command(command: float) -> None:
+        latencies.append((perf_counter_ns() - sent[0]) * 1e-9)
+        receive(command)
+
+    plant.publish_sample, clockwork.on_command = publish_sample, on_command
+    _spin_for(executor, REALTIME_SECONDS)
+    return latencies
+
+
+def _paced_bare_latencies(bare: BareChain) -> list[float]:
+    sent = [0]
+    latencies: list[float] = []
+
+    def tick() -> None:
+        sent[0] = perf_counter_ns()
+        bare.publish_sample()
+
+    bare.on_command = lambda: latencies.append((perf_counter_ns() - sent[0]) * 1e-9)
+    timer = bare.nodes[0].create_timer(PERIOD, tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+    _spin_for(bare.executor, REALTIME_SECONDS)
+    timer.cancel()
+    return latencies
+
+
+def _start() -> None:
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+
+
+def _stop(graph: Graph, bare: BareChain) -> None:
+    graph.close()
+    bare.close()
+    rclpy.try_shutdown()
+
+
+def _bare_chain() -> BareChain:
+    bare = BareChain()
+    while not bare.matched:
+        sleep(0.01)
+    return bare
+
+
+def _settings(clock: str) -> Settings:
+    settings: Settings = {node: {} for node in NODES}
+    settings["plant"]["clock"] = clock
+    return settings
+
+
+def _rate(executor: Executor, count: Callable[[], int]) -> float:
+    before, began = count(), perf_counter()
+    _spin_for(executor, TURN_SECONDS)
+    return (count() - before) / (perf_counter() - began)
+
+
+def _spin_for(executor: Executor, seconds: float) -> None:
+    end = monotonic() + seconds
+    spin_until(executor, lambda: monotonic() > end)
