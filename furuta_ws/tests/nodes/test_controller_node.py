@@ -126,6 +126,9 @@ def test_gain_and_poles_by_service(loop: Loop) -> None:
         operator.set("controller", gain=[1.0, 2.0])
     with pytest.raises(ServiceError, match="catch_angle"):
         operator.set("controller", catch_angle=0.9)
+    for nonsense in (5.0, "abc", True):
+        with pytest.raises(ServiceError, match="gain must be a"):
+            operator.set("controller", gain=nonsense)
     assert loop.node.parameters.gain == (1.0, 2.0, 3.0, 4.0)
     operator.set("controller", enabled=False)
     loop.state(2)

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ament_index_python.packages import get_package_share_directory
+
+from furuta_bringup.processes import PACKAGES, executable
 
 GOOD_FILE = """
 /**:
@@ -114,6 +117,8 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         (["simulate", "--set", "sigma_0=1"], "did you mean sigma0"),
         (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
         (["simulate", "--compensation", "magic"], "one of none, coulomb, lugre"),
+        (["simulate", "--set", "plant.sample_time=0.002"], "sample_time must be the same"),
+        (["simulate", "--set", "gamma=0.0203544"], "integration steps"),
         (["simulate", "--seconds", "-1"], "--seconds must be"),
         (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),
         (["simulate", "--out", "/nonexistent/run.npz"], "/nonexistent/run.npz"),
@@ -183,6 +188,17 @@ def test_node_refuses_bad_start(furuta: Any, arguments: list[str], reason: str) 
     assert status == 1
     assert reason in err.splitlines()[-1]
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("node", PACKAGES)
+def test_nodes_load_their_parameter_files(processes: Any, node: str) -> None:
+    """What is installed as a node's parameter file starts that node, as the launch file does."""
+    share = Path(get_package_share_directory("furuta_bringup"))
+    process = processes.start(
+        executable(PACKAGES[node], node),
+        *("--ros-args", "--params-file", share / "config" / f"{node}.yaml"),
+    )
+    assert "ready" in process.stderr.readline()
 
 
 def test_param_verbs(furuta: Any, processes: Any) -> None:

@@ -62,6 +62,16 @@ def test_bounded_at_long_samples_and_high_speed(speed: float) -> None:
     assert 80 * np.abs(states[:, 4]).max() < 0.232 * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_full_drive_stays_finite(dt: float) -> None:
+    """Ten seconds of 10 V end fast but finite, with no more energy than the drive put in."""
+    start = [0.0, 0.0, 0.05, 0.0, 0.0]
+    states = advanced(start, 10.0, 10.0, LuGre(), dt)
+    assert np.all(np.isfinite(states))
+    gained = energy(states[-1], BODY) - energy(states[0], BODY)
+    assert gained < 10.0 * states[-1, 0]
+
+
 @pytest.mark.parametrize("sigma1", [1.5, 20.0])
 def test_stiff_bristle(sigma1: float) -> None:
     """With σ₀ = 1e5 the usual substeps still follow the true motion of a stuck arm."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
@@ -16,6 +18,7 @@ from furuta_ros.errors import UserError
 
 # Longest wait for a node's parameter services or their answer [s].
 TIMEOUT = 5.0
+ATTEMPTS = 5
 
 
 class ServiceError(UserError):
@@ -38,14 +41,14 @@ class Operator:
         """Set parameters of one node by full name, all or none."""
         parameters = [Parameter(name, value=value) for name, value in values.items()]
         answer: SetParametersAtomically.Response = self._answer(
-            node, self._client(node).set_parameters_atomically(parameters)
+            node, partial(self._client(node).set_parameters_atomically, parameters)
         )
         if not answer.result.successful:
             raise ServiceError(f"{node} refuses {', '.join(values)}: {answer.result.reason}")
 
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""
-        answer = self._answer(node, self._client(node).get_parameters(names))
+        answer = self._answer(node, partial(self._client(node).get_parameters, names))
         unset = [value.type == ParameterType.PARAMETER_NOT_SET for value in answer.values]
         if any(unset) or len(unset) != len(names):
             known = set(self.names(node))
@@ -57,11 +60,15 @@ class Operator:
 
     def names(self, node: str) -> list[str]:
         """Names of all parameters of one node."""
-        return list(self._answer(node, self._client(node).list_parameters([], 0)).result.names)
+        return list(
+            self._answer(node, partial(self._client(node).list_parameters, [], 0)).result.names
+        )
 
     def describe(self, node: str, names: list[str]) -> list[ParameterDescriptor]:
         """Descriptors of parameters of one node."""
-        return list(self._answer(node, self._client(node).describe_parameters(names)).descriptors)
+        return list(
+            self._answer(node, partial(self._client(node).describe_parameters, names)).descriptors
+        )
 
     def _client(self, node: str) -> AsyncParameterClient:
         if node not in self._clients:
@@ -71,8 +78,14 @@ class Operator:
             self._clients[node] = client
         return self._clients[node]
 
-    def _answer(self, node: str, future: Future) -> Any:
-        self._executor.spin_until_future_complete(future, timeout_sec=TIMEOUT)
-        if not future.done():
-            raise ServiceError(f"{node} did not answer within {TIMEOUT:g} s")
-        return future.result()
+    def _answer(self, node: str, ask: Callable[[], Future]) -> Any:
+        """Ask until there is an answer: the first one can pass before both sides are known.
+
+        Reading and setting twice is the same as once.
+        """
+        for _ in range(ATTEMPTS):
+            future = ask()
+            self._executor.spin_until_future_complete(future, timeout_sec=TIMEOUT / ATTEMPTS)
+            if future.done():
+                return future.result()
+        raise ServiceError(f"{node} did not answer within {TIMEOUT:g} s")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,6 +23,8 @@ NODES: dict[str, type[NamedTuple]] = {
     "controller": ControllerParameters,
 }
 EVERY_NODE = "/**"
+# Parameters that every ROS node has; they are not the loop's.
+ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
 # What is said of a node's parameters, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
@@ -41,10 +44,21 @@ def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
         if not separator:
             raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
         for node, each in _matches(name.strip()):
-            settings[node][each.name] = each.checked(_value(text, name))
-    for node, group in NODES.items():
-        build(group, settings[node])
+            settings[node][each.name] = _checked(each, _value(text, name))
+    _check_sample_times(settings)
     return settings
+
+
+def _check_sample_times(settings: Settings) -> None:
+    made: dict[str, Any] = {node: build(group, settings[node]) for node, group in NODES.items()}
+    times = {
+        "plant": made["plant"].plant.sample_time,
+        "estimator": made["estimator"].sample_time,
+        "friction_observer": made["friction_observer"].sample_time,
+    }
+    if len(set(times.values())) > 1:
+        given = ", ".join(f"{node} {time:g} s" for node, time in times.items())
+        raise ParameterError(f"sample_time must be the same for all nodes, given {given}")
 
 
 def loop(settings: Settings) -> Loop:
@@ -79,8 +93,10 @@ def read_file(file: Path) -> Settings:
         ):
             raise ParameterError(f"{file}: {key} has no ros__parameters")
         for name, value in _flat(section["ros__parameters"]).items():
+            if name in ROS_PARAMETERS:
+                continue
             for target, each in _targets(node, name, file):
-                settings[target][each.name] = each.checked(value)
+                settings[target][each.name] = _checked(each, value)
     return settings
 
 
@@ -133,15 +149,23 @@ def _similar(name: str) -> str:
 
 def _value(text: str, name: str) -> Any:
     try:
-        value = yaml.safe_load(text)
+        return yaml.safe_load(text)
     except yaml.YAMLError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
-    if isinstance(value, str):
-        # YAML wants a dot in 1e-3; people do not.
-        try:
-            return float(value)
-        except ValueError:
-            return value
+
+
+def _checked(each: Declared, value: Any) -> Any:
+    """The value as declared; 1e2 is a number too, though YAML 1.1 takes it for text."""
+    if isinstance(value, str) and each.kind is float:
+        value = _number(value)
+    if isinstance(value, list) and each.kind is list:
+        value = [_number(element) for element in value]
+    return each.checked(value)
+
+
+def _number(value: Any) -> Any:
+    with suppress(ValueError, TypeError):
+        return float(value)
     return value
 
 

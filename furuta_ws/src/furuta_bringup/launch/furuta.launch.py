@@ -3,12 +3,14 @@
 ros2 launch furuta_bringup furuta.launch.py clock:=lockstep params_file:=mine.yaml
 """
 
-from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
+from pathlib import Path
 
-from launch import LaunchDescription
+from ament_index_python.packages import get_package_share_directory
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from launch import LaunchContext, LaunchDescription
 
 NODES = {
     "plant": "furuta_sim",
@@ -18,31 +20,47 @@ NODES = {
 }
 
 
-def generate_launch_description() -> LaunchDescription:
-    """Launch plant, estimator, friction observer and controller with their parameter files."""
-    config = PathJoinSubstitution([FindPackageShare("furuta_bringup"), "config"])
-    nodes = [
-        Node(
-            package=package,
-            executable=name,
-            name=name,
-            output="screen",
-            parameters=[
-                PathJoinSubstitution([config, f"{name}.yaml"]),
-                LaunchConfiguration("params_file"),
-                *([{"clock": LaunchConfiguration("clock")}] if name == "plant" else []),
-            ],
+def nodes(context: LaunchContext) -> list[Node]:
+    """All nodes with their parameter files; a file that is missing is the node's to refuse."""
+    config = Path(get_package_share_directory("furuta_bringup")) / "config"
+    extra = LaunchConfiguration("params_file").perform(context)
+    clock = LaunchConfiguration("clock").perform(context)
+    made = []
+    for name, package in NODES.items():
+        arguments = ["--params-file", str(config / f"{name}.yaml")]
+        if extra:
+            arguments += ["--params-file", extra]
+        if clock and name == "plant":
+            arguments += ["-p", f"clock:={clock}"]
+        made.append(
+            Node(
+                package=package,
+                executable=name,
+                name=name,
+                output="screen",
+                ros_arguments=arguments,
+                # Without a plant there is nothing to control; the others can be started again.
+                on_exit=[Shutdown()] if name == "plant" else None,
+            )
         )
-        for name, package in NODES.items()
-    ]
+    return made
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Launch plant, estimator, friction observer and controller."""
     return LaunchDescription(
         [
-            DeclareLaunchArgument("clock", default_value="realtime", description="or lockstep"),
+            DeclareLaunchArgument(
+                "clock",
+                default_value="",
+                choices=["", "realtime", "lockstep"],
+                description="how the plant's time runs; empty: as the parameter files say",
+            ),
             DeclareLaunchArgument(
                 "params_file",
-                default_value=PathJoinSubstitution([config, "plant.yaml"]),
+                default_value="",
                 description="parameter file laid over the defaults",
             ),
-            *nodes,
+            OpaqueFunction(function=nodes),
         ]
     )

@@ -11,13 +11,17 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 from furuta_model.state import RIGID_STATES
-from furuta_ros.messages import JointWriter, read_joints
+from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nanoseconds
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 from .estimator import MEMORY, estimate_state, sample_filter
 from .parameters import EstimatorParameters
+
+# Deviation of an interval that does not count, and how many in a row are worth a word.
+TOLERANCE = 0.01
+MANY = 100
 
 
 class Estimator(FurutaNode[EstimatorParameters]):
@@ -33,6 +37,8 @@ class Estimator(FurutaNode[EstimatorParameters]):
         self._estimate = np.zeros(RIGID_STATES)
         self._writer = JointWriter()
         self._last_stamp: Any = None
+        self._last_time = 0
+        self._odd_intervals = 0
         super().__init__("estimator", EstimatorParameters, overrides)
         self._publisher = self.publish_on(JOINT_STATES)
         self.subscribe_to(MEASUREMENT, self._on_measurement)
@@ -40,16 +46,31 @@ class Estimator(FurutaNode[EstimatorParameters]):
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Sample the filter anew; its memory stays."""
         self._filter = sample_filter(parameters)
+        self._interval = parameters.sample_time * NANOSECONDS
         estimate_state(self._memory.copy(), self._measurement, self._filter, self._estimate)
 
     def _on_measurement(self, message: JointState) -> None:
         stamp = message.header.stamp
         if stamp != self._last_stamp:
+            self._check_interval(stamp_nanoseconds(message))
             read_joints(message, self._measurement, self._filter.passthrough)
             estimate_state(self._memory, self._measurement, self._filter, self._estimate)
             self._writer.fill(self._estimate).header.stamp = stamp
             self._last_stamp = stamp
         self._publisher.publish(self._writer.message)
+
+    def _check_interval(self, stamp: int) -> None:
+        """Tell when the measurements keep coming at another interval than the filter is for."""
+        interval, self._last_time = stamp - self._last_time, stamp
+        if abs(interval - self._interval) <= TOLERANCE * self._interval:
+            self._odd_intervals = 0
+            return
+        self._odd_intervals += 1
+        if self._odd_intervals == MANY:
+            self.get_logger().warning(
+                f"measurements come every {interval / NANOSECONDS:g} s, but sample_time is "
+                f"{self.parameters.sample_time:g} s"
+            )
 
 
 def main() -> None:

@@ -10,10 +10,12 @@ from __future__ import annotations
 import hashlib
 import inspect
 import os
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from types import ModuleType
+from typing import Any, TypeVar, cast, get_type_hints
 
 import numba
 
@@ -39,17 +41,39 @@ def compiled(function: Function) -> Function:
 
 
 def _digest(function: Callable[..., Any]) -> str:
-    """Hash of the function's file and, through its globals, of all compiled functions it calls."""
+    """Hash of the function's file and of all that its machine code depends on elsewhere.
+
+    That is, through its globals and the modules among them: compiled functions that it calls,
+    numbers that it uses, and the named tuples that it makes or takes.
+    """
     content = hashlib.sha256(_file_digest(inspect.getfile(function)).encode())
-    for name in sorted(set(function.__code__.co_names)):
-        used: Any = function.__globals__.get(name)
-        if hasattr(used, "furuta_digest"):
-            content.update(used.furuta_digest.encode())
-        elif isinstance(used, (bool, int, float)):
-            content.update(f"{name}={used!r}".encode())
-        elif isinstance(used, type):
-            content.update(_file_digest(inspect.getfile(used)).encode())
+    names = sorted({*function.__code__.co_names, *_annotated(function)})
+    for name in names:
+        used = function.__globals__.get(name)
+        if isinstance(used, ModuleType):
+            for inner in names:
+                _add(content, inner, getattr(used, inner, None))
+        else:
+            _add(content, name, used)
     return content.hexdigest()
+
+
+def _add(content: Any, name: str, used: Any) -> None:
+    if hasattr(used, "furuta_digest"):
+        content.update(used.furuta_digest.encode())
+    elif isinstance(used, (bool, int, float)):
+        content.update(f"{name}={used!r}".encode())
+    elif isinstance(used, type) and hasattr(used, "_fields"):
+        content.update(_file_digest(inspect.getfile(used)).encode())
+        for field, kind in sorted(get_type_hints(used).items()):
+            _add(content, field, kind)
+
+
+def _annotated(function: Callable[..., Any]) -> set[str]:
+    """Names in the function's annotations, which are text here."""
+    return {
+        name for text in function.__annotations__.values() for name in re.findall(r"\w+", str(text))
+    }
 
 
 @cache

@@ -14,12 +14,14 @@ is annotated with :data:`INLINE`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 Group = TypeVar("Group", bound=NamedTuple)
 INLINE = "inline"
+LARGEST = sys.float_info.max
 
 
 class ParameterError(ValueError):
@@ -45,8 +47,8 @@ class About:
         """The allowed values in words."""
         if self.choices:
             return "one of " + ", ".join(self.choices)
-        if self.low == -math.inf and self.high == math.inf:
-            return "any"
+        if self.low == -math.inf:
+            return "any" if self.high == math.inf else f"at most {self.high:g}"
         if self.high == math.inf:
             return f"at least {self.low:g}"
         return f"{self.low:g} to {self.high:g}"
@@ -63,6 +65,8 @@ class Declared(NamedTuple):
     def checked(self, value: Any) -> Any:
         """Return ``value`` as the declared type or raise :class:`ParameterError`."""
         if self.kind is list:
+            if not isinstance(value, Sequence):
+                raise ParameterError(f"{self.name} must be a list of numbers, given {value!r}")
             return tuple(self._number(element) for element in value)
         if self.kind in (float, int):
             return self._number(value)
@@ -78,7 +82,7 @@ class Declared(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
             kind = "an integer" if whole else "a number"
             raise ParameterError(f"{self.name} must be {kind}, given {value!r}")
-        if not math.isfinite(value):
+        if abs(value) > LARGEST or math.isnan(value):
             raise ParameterError(f"{self.name} must be finite, given {value}")
         if not about.low <= value <= about.high:
             unit = f" {about.unit}" if about.unit else ""

@@ -101,12 +101,12 @@ def _descriptor(each: Declared) -> ParameterDescriptor:
         name=each.name,
         type=_TYPES[each.kind].value,
         description=f"{about.meaning}{unit}",
-        additional_constraints=about.allowed if about.choices else "",
+        additional_constraints="" if _has_range(each) or about.allowed == "any" else about.allowed,
         read_only=about.read_only,
         # ROS cannot tell the type of an empty list; the declaration checks what is in it.
         dynamic_typing=each.kind is list,
     )
-    if math.isfinite(about.low) and math.isfinite(about.high):
+    if _has_range(each):
         if each.kind is float:
             descriptor.floating_point_range = [
                 FloatingPointRange(from_value=float(about.low), to_value=float(about.high))
@@ -116,3 +116,9 @@ def _descriptor(each: Declared) -> ParameterDescriptor:
                 IntegerRange(from_value=int(about.low), to_value=int(about.high), step=1)
             ]
     return descriptor
+
+
+def _has_range(each: Declared) -> bool:
+    """Whether ROS can hold the range: it knows no open ends."""
+    bounded = math.isfinite(each.about.low) and math.isfinite(each.about.high)
+    return bounded and each.kind in (float, int)

@@ -67,6 +67,7 @@ def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> in
     try:
         node = make()
         settle_memory()
+        node.get_logger().info("ready")
         spin_until(executor_of([node]), stop)
         node.destroy_node()
     except (ParameterError, ParameterException) as error:
@@ -85,4 +86,5 @@ def fail(reason: str) -> int:
 
 
 def _first_line(error: Exception) -> str:
-    return str(error).strip().splitlines()[0]
+    """What the error says, without the places in ROS's own sources that it ends with."""
+    return str(error).strip().splitlines()[0].partition(", at /")[0]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 LOOK = 0.1  # [s] between looks at the state of the ring
 REPEAT = 0.5  # [s] without command after which a lost measurement is sent again
 QUIET = 0.3  # [s] without further commands after a repetition
-COMPLAIN = 5.0  # [s] without command after which the user is told
+COMPLAIN = 5.0  # [s] without command after which, and how often, the user is told
 
 
 class LockStep:
@@ -35,7 +35,7 @@ class LockStep:
         self._published_at = 0.0
         self._repeated_at = 0.0
         self._arrived_at = 0.0
-        self._complained = False
+        self._complained_at = 0.0
         self._ring: frozenset[bytes] = frozenset()
         plant.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -57,7 +57,6 @@ class LockStep:
     def _publish(self) -> None:
         self._waiting = True
         self._repeated = False
-        self._complained = False
         self._published_at = self._repeated_at = monotonic()
         self._plant.publish_sample()
 
@@ -76,8 +75,8 @@ class LockStep:
         elif now - self._repeated_at >= REPEAT:
             self._repeated_at = now
             self._repeat_if_lost()
-        if now - self._published_at >= COMPLAIN and not self._complained:
-            self._complained = True
+        if now - max(self._published_at, self._complained_at) >= COMPLAIN:
+            self._complained_at = now
             self._complain()
 
     def _repeat_if_lost(self) -> None:

@@ -11,7 +11,8 @@ from math import pi
 from typing import Annotated, NamedTuple
 
 from furuta_model.lugre import LuGre
-from furuta_model.parameters import About
+from furuta_model.motion import MOST_SUBSTEPS, substeps_for
+from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
 CLOCKS = ("realtime", "lockstep")
@@ -76,6 +77,15 @@ class Plant(NamedTuple):
         0.001
     )
     seed: Annotated[int, About("seed of the sensors' noise", "", 0, 2**62, read_only=True)] = 0
+
+    def check(self) -> None:
+        """Refuse a rig too stiff to simulate at its sample time."""
+        if not substeps_for(self.sample_time, self.model, self.friction) <= MOST_SUBSTEPS:
+            raise ParameterError(
+                f"this rig needs more than {MOST_SUBSTEPS} integration steps per sample of "
+                f"{self.sample_time:g} s: alpha * beta too near gamma², or sigma0, sigma1 or "
+                "viscous too large"
+            )
 
 
 class PlantNodeParameters(NamedTuple):

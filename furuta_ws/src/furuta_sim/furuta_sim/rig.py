@@ -23,11 +23,12 @@ NOISE_CHANNELS = 2
 @compiled
 def convert(value: float, full_scale: float, bits: int) -> float:
     """What a converter of ±``full_scale`` and ``bits`` makes of ``value``: clipped, rounded."""
+    value = min(max(value, -full_scale), full_scale)
     if bits == 0:
-        return min(max(value, -full_scale), full_scale)
+        return value
     half = 2.0 ** (bits - 1)
     code = floor(value / full_scale * half + 0.5)
-    return min(max(code, -half), half - 1.0) * full_scale / half
+    return min(code, half - 1.0) * full_scale / half
 
 
 @compiled

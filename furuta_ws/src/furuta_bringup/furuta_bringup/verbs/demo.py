@@ -10,6 +10,7 @@ from typing import Any
 import click
 import rclpy
 from rclpy.signals import SignalHandlerOptions
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -88,7 +89,7 @@ def _clear(bag: Path) -> None:
 
 
 def _print(summary: dict[str, Any]) -> None:
-    table = Table(title="limit cycle, peak to peak, second half of each phase")
+    table = Table(title="limit cycle, peak to peak, second half of each phase", box=SIMPLE)
     table.add_column("compensation", no_wrap=True)
     for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
         table.add_column(escape(heading), justify="right")

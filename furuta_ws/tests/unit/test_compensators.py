@@ -1,0 +1,118 @@
+"""Friction estimates: bounded always, right when the model is."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from unit import reference
+
+from furuta_friction.compensators import MEMORY, Compensator, compensator, estimate_friction
+from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
+from furuta_model.lugre import LuGre
+
+DT = 1e-3
+
+
+def compensators(**parameters: object) -> dict[str, Compensator]:
+    """One compensator of each kind."""
+    return {
+        kind: compensator(ObserverParameters(compensation=kind, **parameters))
+        for kind in COMPENSATIONS
+    }
+
+
+def test_none_and_coulomb() -> None:
+    """None is 0 V; Coulomb is α₀ sgn(v) by direction plus the viscous part, 0 at rest."""
+    lugre = LuGre(alpha0=0.2, asymmetry=0.1, viscous=0.5)
+    made = compensators(friction=lugre)
+    for v, expected in ((2.0, 0.22 + 1.0), (1e-9, 0.22), (0.0, 0.0), (-2.0, -0.18 - 1.0)):
+        x = np.array([0.3, v, 0, 0])
+        assert estimate_friction(np.zeros(MEMORY), x, made["coulomb"]) == pytest.approx(expected)
+        assert estimate_friction(np.zeros(MEMORY), x, made["none"]) == 0.0
+
+
+def test_bounded_for_any_motion() -> None:
+    """No speed, noise, step or K takes ẑ or F̂ beyond what the parameters allow."""
+    rng = np.random.default_rng(14)
+    for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (0.0, 0.01, 1e3), (0.0, 0.4)):
+        lugre = LuGre(viscous=0.1, asymmetry=asymmetry)
+        bound = 0.232 * (1 + asymmetry) * (1 + 1e-9)
+        observer = compensators(friction=lugre, observer_gain=gain, sample_time=dt)["lugre"]
+        memory = np.zeros(MEMORY)
+        for _ in range(500):
+            v = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-6, 3)
+            estimate = estimate_friction(memory, np.array([rng.normal(0, 10), v, 0, 0]), observer)
+            assert abs(estimate - lugre.viscous * v) <= bound
+            assert abs(lugre.sigma0 * memory[0]) <= bound
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_converges_to_the_true_bristle(dt: float) -> None:
+    """Without model error a wrong ẑ is forgotten, and F̂ is the F of (5)."""
+    lugre = LuGre(viscous=0.1, asymmetry=0.2)
+    observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
+    memory, z = np.array([-0.0025]), 0.0025
+    for v in 0.6 * np.sin(np.arange(0.01, 3, dt)):
+        rate = lugre.sigma0 * abs(v) / reference.level(v, lugre)
+        slope = [[-rate]]
+        z = solve_ivp(
+            lambda _, y, v=v, rate=rate: v - rate * y,
+            (0, dt),
+            [z],
+            method="Radau",
+            jac=slope,
+            rtol=1e-9,
+            atol=1e-14,
+        ).y[0, -1]
+        estimate = estimate_friction(memory, np.array([0.5, v, 0, 0]), observer)
+    assert memory[0] == pytest.approx(z, rel=1e-6)
+    force = lugre.sigma0 * z + lugre.sigma1 * (v - rate * z) + lugre.viscous * v
+    assert estimate == pytest.approx(force, rel=1e-5)
+
+
+def test_correction_pulls_towards_the_reference() -> None:
+    """At rest K moves ẑ by −Kφt, up to the level; sliding, F̂ settles at g(1 − Kφ/v)."""
+    lugre = LuGre(alpha1=0.0)
+    observer = compensators(friction=lugre, observer_gain=0.01, sample_time=DT)["lugre"]
+    memory, resting = np.zeros(MEMORY), np.array([0.2, 0.0, 0, 0])
+    for _ in range(100):
+        estimate_friction(memory, resting, observer)
+    assert memory[0] == pytest.approx(-0.01 * 0.2 * 0.1)
+    for _ in range(5000):
+        estimate = estimate_friction(memory, resting, observer)
+    assert memory[0] == pytest.approx(-0.21 / 80)
+    assert estimate == pytest.approx(-0.21)
+
+    sliding = np.array([0.2, 0.1, 0, 0])
+    for _ in range(2000):
+        estimate = estimate_friction(memory, sliding, observer)
+    assert estimate == pytest.approx(0.21 * (1 - 0.01 * 0.2 / 0.1))
+
+
+def test_switching_finds_the_observer_converged() -> None:
+    """The observer runs under every kind: after a switch F̂ is as if it had always been used."""
+    rng = np.random.default_rng(15)
+    made = compensators()
+    kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
+    for k, x in enumerate(rng.normal(0, 0.1, (300, 4))):
+        kind = COMPENSATIONS[k // 100]
+        expected = estimate_friction(kept, x, made["lugre"])
+        found = estimate_friction(switched, x, made[kind])
+        assert np.array_equal(kept, switched)
+        assert kind != "lugre" or found == expected
+
+
+def test_estimate_has_no_jump_at_reversal() -> None:
+    """Through a slow reversal LuGre's F̂ is continuous, where Coulomb's jumps by twice the level."""
+    made = compensators()
+    largest = {}
+    for kind in ("coulomb", "lugre"):
+        memory = np.zeros(MEMORY)
+        speeds = 0.2 * np.cos(np.arange(0, 3, DT))
+        series = [estimate_friction(memory, np.array([0, v, 0, 0]), made[kind]) for v in speeds]
+        largest[kind] = max(abs(after - before) for before, after in pairwise(series[500:]))
+    assert largest["coulomb"] == pytest.approx(0.42)
+    assert largest["lugre"] < 0.01

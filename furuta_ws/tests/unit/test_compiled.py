@@ -1,0 +1,108 @@
+"""The cache of compiled functions: quick when nothing changed, never out of date."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+CONSTANT = "SHIFT = 1.0"
+CALLEE = """
+from furuta_model.compiled import compiled
+@compiled
+def callee(x):
+    return 2.0 * x
+"""
+CALLER = """
+from furuta_model.compiled import compiled
+from callee_module import callee
+from constant_module import SHIFT
+@compiled
+def middle(x):
+    return callee(x) + SHIFT
+@compiled
+def caller(x):
+    return middle(x)
+"""
+GROUP = """
+from typing import NamedTuple
+class Group(NamedTuple):
+    {}: float
+    {}: float
+"""
+READER = """
+from callee_module import Group
+from furuta_model.compiled import compiled
+@compiled
+def caller(group: Group):
+    return group.low
+"""
+SCRIPT = """
+from caller_module import caller
+print(caller(3.0), sum(caller.stats.cache_hits.values()))
+"""
+
+
+def write(folder: Path, **modules: str) -> None:
+    for name, text in modules.items():
+        (folder / f"{name}_module.py").write_text(text)
+
+
+def run(folder: Path, script: str = SCRIPT, **environment: str) -> tuple[float, int]:
+    """Result and number of cache hits of the script in a fresh interpreter."""
+    kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    python_path = os.pathsep.join([str(folder), kept.get("PYTHONPATH", "")])
+    # Python's own cache cannot tell edits of equal length within a second apart.
+    kept |= {"PYTHONPATH": python_path, "PYTHONDONTWRITEBYTECODE": "1"} | environment
+    output = subprocess.run(
+        [sys.executable, "-c", script],
+        env=kept,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    ).stdout
+    result, hits = output.split()
+    return float(result), int(hits)
+
+
+def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
+    """A second run is a hit; an edit two calls down in another module, or of a constant, counts."""
+    write(tmp_path, constant=CONSTANT, callee=CALLEE, caller=CALLER)
+    assert run(tmp_path) == (7.0, 0)
+    assert run(tmp_path) == (7.0, 1)
+    write(tmp_path, callee=CALLEE.replace("2.0 * x", "5.0 * x"))
+    assert run(tmp_path) == (16.0, 0)
+    write(tmp_path, constant="SHIFT = 9.0")
+    assert run(tmp_path) == (24.0, 0)
+
+
+def test_cache_directory_is_honoured(tmp_path: Path) -> None:
+    """With NUMBA_CACHE_DIR set the machine code goes there and is found again."""
+    source, cache = tmp_path / "source", tmp_path / "cache"
+    source.mkdir()
+    write(source, constant=CONSTANT, callee=CALLEE, caller=CALLER)
+    assert run(source, NUMBA_CACHE_DIR=str(cache)) == (7.0, 0)
+    assert run(source, NUMBA_CACHE_DIR=str(cache)) == (7.0, 1)
+    assert list(cache.rglob("*.nbi"))
+    assert not list(source.rglob("*.nbi"))
+
+
+def test_callee_through_its_module(tmp_path: Path) -> None:
+    """An edit counts also where the callee is called as ``module.function``."""
+    write(tmp_path, constant=CONSTANT, callee=CALLEE)
+    through = CALLER.replace("from callee_module import callee", "import callee_module")
+    write(tmp_path, caller=through.replace("callee(x) + SHIFT", "callee_module.callee(x) + SHIFT"))
+    assert run(tmp_path) == (7.0, 0)
+    write(tmp_path, callee=CALLEE.replace("2.0 * x", "5.0 * x"))
+    assert run(tmp_path)[0] == 16.0
+
+
+def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
+    """Exchanging two fields of a parameter tuple in another module does not exchange values."""
+    script = "from callee_module import Group\n" + SCRIPT.replace("3.0", "Group(low=1.0, high=2.0)")
+    write(tmp_path, callee=GROUP.format("low", "high"), caller=READER)
+    assert run(tmp_path, script) == (1.0, 0)
+    write(tmp_path, callee=GROUP.format("high", "low"))
+    assert run(tmp_path, script)[0] == 1.0
