@@ -49,3 +49,51 @@ def plant_after(
         atol=1e-11,
     )
     return solution.y[:, -1]
+
+
+def loop_rate(
+    t: float, x: np.ndarray, gains: np.ndarray, body: FurutaPendulum, lugre: LuGre
+) -> list[float]:
+    """Derivative of the plant's state under continuous feedback u = l·x."""
+    return plant_rate(t, x, float(gains @ x[:4]), body, lugre)
+
+
+def closed_loop(
+    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
+) -> np.ndarray:
+    """The closed loop's path (n, 5) from ``x``, at steps of at most 5 ms."""
+    solution = solve_ivp(
+        loop_rate,
+        (0, seconds),
+        x,
+        method="Radau",
+        args=(gains, body, lugre),
+        rtol=1e-7,
+        atol=1e-10,
+        max_step=0.005,
+    )
+    return solution.y.T
+
+
+def upper_turns(
+    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
+) -> np.ndarray:
+    """States (n, 5) where the arm turns from forward motion."""
+
+    class Speed:
+        direction = -1
+
+        def __call__(self, t: float, x: np.ndarray, *_: object) -> float:
+            return float(x[1])
+
+    solution = solve_ivp(
+        loop_rate,
+        (0, seconds),
+        x,
+        method="Radau",
+        args=(gains, body, lugre),
+        rtol=1e-8,
+        atol=1e-11,
+        events=Speed(),
+    )
+    return solution.y_events[0]

@@ -15,6 +15,10 @@ VERBS = {
     "run": "The graph until Ctrl-C, in one process or in one per node.",
     "simulate": "The same loop without ROS.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
+    "limit-cycle": "The exact periodic motion, and branches of it.",
+    "map": "Which feedbacks give a limit cycle: a map over two parameters.",
+    "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
+    "describing-function": "Limit cycles that the describing function of friction predicts.",
     "param": "Read and set parameters of running nodes; print parameter files.",
     "node": "List the running nodes; run one.",
 }
@@ -31,7 +35,7 @@ class Verbs(click.Group):
         """The verb's command."""
         if cmd_name not in VERBS:
             return None
-        module = importlib.import_module(f"furuta_bringup.verbs.{cmd_name}")
+        module = importlib.import_module(f"furuta_bringup.verbs.{cmd_name.replace('-', '_')}")
         command: click.Command = module.command
         return command
 

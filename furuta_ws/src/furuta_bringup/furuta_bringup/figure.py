@@ -10,6 +10,7 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 
+from furuta_analysis.closed_loop import Record
 from furuta_model.state import PHI, THETA
 
 from .bag import Recording
@@ -20,8 +21,28 @@ TITLES = {
     "coulomb": "Coulomb (Fig. 7)",
     "lugre": "LuGre (Fig. 8)",
 }
+LABELS = ("arm φ [rad]", "pendulum θ [rad]", "control u [V]", "friction [V]")
 # Seconds shown of each phase, its last.
 SHOWN = 10.0
+
+
+def draw_run(run: Record, path: Path) -> None:
+    """Arm, pendulum, control and friction of one simulated run."""
+    figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 8), layout="constrained")
+    axes[0].plot(run.time, run.state[:, PHI], lw=1.2)
+    axes[1].plot(run.time, run.state[:, THETA], lw=1.2)
+    axes[2].plot(run.time, run.command, lw=0.8)
+    axes[3].plot(run.time, run.friction, lw=1.6, label="true friction F")
+    axes[3].plot(run.time, run.friction_estimate, lw=0.6, label="estimate of F")
+    axes[3].legend(loc="upper right")
+    axes[3].set_xlabel("time [s]")
+    for axis, label in zip(axes, LABELS, strict=True):
+        axis.set_ylabel(label)
+        axis.grid(alpha=0.3)
+        axis.margins(x=0)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
 
 
 def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
@@ -41,8 +62,7 @@ def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
         for axis in column:
             axis.grid(alpha=0.3)
             axis.margins(x=0)
-    labels = ("arm φ [rad]", "pendulum θ [rad]", "control u [V]", "friction [V]")
-    for axis, label in zip(axes[:, 0], labels, strict=True):
+    for axis, label in zip(axes[:, 0], LABELS, strict=True):
         axis.set_ylabel(label)
     figure.legend(*axes[3, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     path.parent.mkdir(parents=True, exist_ok=True)

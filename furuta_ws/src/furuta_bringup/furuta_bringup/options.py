@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 import click
 
+from furuta_model.friction_laws import LAWS
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -29,6 +31,20 @@ def model_options(function: Function) -> Function:
         type=click.Path(exists=False, path_type=Path),
         metavar="FILE",
         help="ROS parameter file.",
+    )(function)
+
+
+def ideal_options(function: Function) -> Function:
+    """``--law`` and ``--feedback`` of the verbs on the ideal loop."""
+    function = click.option(
+        "--law", type=click.Choice(LAWS), default="lugre", show_default=True, help="Friction law."
+    )(function)
+    return click.option(
+        "--feedback",
+        nargs=4,
+        type=float,
+        metavar="L1 L2 L3 L4",
+        help="u = l·x; default: the controller's gain.",
     )(function)
 
 

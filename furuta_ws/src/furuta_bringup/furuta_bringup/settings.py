@@ -43,7 +43,7 @@ def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
         name, separator, text = assignment.partition("=")
         if not separator:
             raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
-        for node, each in _matches(name.strip()):
+        for node, each in parameters_named(name.strip()):
             settings[node][each.name] = _checked(each, _value(text, name))
     _check_sample_times(settings)
     return settings
@@ -114,7 +114,7 @@ def _targets(node: str, name: str, file: Path) -> list[tuple[str, Declared]]:
     return found
 
 
-def _matches(name: str) -> list[tuple[str, Declared]]:
+def parameters_named(name: str) -> list[tuple[str, Declared]]:
     """Parameters that ``name`` means.
 
     ``node.parameter`` means one. Otherwise it is every parameter of that full name or of that

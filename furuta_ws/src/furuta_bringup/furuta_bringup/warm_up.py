@@ -5,12 +5,21 @@ from __future__ import annotations
 import rclpy
 
 from furuta_analysis.closed_loop import Loop, simulate
+from furuta_analysis.limit_cycle import limit_cycle
+from furuta_analysis.predicted_cycles import predict_cycles
+from furuta_analysis.study import predicted_size
+from furuta_analysis.transfer import transfer
 
 from .graph import Graph
+from .ideal import Choice
 from .settings import NODES
 
 if __name__ == "__main__":
     simulate(Loop(), 0.01)
+    loop = Choice((), (), "lugre", None).loop()
+    limit_cycle(loop)
+    predicted_size(loop)
+    predict_cycles(transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4)), loop.law)
     rclpy.init()
     Graph({node: {} for node in NODES}).close()
     rclpy.shutdown()

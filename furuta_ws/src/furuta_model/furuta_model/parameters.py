@@ -17,6 +17,7 @@ import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 Group = TypeVar("Group", bound=NamedTuple)
@@ -90,9 +91,19 @@ class Declared(NamedTuple):
         return value if whole else float(value)
 
 
-def declared(group: type[NamedTuple], prefix: str = "") -> Iterator[Declared]:
+@cache
+def declared(group: type[NamedTuple], prefix: str = "") -> tuple[Declared, ...]:
     """All parameters of a group and of the groups inside it, in order."""
-    for field, hint in get_type_hints(group, include_extras=True).items():
+    return tuple(_declared(group, prefix))
+
+
+@cache
+def _hints(group: type[NamedTuple]) -> dict[str, Any]:
+    return get_type_hints(group, include_extras=True)
+
+
+def _declared(group: type[NamedTuple], prefix: str) -> Iterator[Declared]:
+    for field, hint in _hints(group).items():
         kind, notes = (
             (get_args(hint)[0], get_args(hint)[1:]) if get_origin(hint) is Annotated else (hint, ())
         )
@@ -111,7 +122,7 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
-    for field, hint in get_type_hints(group, include_extras=True).items():
+    for field, hint in _hints(group).items():
         kind = get_args(hint)[0] if get_origin(hint) is Annotated else hint
         if _is_group(kind):
             inline = INLINE in get_args(hint)[1:]
@@ -131,7 +142,7 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
 def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
     """The inverse of :func:`build`: every value by its full name."""
     result: dict[str, Any] = {}
-    for field, hint in get_type_hints(type(group), include_extras=True).items():
+    for field, hint in _hints(type(group)).items():
         value = getattr(group, field)
         if _is_group(type(value)):
             inline = INLINE in get_args(hint)[1:]

@@ -14,6 +14,7 @@ from furuta_analysis.oscillation import fell, measure_oscillation
 from furuta_bringup.settings import gather, loop
 from furuta_model.parameters import ParameterError
 
+from ..figure import draw_run
 from ..options import json_option, model_options, print_json
 
 
@@ -23,7 +24,12 @@ from ..options import json_option, model_options, print_json
 @click.option("--ideal-sensors", is_flag=True, help="All four states measured exactly.")
 @click.option("--feedback", nargs=4, type=float, metavar="L1 L2 L3 L4", help="u = l·x.")
 @click.option("--seed", type=int, help="Seed of the sensors' noise.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.npz", help="Keep the series.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.npz|FILE.png",
+    help="Keep the series, or draw them.",
+)
 @model_options
 @json_option
 def command(
@@ -74,5 +80,8 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 
 def _keep(record: Any, out: Path) -> None:
+    if out.suffix == ".png":
+        draw_run(record, out)
+        return
     fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
     np.savez_compressed(out, time=record.time, **fields)

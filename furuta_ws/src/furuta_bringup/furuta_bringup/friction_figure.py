@@ -1,0 +1,85 @@
+"""Friction of every law over the arm's speed: steady, at rest, and LuGre's in an oscillation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from furuta_model.friction_laws import LAWS, LUGRE, FrictionLaw, breakaway_level, steady_friction
+from furuta_model.lugre import LuGre, bristle_after
+
+# Speeds shown, in Stribeck velocities, and the oscillation in LuGre's panel.
+EXTENT = 4.0
+OSCILLATION = 3.0  # rad/s
+SAMPLES = 20_000
+STEADY, REST, MOVING = "tab:blue", "tab:red", "tab:green"
+
+
+def draw_laws(p: LuGre, path: Path) -> None:
+    """One panel per law."""
+    figure, axes = plt.subplots(
+        1, len(LAWS), figsize=(13, 4.2), sharex=True, sharey=True, layout="constrained"
+    )
+    for kind, axis in enumerate(axes):
+        law = FrictionLaw(kind, p)
+        _steady(axis, law)
+        if kind == LUGRE:
+            _moving(axis, p)
+        else:
+            _rest(axis, law)
+        axis.set_title(law.name)
+        axis.set_xlabel("arm speed v [rad/s]")
+        axis.grid(alpha=0.25)
+    axes[0].set_ylabel("friction F [V]")
+    handles = {
+        label: handle
+        for axis in axes
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(
+        handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _steady(axis: Any, law: FrictionLaw) -> None:
+    speed = np.linspace(0.0, EXTENT * law.parameters.stribeck_velocity, 400)[1:]
+    for direction in (1.0, -1.0):
+        force = [steady_friction(direction * v, law) for v in speed]
+        axis.plot(direction * speed, force, color=STEADY, lw=2, label="steady speed")
+
+
+def _rest(axis: Any, law: FrictionLaw) -> None:
+    ends = [-breakaway_level(-1.0, law), breakaway_level(1.0, law)]
+    axis.plot(
+        [0.0, 0.0], ends, "_-", color=REST, lw=2, ms=12, label="at rest, until it breaks away"
+    )
+
+
+def _moving(axis: Any, p: LuGre) -> None:
+    """F against v in the second period of v = A sin ωt: the bristle lags behind."""
+    step = 4.0 * np.pi / OSCILLATION / SAMPLES
+    amplitude = EXTENT * p.stribeck_velocity
+    z, force = 0.0, np.empty(SAMPLES)
+    speed = amplitude * np.sin(OSCILLATION * step * (np.arange(SAMPLES) + 0.5))
+    for k, v in enumerate(speed):
+        end, mean = bristle_after(v, 0.0, z, step, p)
+        force[k] = p.sigma0 * mean + p.sigma1 * (end - z) / step + p.viscous * v
+        z = end
+    period = slice(SAMPLES // 2, None)
+    axis.plot(
+        speed[period],
+        force[period],
+        color=MOVING,
+        lw=1.2,
+        label=f"v = {amplitude:.2g} sin({OSCILLATION:.2g} t) rad/s",
+    )

@@ -1,0 +1,116 @@
+"""The verbs ``nyquist`` and ``describing-function`` as a user meets them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PNG = b"\x89PNG"
+
+
+def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:
+    """Case a crosses, b does not, c and d start on the negative real axis; and a picture."""
+    picture = tmp_path / "new" / "figure4.png"
+    status, out, err = furuta("nyquist", "--figure-4", "--out", picture, "--json")
+    assert status == 0, err
+    result = json.loads(out)
+    assert [(each["case"], each["omega_rad_s"]) for each in result["crossings"]] == [
+        ("a", pytest.approx(3.057, abs=1e-3)),
+        ("c", 0.0),
+        ("d", 0.0),
+    ]
+    assert "steady rotation: at 0.21 rad/s" in result["cases"]["c"]["note"]
+    assert picture.read_bytes().startswith(PNG)
+
+
+def test_nyquist_of_the_controller(furuta: Any) -> None:
+    """The default feedback is the controller's own gain."""
+    result = json.loads(furuta("nyquist", "--json")[1])
+    placed = json.loads(furuta("linearize", "--json")[1])
+    assert result["feedback"] == pytest.approx([-each for each in placed["L"]])
+    assert result["stable_without_friction"] is True
+    (crossing,) = result["crossings"]
+    assert crossing["omega_rad_s"] == pytest.approx(3.0301, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
+)
+def test_describing_function(
+    furuta: Any, tmp_path: Path, law: str, width: float, period: float
+) -> None:
+    """The predicted limit cycle of the rig, with pictures."""
+    out_file, curves = tmp_path / "n.png", tmp_path / "laws.png"
+    status, out, err = furuta(
+        "describing-function", "--law", law, "--json", "--out", out_file, "--curves", curves
+    )
+    assert status == 0, err
+    (cycle,) = json.loads(out)["cycles"]
+    assert cycle["phi_peak_to_peak_rad"] == pytest.approx(width, abs=1e-4)
+    assert cycle["period_s"] == pytest.approx(period, abs=1e-4)
+    assert cycle["stable"] is True
+    assert out_file.read_bytes().startswith(PNG)
+    assert curves.read_bytes().startswith(PNG)
+
+
+def test_parameters_and_feedback_reach_it(furuta: Any) -> None:
+    """Friction twice as strong, cycle twice as wide; without φ no cycle but rotations."""
+    result = json.loads(
+        furuta("describing-function", "--law", "coulomb", "--set", "alpha0=0.42", "--json")[1]
+    )
+    assert result["cycles"][0]["phi_peak_to_peak_rad"] == pytest.approx(2 * 0.6425, abs=2e-4)
+    result = json.loads(
+        furuta("describing-function", "--feedback", "0", "7", "60", "20", "--json")[1]
+    )
+    assert result["cycles"] == []
+    assert [each["rate_rad_s"] for each in result["rotations"]] == pytest.approx(
+        [0.03208, -0.03208], abs=1e-5
+    )
+    assert "steady rotation" in result["note"]
+
+
+@pytest.mark.parametrize("verb", ["nyquist", "describing-function"])
+def test_for_people(furuta: Any, verb: str) -> None:
+    """Without --json the same in words."""
+    status, out, _ = furuta(verb, "--feedback", "10", "4", "60", "20")
+    assert status == 0
+    assert "60 θ +20 θ̇" in out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--feedback", "0", "0", "0", "0"),
+        ("--feedback", "0", "-1", "60", "20"),
+        ("--set", "alpha0=0", "--set", "alpha1=0", "--law", "coulomb"),
+    ],
+)
+def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tuple[str]) -> None:
+    """Loops without feedback, or without friction, give a picture and no warning."""
+    for verb in ("nyquist", "describing-function"):
+        picture = tmp_path / f"{verb}.png"
+        status, _, err = furuta(verb, *arguments, "--out", picture)
+        assert (status, err) == (0, "")
+        assert picture.read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["nyquist", "--feedback", "nan", "1", "1", "1"], "four finite numbers"),
+        (["describing-function", "--feedback", "1", "inf", "1", "1"], "four finite numbers"),
+        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "its own feedbacks"),
+        (["describing-function", "--set", "sigma0=-1"], "sigma0 must be"),
+        (["nyquist", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
+    ],
+)
+def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
+    """Exit status 1, the reason on standard error, nothing on standard output."""
+    status, out, err = furuta(*arguments)
+    assert status == 1
+    assert out == ""
+    assert reason in err
+    assert len(err.strip().splitlines()) == 1

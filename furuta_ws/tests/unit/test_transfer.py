@@ -1,0 +1,126 @@
+"""G(s) of equation (10): against the state space, python-control and dense curves."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+
+from furuta_analysis.transfer import (
+    FIGURE_4,
+    Transfer,
+    open_loop_poles,
+    real_quadratic_roots,
+    transfer,
+)
+from furuta_model.linear import DesiredPoles, linearize, place_poles
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT
+
+P = FurutaPendulum()
+OTHER = FurutaPendulum(0.7, 0.9, 0.5, 1.3)
+PLACED = tuple(-place_poles(P, DesiredPoles()))
+FEEDBACKS = [PLACED, *FIGURE_4.values(), (-3.0, 2.0, 5.0, -1.0), (0.0, -2.0, 1.0, 4.0)]
+
+
+def closed_loop(p: FurutaPendulum, feedback: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    a, b = linearize(p)
+    return a + np.outer(b, feedback), b
+
+
+@pytest.mark.parametrize("p", [P, OTHER])
+@pytest.mark.parametrize("feedback", FEEDBACKS)
+def test_equation_10_is_the_state_space(p: FurutaPendulum, feedback: tuple[float, ...]) -> None:
+    """G(jω) is C(jω − A − Bl)⁻¹B, for −F enters where u does."""
+    a, b = closed_loop(p, feedback)
+    g = transfer(p, feedback)
+    for omega in np.geomspace(0.01, 1e3, 30):
+        expected = np.linalg.solve(1j * omega * np.eye(4) - a, b)[PHI_DOT]
+        assert complex(g.at(omega)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_coefficients_are_those_of_python_control() -> None:
+    """Numerator and denominator, normalised, and the frequency response."""
+    a, b = closed_loop(P, PLACED)
+    theirs = control.ss2tf(control.ss(a, b[:, None], np.eye(4)[[PHI_DOT]], 0))
+    g = transfer(P, PLACED)
+    leading = g.denominator[0]
+    assert np.array(g.denominator) / leading == pytest.approx(theirs.den[0][0], abs=1e-8)
+    padded = np.concatenate([np.zeros(5), theirs.num[0][0]])[-4:]
+    assert np.array(g.numerator) / leading == pytest.approx(padded, abs=1e-8)
+    omega = np.geomspace(0.1, 100, 50)
+    np.testing.assert_allclose(g.at(omega), theirs(1j * omega), rtol=1e-7)
+
+
+@pytest.mark.parametrize("feedback", FEEDBACKS)
+def test_poles_are_eigenvalues(feedback: tuple[float, ...]) -> None:
+    """The poles are the closed loop's eigenvalues, less the free φ where l1 = 0."""
+    a, _ = closed_loop(P, feedback)
+    eigenvalues = list(np.linalg.eigvals(a))
+    g = transfer(P, feedback)
+    if feedback[0] == 0.0:
+        eigenvalues.remove(min(eigenvalues, key=abs))
+    np.testing.assert_allclose(g.poles, np.sort_complex(eigenvalues), rtol=1e-6, atol=1e-6)
+    assert g.stable == bool(np.all(np.real(eigenvalues) < -1e-9))
+    assert open_loop_poles(P) == pytest.approx([-np.sqrt(33), 0, 0, np.sqrt(33)])
+
+
+def curve_crossings(g: Transfer) -> list[float]:
+    """ω at which a dense curve passes the negative real axis."""
+    omega = np.geomspace(1e-4, 1e4, 400_000)
+    values = g.at(omega)
+    sign = np.flatnonzero(np.diff(np.sign(values.imag)) != 0)
+    return [float(omega[i]) for i in sign if values.real[i] < 0.0]
+
+
+def test_crossings_are_those_of_the_curve() -> None:
+    """No meeting with the negative real axis is missing or too many, for random feedbacks."""
+    rng = np.random.default_rng(5)
+    counts = set()
+    for feedback in [*FEEDBACKS, *rng.normal(0, [5, 5, 30, 10], (40, 4))]:
+        g = transfer(P, feedback)
+        found = [each for each in g.crossings if each.omega_rad_s > 0.0]
+        assert [each.omega_rad_s for each in found] == pytest.approx(curve_crossings(g), rel=1e-4)
+        for omega, real in found:
+            assert complex(g.at(omega)) == pytest.approx(real, rel=1e-9)
+        counts.add(len(found))
+    assert counts == {0, 1, 2}
+
+
+def test_figure_4() -> None:
+    """Case a crosses in an oscillation, b not at all, c and d at ω = 0 with G(0) = −1/l2."""
+    a, b, c, d = (transfer(P, feedback) for feedback in FIGURE_4.values())
+    (crossing,) = a.crossings
+    assert crossing == pytest.approx((3.0570, -1.71373), rel=1e-4)
+    assert b.crossings == ()
+    assert b.static_gain == float("inf")
+    assert c.crossings == ((0.0, -1.0),)
+    assert d.crossings == ((0.0, pytest.approx(-1 / 7)),)
+    assert complex(d.at(1e-6)) == pytest.approx(-1 / 7, rel=1e-4)
+    assert [each.stable for each in (a, b, c, d)] == [True, False, True, True]
+    assert a.static_gain == 0.0
+
+
+def test_a_stable_loop_with_arm_feedback_crosses_once() -> None:
+    """Roots of real and imaginary part interlace, so any stable l1 ≠ 0 gives one limit cycle."""
+    rng = np.random.default_rng(6)
+    for omega1, omega2, zeta1, zeta2 in rng.uniform(0.2, [20, 20, 1.5, 1.5], (50, 4)):
+        gain = place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2))
+        assert len(transfer(P, -gain).crossings) == 1
+
+
+def test_quadratic_roots_keep_their_digits() -> None:
+    """Roots twenty decades apart both come out, a double one comes once."""
+    small, large = real_quadratic_roots(1.0, -1e10, 1.0)
+    assert small == pytest.approx(1e-10, rel=1e-12)
+    assert large == pytest.approx(1e10)
+    assert real_quadratic_roots(1.0, -2.0, 1.0) == (1.0,)
+    assert real_quadratic_roots(1.0, 0.0, 0.0) == (0.0,)
+    assert real_quadratic_roots(1.0, 0.0, 1.0) == ()
+
+
+@pytest.mark.parametrize("feedback", [(1, 2, 3), (1, 2, 3, float("nan")), (1, 2, 3, float("inf"))])
+def test_bad_feedback_is_refused(feedback: tuple[float, ...]) -> None:
+    with pytest.raises(ParameterError, match="four finite numbers"):
+        transfer(P, feedback)
