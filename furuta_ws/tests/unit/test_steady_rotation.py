@@ -120,6 +120,16 @@ def test_case_b_accelerates() -> None:
     assert np.all(np.diff(v[10_000::1000]) > 0.0)
 
 
+def test_an_overdamped_loop_comes_to_rest_aside() -> None:
+    """Where the slowest pole is real the arm creeps to l1 φ = F, and the note warns of it."""
+    feedback = (0.1, 1.0, 60.0, 20.0)
+    assert "The slowest pole is real" in loop_note(P, feedback, FrictionLaw())
+    assert "The slowest pole" not in loop_note(P, FIGURE_4["a"], FrictionLaw())
+    v = speeds(feedback, LuGre(), InitialState(0, 0, 0.02, 0), 100.0)
+    assert abs(v[-1]) < 1e-5
+    assert abs(np.sum(v) * 2e-4) == pytest.approx(0.232 / 0.1, rel=1e-2)
+
+
 def test_note_tells_an_unstable_loop() -> None:
     """A feedback that does not hold the pendulum is said to be one; drift alone is not."""
     assert "unstable (a pole with real part" in loop_note(P, (0, 0, 0, 0), FrictionLaw())

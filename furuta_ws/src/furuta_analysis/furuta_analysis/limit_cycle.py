@@ -136,9 +136,7 @@ def limit_cycle(loop: IdealLoop, start: np.ndarray | None = None) -> LimitCycle:
         # Without friction there is no bristle to follow.
         loop = loop._replace(law=loop.law._replace(kind=COULOMB))
     section = Section(loop)
-    y = np.zeros(PLANT_STATES) if start is None else np.array(start, dtype=float)
-    if start is None:
-        y[THETA] = 0.05
+    y = released(0.05) if start is None else np.array(start, dtype=float)
     points: list[np.ndarray] = []
     largest = 0.0
     mode: float | None = _first_mode(y, loop)
@@ -166,6 +164,13 @@ def limit_cycle(loop: IdealLoop, start: np.ndarray | None = None) -> LimitCycle:
             if found is not None and found.stable:
                 return found
     return LimitCycle("irregular", phi_peak_to_peak_rad=largest)
+
+
+def released(theta: float) -> np.ndarray:
+    """State (5,) at rest with the pendulum at ``theta`` [rad]."""
+    y = np.zeros(PLANT_STATES)
+    y[THETA] = theta
+    return y
 
 
 def periodic_orbit(
@@ -265,8 +270,11 @@ def _without_turns(loop: IdealLoop, y: np.ndarray) -> LimitCycle:
         return LimitCycle("rest", point=tuple(y))
     dy = np.empty(PLANT_STATES)
     rate(y, float(np.sign(v)), loop, dy)
-    if abs(dy[PHI_DOT]) * LONGEST_RETURN > STEADY * abs(v):
+    gain = dy[PHI_DOT] * LONGEST_RETURN / v
+    if gain > STEADY:
         return LimitCycle("unbounded")
+    if gain < -STEADY:  # it creeps towards the place where friction balances l₁φ
+        return LimitCycle("rest", point=tuple(y))
     return LimitCycle("rotation", rotation_rate_rad_s=v)
 
 

@@ -11,6 +11,10 @@ from .steady_rotation import steady_rotations
 from .transfer import Transfer, transfer
 
 HELD = "φ is fed back: the curve starts and ends at 0 and only its crossings count."
+LEANS = (
+    "The slowest pole is real: the sliding arm may creep up to l1 φ = F without ever turning, and "
+    "rest there against friction instead of the cycle."
+)
 
 
 def loop_note(p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) -> str:
@@ -19,11 +23,17 @@ def loop_note(p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) ->
     parts = [] if g.stable or _drifts(g) else [_unstable(g)]
     if feedback[0] != 0.0:
         parts.append(HELD)
+        if g.stable and _slowest_pole(g).imag == 0.0:
+            parts.append(LEANS)
     elif feedback[1] == 0.0:
         parts.append(_acceleration(p, g, law))
     else:
         parts.append(_rotation(p, feedback, law))
     return " ".join(parts)
+
+
+def _slowest_pole(g: Transfer) -> complex:
+    return complex(max(g.poles, key=lambda pole: pole.real))
 
 
 def _drifts(g: Transfer) -> bool:

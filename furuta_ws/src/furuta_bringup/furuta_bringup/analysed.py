@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from furuta_analysis.transfer import checked_feedback
-from furuta_control.controller import state_feedback
-from furuta_model.friction_laws import LAWS, FrictionLaw
+from furuta_model.friction_laws import FrictionLaw
 from furuta_model.pendulum import FurutaPendulum
 
-from .settings import gather, loop
+from .ideal import Choice
 
 
 class Analysed(NamedTuple):
@@ -28,11 +27,6 @@ def analysed(
     law: str,
 ) -> Analysed:
     """What the options say, the controller's gain with its sign turned where no feedback is."""
-    parameters = loop(gather(files, assignments))
-    if feedback is None:
-        l1, l2, l3, l4 = state_feedback(parameters.controller)[:4]
-        feedback = (-l1, -l2, -l3, -l4)
-    plant = parameters.plant
-    return Analysed(
-        plant.model, checked_feedback(feedback), FrictionLaw(LAWS.index(law), plant.friction)
-    )
+    made = Choice(files, assignments, law, feedback).loop()
+    gains = checked_feedback((made.l1, made.l2, made.l3, made.l4))
+    return Analysed(made.body, gains, made.law)

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from furuta_analysis.continuation import Branch, BranchPoint, fold_value
-from furuta_analysis.limit_cycle import LimitCycle, limit_cycle, trace
+from furuta_analysis.limit_cycle import LimitCycle, limit_cycle, released, trace
+from furuta_model.parameters import ParameterError
 
 from .. import cycle_figure
 from ..ideal import Choice, parse_range, require_stabilising
@@ -18,6 +20,9 @@ from ..options import ideal_options, json_option, model_options, print_json
 @click.command()
 @ideal_options
 @click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
+@click.option(
+    "--release", default=0.05, show_default=True, help="Pendulum angle of the release [rad]."
+)
 @click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the cycle over a parameter.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
 @model_options
@@ -26,6 +31,7 @@ def command(
     law: str,
     feedback: tuple[float, float, float, float] | None,
     linear: bool,
+    release: float,
     branch: str | None,
     out: Path | None,
     files: tuple[Path, ...],
@@ -39,7 +45,11 @@ def command(
     """
     choice = Choice(files, assignments, law, feedback, linear)
     loop = choice.loop()
-    cycle = limit_cycle(loop)
+    if not 0.0 < abs(release) < 0.5 * np.pi:
+        raise ParameterError(
+            f"--release must be an angle within ±π/2 other than 0, given {release:g}"
+        )
+    cycle = limit_cycle(loop, released(release))
     if cycle.kind == "unbounded":
         require_stabilising(loop)
     result = _described(cycle)
