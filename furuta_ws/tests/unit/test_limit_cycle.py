@@ -7,7 +7,7 @@ import pytest
 from unit import reference
 
 from furuta_analysis.continuation import Branch, fold_value
-from furuta_analysis.exact_motion import IdealLoop
+from furuta_analysis.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycle import LimitCycle, limit_cycle, trace
 from furuta_analysis.study import study
 from furuta_model.friction_laws import COULOMB, LUGRE, STICTION, STRIBECK, FrictionLaw

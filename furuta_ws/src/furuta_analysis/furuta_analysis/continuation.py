@@ -15,7 +15,7 @@ import numpy as np
 from furuta_model.friction_laws import LUGRE
 from furuta_model.parameters import ParameterError
 
-from .exact_motion import IdealLoop
+from .ideal_loop import IdealLoop
 from .limit_cycle import REST, LimitCycle, Section, periodic_orbit
 
 FIRST_STEP = 0.02  # of the scaled curve; the parameter's range is 1

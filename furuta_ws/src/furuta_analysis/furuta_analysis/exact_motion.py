@@ -1,29 +1,22 @@
-r"""The ideal loop, u = l·x without sampling, integrated accurately through stick and slip.
+"""The ideal loop's motion, integrated accurately through stick and slip.
 
-Between two events the motion is smooth: the arm slides in one direction (v > 0 or v < 0) or, under
-a stick-slip law, stands still while the pendulum goes on with β θ̈ = δ sin θ. Each piece is
-integrated by the Dormand–Prince pair 5(4) with error control; an event ends it exactly where it
-happens: v = 0 while sliding, or the holding force
-
-.. math::
-    F_{hold} = u - γ\cosθ\,\frac{δ}{β}\sinθ + γ\sinθ\,\dot θ^2
-
-reaching the breakaway level while at rest. LuGre never rests; its pieces end at v = 0, where |v|
-has its kink.
+Each piece of motion is integrated by the Dormand–Prince pair 5(4) with error control and ends
+exactly at its event.
 """
 
 from __future__ import annotations
 
-from math import cos, isfinite, pi, sin
+from math import isfinite, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction_laws import LUGRE, FrictionLaw, breakaway_level, sliding_level
-from furuta_model.lugre import highest_level
-from furuta_model.pendulum import FurutaPendulum, accelerations
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_model.friction_laws import LUGRE
+from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+
+from .ideal_loop import IdealLoop, before_event, least_travel, next_mode, rate
+from .oscillation import STUCK_SPEED
 
 # How a piece of motion ended.
 TURNED = 0  # v came to 0
@@ -31,26 +24,12 @@ TIME_OUT = 1
 UNBOUNDED = 2  # the pendulum fell, or the state grew beyond all bounds
 TOO_STIFF = 3  # the bristle is too fast for steps of any use
 MOST_STEPS = 1_000_000  # of one piece of motion
-# Stuck is what LuGre creeps through: below this arm speed [rad/s].
-STUCK_SPEED = 1e-2
 HIGHEST_SPEED = 1e3
 AT_REST = 1e-8  # |θ| [rad] and |θ̇| [rad/s] together
 LONGEST_STEP = 5e-3
 SHORTEST_STEP = 1e-12
 RELATIVE_TOLERANCE = 1e-9
 ABSOLUTE_TOLERANCE = 1e-11
-
-
-class IdealLoop(NamedTuple):
-    """Pendulum (nonlinear, or linear about upright), friction law and feedback u = l·x."""
-
-    body: FurutaPendulum
-    law: FrictionLaw
-    l1: float
-    l2: float
-    l3: float
-    l4: float
-    linear: bool = False
 
 
 class Extent(NamedTuple):
@@ -64,56 +43,6 @@ class Extent(NamedTuple):
 
 
 PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK = Extent()
-
-
-@compiled
-def feedback(y: np.ndarray, loop: IdealLoop) -> float:
-    """U = l·x [V]."""
-    return loop.l1 * y[PHI] + loop.l2 * y[PHI_DOT] + loop.l3 * y[THETA] + loop.l4 * y[THETA_DOT]
-
-
-@compiled
-def body_accelerations(y: np.ndarray, torque: float, loop: IdealLoop) -> tuple[float, float]:
-    """(φ̈, θ̈) [rad/s²] of the nonlinear or linear body under torque u − F [V]."""
-    p = loop.body
-    if not loop.linear:
-        return accelerations(y[PHI_DOT], y[THETA], y[THETA_DOT], torque, p)
-    d = p.alpha * p.beta - p.gamma * p.gamma
-    gravity = p.delta * y[THETA]
-    return (p.beta * torque - p.gamma * gravity) / d, (p.alpha * gravity - p.gamma * torque) / d
-
-
-@compiled
-def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] that keeps the arm at rest."""
-    p = loop.body
-    theta, w = y[THETA], y[THETA_DOT]
-    if loop.linear:
-        return feedback(y, loop) - p.gamma * p.delta / p.beta * theta
-    pull = p.gamma * cos(theta) * p.delta / p.beta * sin(theta) - p.gamma * sin(theta) * w * w
-    return feedback(y, loop) - pull
-
-
-@compiled
-def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
-    """ẏ (5,) while sliding in direction ``mode`` (±1) or resting (0)."""
-    p = loop.law.parameters
-    v = y[PHI_DOT]
-    dy[PHI], dy[THETA], dy[BRISTLE] = v, y[THETA_DOT], 0.0
-    if mode == 0.0:
-        sine = y[THETA] if loop.linear else sin(y[THETA])
-        dy[PHI], dy[PHI_DOT] = 0.0, 0.0
-        dy[THETA_DOT] = loop.body.delta / loop.body.beta * sine
-        return
-    level = sliding_level(v, mode, loop.law)
-    if loop.law.kind == LUGRE:
-        z = y[BRISTLE]
-        dy[BRISTLE] = v - p.sigma0 * mode * v / max(level, 1e-12) * z
-        force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
-    else:
-        force = mode * level
-    torque = feedback(y, loop) - force - p.viscous * v
-    dy[PHI_DOT], dy[THETA_DOT] = body_accelerations(y, torque, loop)
 
 
 @compiled
@@ -173,42 +102,6 @@ def step(
         scale = ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * max(abs(y[i]), abs(end[i]))
         worst = max(worst, abs(error) / scale)
     return worst
-
-
-@compiled
-def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] in state ``y`` (5,): of the slide, or what holds the resting arm."""
-    p = loop.law.parameters
-    v = y[PHI_DOT]
-    if v == 0.0 and loop.law.kind != LUGRE:
-        return holding_force(y, loop)
-    mode = 1.0 if v >= 0.0 else -1.0
-    level = sliding_level(v, mode, loop.law)
-    if loop.law.kind == LUGRE:
-        z = y[BRISTLE]
-        z_dot = v - p.sigma0 * abs(v) / max(level, 1e-12) * z
-        return p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
-    return mode * level + p.viscous * v
-
-
-@compiled
-def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """Positive inside the piece of motion ``mode``, zero at the event that ends it."""
-    if mode != 0.0:
-        return mode * y[PHI_DOT]
-    hold = holding_force(y, loop)
-    return min(breakaway_level(1.0, loop.law) - hold, breakaway_level(-1.0, loop.law) + hold)
-
-
-@compiled
-def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """The piece of motion that follows an event at ``y``."""
-    if loop.law.kind == LUGRE:
-        return -mode
-    hold = holding_force(y, loop)
-    if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):
-        return 0.0
-    return 1.0 if hold > 0.0 else -1.0
 
 
 @compiled
@@ -316,14 +209,6 @@ def _account(
     resting = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
     if mode == 0.0 or (loop.law.kind == LUGRE and resting):
         extent[STUCK] += h
-
-
-@compiled
-def least_travel(loop: IdealLoop) -> float:
-    """How far [rad] the arm must go for a slide: the whole deflection of LuGre's bristle."""
-    if loop.law.kind != LUGRE:
-        return 0.0
-    return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0
 
 
 @compiled

@@ -27,13 +27,9 @@ from .exact_motion import (
     TOO_STIFF,
     TURNED,
     UNBOUNDED,
-    IdealLoop,
-    feedback,
-    friction_at,
-    next_mode,
-    rate,
     to_upper_turn,
 )
+from .ideal_loop import IdealLoop, feedback, friction_at, next_mode, rate
 
 MOST_STEPS = 200_000
 NO_TRACE = np.empty((0, PLANT_STATES + 1))

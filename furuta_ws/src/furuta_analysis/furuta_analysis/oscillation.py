@@ -46,12 +46,11 @@ def period(signal: np.ndarray, sample_time: float) -> float:
     band = HYSTERESIS * (high - low)
     crossings: list[float] = []
     below = False
-    for index in np.flatnonzero(
-        (np.abs(centred[1:]) > band) | (centred[:-1] < 0) & (centred[1:] >= 0)
-    ):
+    candidates = (np.abs(centred[1:]) > band) | (centred[:-1] < 0) & (centred[1:] >= 0)
+    for index in map(int, np.flatnonzero(candidates)):
         before, after = centred[index], centred[index + 1]
         if before < 0 <= after and below:
-            crossings.append(index + before / (before - after))
+            crossings.append(index + float(before / (before - after)))
             below = False
         elif after < -band:
             below = True

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from furuta_model.friction_laws import LUGRE, STRIBECK
 from furuta_model.parameters import ParameterError
 
-from .exact_motion import IdealLoop
+from .ideal_loop import IdealLoop
 from .limit_cycle import LimitCycle, limit_cycle
 from .predicted_cycles import predict_cycles
 from .transfer import transfer

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.exact_motion import IdealLoop
+from furuta_analysis.ideal_loop import IdealLoop
 from furuta_control.controller import state_feedback
 from furuta_model.friction_laws import LAWS, FrictionLaw
 from furuta_model.linear import linearize
