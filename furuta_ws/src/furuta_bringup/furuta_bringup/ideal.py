@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_analysis.ideal_loop import IdealLoop
+from furuta_analysis.transfer import transfer
 from furuta_control.controller import state_feedback
 from furuta_model.friction_laws import LAWS, FrictionLaw
-from furuta_model.linear import linearize
 from furuta_model.parameters import ParameterError
 
 from .settings import gather, loop, parameters_named
@@ -52,16 +52,10 @@ class Choice(NamedTuple):
         return float(found.pop()) if len(found) == 1 else None
 
 
-def frictionless_poles(made: IdealLoop) -> np.ndarray:
-    """Closed-loop poles (4,) [1/s] without friction."""
-    a, b = linearize(made.body)
-    return np.linalg.eigvals(a + np.outer(b, [made.l1, made.l2, made.l3, made.l4]))
-
-
 def require_stabilising(made: IdealLoop) -> None:
     """Refuse a feedback whose loop is unstable before friction has a say."""
-    worst = frictionless_poles(made)
-    worst = worst[np.argmax(worst.real)]
+    poles = transfer(made.body, (made.l1, made.l2, made.l3, made.l4)).poles
+    worst = poles[np.argmax(poles.real)]
     if worst.real > 1e-6:
         raise ParameterError(
             f"the feedback does not stabilise the pendulum even without friction: pole at "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -36,8 +35,7 @@ class Estimator(FurutaNode[EstimatorParameters]):
         self._measurement = np.zeros(RIGID_STATES)
         self._estimate = np.zeros(RIGID_STATES)
         self._writer = JointWriter()
-        self._last_stamp: Any = None
-        self._last_time = 0
+        self._last_stamp = -1
         self._odd_intervals = 0
         super().__init__("estimator", EstimatorParameters, overrides)
         self._publisher = self.publish_on(JOINT_STATES)
@@ -50,18 +48,17 @@ class Estimator(FurutaNode[EstimatorParameters]):
         estimate_state(self._memory.copy(), self._measurement, self._filter, self._estimate)
 
     def _on_measurement(self, message: JointState) -> None:
-        stamp = message.header.stamp
+        stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
-            self._check_interval(stamp_nanoseconds(message))
             read_joints(message, self._measurement, self._filter.passthrough)
             estimate_state(self._memory, self._measurement, self._filter, self._estimate)
-            self._writer.fill(self._estimate).header.stamp = stamp
+            self._writer.fill(self._estimate).header.stamp = message.header.stamp
+            self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
         self._publisher.publish(self._writer.message)
 
-    def _check_interval(self, stamp: int) -> None:
+    def _check_interval(self, interval: int) -> None:
         """Tell when the measurements keep coming at another interval than the filter is for."""
-        interval, self._last_time = stamp - self._last_time, stamp
         if abs(interval - self._interval) <= TOLERANCE * self._interval:
             self._odd_intervals = 0
             return

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -12,7 +11,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.state import RIGID_STATES
-from furuta_ros.messages import read_joints
+from furuta_ros.messages import read_joints, stamp_nanoseconds
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
@@ -32,7 +31,7 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
         self._memory = np.zeros(MEMORY)
         self._x = np.zeros(RIGID_STATES)
         self._estimate = Float64()
-        self._last_stamp: Any = None
+        self._last_stamp = -1
         super().__init__("friction_observer", ObserverParameters, overrides)
         self._publisher = self.publish_on(FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self._on_state)
@@ -43,7 +42,7 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
         estimate_friction(self._memory.copy(), self._x, self._compensator)
 
     def _on_state(self, message: JointState) -> None:
-        stamp = message.header.stamp
+        stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             read_joints(message, self._x)
             self._estimate.data = estimate_friction(self._memory, self._x, self._compensator)

@@ -19,11 +19,10 @@ within the breakaway level.
 
 from __future__ import annotations
 
-from math import exp
 from typing import NamedTuple
 
 from .compiled import compiled
-from .lugre import LuGre
+from .lugre import LuGre, symmetric_level
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre")
 COULOMB, STICTION, STRIBECK, LUGRE = range(len(LAWS))
@@ -48,10 +47,7 @@ def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
     The direction is given beside the speed because at v = 0 a slide that begins or ends has one.
     """
     p = law.parameters
-    symmetric = p.alpha0
-    if law.kind in (STRIBECK, LUGRE):
-        ratio = v / p.stribeck_velocity
-        symmetric += p.alpha1 * exp(-ratio * ratio)
+    symmetric = symmetric_level(v, p) if law.kind in (STRIBECK, LUGRE) else p.alpha0
     return symmetric * (1.0 + direction * p.asymmetry)
 
 

@@ -43,10 +43,16 @@ class LuGre(NamedTuple):
 
 
 @compiled
+def symmetric_level(v: float, p: LuGre) -> float:
+    """α₀ + α₁ exp(−(v/vs)²) [V]: the level at speed v [rad/s] before its asymmetry."""
+    ratio = v / p.stribeck_velocity
+    return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
+
+
+@compiled
 def stribeck_level(v: float, p: LuGre) -> float:
     """g(v) [V]: the friction level at steady speed v [rad/s], viscous part excluded."""
-    ratio = v / p.stribeck_velocity
-    level = p.alpha0 + p.alpha1 * exp(-ratio * ratio)
+    level = symmetric_level(v, p)
     if v > 0.0:
         level *= 1.0 + p.asymmetry
     elif v < 0.0:

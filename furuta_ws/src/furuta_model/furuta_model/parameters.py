@@ -98,15 +98,18 @@ def declared(group: type[NamedTuple], prefix: str = "") -> tuple[Declared, ...]:
 
 
 @cache
-def _hints(group: type[NamedTuple]) -> dict[str, Any]:
-    return get_type_hints(group, include_extras=True)
+def _fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
+    """Each field's name, its type, and the notes that annotate it."""
+    return tuple(
+        (field, get_args(hint)[0], get_args(hint)[1:])
+        if get_origin(hint) is Annotated
+        else (field, hint, ())
+        for field, hint in get_type_hints(group, include_extras=True).items()
+    )
 
 
 def _declared(group: type[NamedTuple], prefix: str) -> Iterator[Declared]:
-    for field, hint in _hints(group).items():
-        kind, notes = (
-            (get_args(hint)[0], get_args(hint)[1:]) if get_origin(hint) is Annotated else (hint, ())
-        )
+    for field, kind, notes in _fields(group):
         if _is_group(kind):
             yield from declared(kind, prefix if INLINE in notes else f"{prefix}{field}.")
         else:
@@ -122,11 +125,10 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
-    for field, hint in _hints(group).items():
-        kind = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    for field, kind, notes in _fields(group):
         if _is_group(kind):
-            inline = INLINE in get_args(hint)[1:]
-            fields[field] = build(kind, given, prefix if inline else f"{prefix}{field}.")
+            inner = prefix if INLINE in notes else f"{prefix}{field}."
+            fields[field] = build(kind, given, inner)
         else:
             specification = specifications[prefix + field]
             fields[field] = specification.checked(
@@ -142,11 +144,10 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
 def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
     """The inverse of :func:`build`: every value by its full name."""
     result: dict[str, Any] = {}
-    for field, hint in _hints(type(group)).items():
+    for field, kind, notes in _fields(type(group)):
         value = getattr(group, field)
-        if _is_group(type(value)):
-            inline = INLINE in get_args(hint)[1:]
-            result |= values(value, prefix if inline else f"{prefix}{field}.")
+        if _is_group(kind):
+            result |= values(value, prefix if INLINE in notes else f"{prefix}{field}.")
         else:
             result[prefix + field] = list(value) if isinstance(value, tuple) else value
     return result

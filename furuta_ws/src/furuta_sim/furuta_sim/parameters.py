@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.lugre import LuGre
 from furuta_model.motion import MOST_SUBSTEPS, substeps_for
-from furuta_model.parameters import About, ParameterError
+from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
 CLOCKS = ("realtime", "lockstep")
@@ -91,7 +91,7 @@ class Plant(NamedTuple):
 class PlantNodeParameters(NamedTuple):
     """Parameters of the node ``plant``: the rig and how its time runs."""
 
-    plant: Annotated[Plant, "inline"] = Plant()
+    plant: Annotated[Plant, INLINE] = Plant()
     clock: Annotated[
         str,
         About(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import click
 import rclpy
@@ -107,5 +108,5 @@ def defaults(node: str | None, markdown: bool) -> None:
     print("\n".join(render(each) for each in ([node] if node else NODES)), end="")
 
 
-def _plain(value: object) -> object:
-    return value if isinstance(value, (bool, int, float, str)) else list(value or ())  # type: ignore[call-overload]
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, (bool, int, float, str)) else list(value or ())
