@@ -38,6 +38,8 @@ def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None
 def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> None:
     """Without friction estimates the controller holds the pendulum by itself."""
     settings["friction_observer"]["compensation"] = "lugre"
+    # Longer than a machine stalls, shorter than this test: only a silent controller exceeds it.
+    settings["plant"]["command_timeout"] = 1.0
     graph = Graph(settings)
     plant, controller = graph.plant, graph.controller
     spin_until(graph.executor, lambda: plant.clockwork.punctuality.samples > 200)

@@ -55,9 +55,22 @@ def test_map(furuta: Any, tmp_path: Path) -> None:
     assert picture.stat().st_size > 10_000
 
 
+def test_map_where_nothing_oscillates(furuta: Any, tmp_path: Path) -> None:
+    """Without friction every loop comes to rest, which can be drawn too."""
+    picture = tmp_path / "map.png"
+    frictionless = ("--set", "alpha0=0", "--set", "alpha1=0")
+    status, out, err = furuta(
+        "map", "omega1=5:7:2", "zeta1=0.5:0.7:2", *frictionless, "--out", picture, "--json"
+    )
+    assert status == 0, err
+    assert {row["kind"] for row in json.loads(out)["rows"]} == {"rest"}
+    assert picture.exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
+        (["limit-cycle", "--feedback", "0", "7", "60", "20", "--out", "x.png"], "no limit cycle"),
         (["limit-cycle", "--feedback", "0", "0", "0", "0"], "does not stabilise"),
         (["limit-cycle", "--feedback", "1", "1", "1", "nan"], "must be finite"),
         (["limit-cycle", "--set", "sigma0=-1"], "sigma0 must be"),

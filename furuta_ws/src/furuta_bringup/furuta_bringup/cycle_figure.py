@@ -90,7 +90,10 @@ def draw_map(
         np.where(predicted > 0.0, predicted, np.nan),
         np.where(kinds == "oscillation", exact, np.nan),
     )
-    scale = LogNorm(*np.nanquantile(np.concatenate(sizes), (0.0, 1.0)))
+    drawn = np.concatenate(sizes)
+    drawn = drawn[np.isfinite(drawn)]
+    # Where nothing oscillates there is no size to scale by.
+    scale = LogNorm(drawn.min(), drawn.max()) if drawn.size else None
     for axis, size, title in zip(axes, sizes, ("describing function", "exact"), strict=True):
         mesh = axis.pcolormesh(firsts, seconds, size, norm=scale, shading="nearest")
         axis.set(xlabel=first, title=title)

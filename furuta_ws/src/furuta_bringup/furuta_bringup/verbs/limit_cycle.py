@@ -64,7 +64,9 @@ def command(
         ]
         if out is not None:
             cycle_figure.draw_branch(name, points, out)
-    elif out is not None and cycle.kind == "oscillation":
+    elif out is not None:
+        if cycle.kind != "oscillation":
+            raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
         cycle_figure.draw_cycle(trace(loop, cycle), cycle, law, out)
     if as_json:
         print_json(result)
