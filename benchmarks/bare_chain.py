@@ -32,7 +32,7 @@ class BareChain:
         self.count = 0
         self.on_command: Callable[[], None] = self.publish_sample
         self._measurement = JointWriter().message
-        self._truth = JointWriter(with_effort=True).message
+        self._truth = JointWriter().message
         self._state = JointWriter().message
         self._friction, self._command = Float64(), Float64()
         names = ("bare_plant", "bare_estimator", "bare_observer", "bare_controller")

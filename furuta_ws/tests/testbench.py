@@ -72,12 +72,15 @@ class Bench:
 
 
 def joint_state(
-    x: tuple[float, float, float, float], stamp: int, names: list[str] | None = None
+    x: tuple[float, float, float, float],
+    stamp: int,
+    names: list[str] | None = None,
+    effort: float = 0.0,
 ) -> JointState:
-    """A message with state x = (φ, φ̇, θ, θ̇), stamped in nanoseconds."""
+    """A message with state x = (φ, φ̇, θ, θ̇) and the arm's effort, stamped in nanoseconds."""
     writer = JointWriter()
     writer.stamp(stamp)
-    message = writer.fill(x)
+    message = writer.fill(x, effort)
     if names is not None:
         message.name = names
     return message

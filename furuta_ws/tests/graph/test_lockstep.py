@@ -16,7 +16,7 @@ from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import Settings, gather, loop
 from furuta_ros.topics import TOPICS
 
-IDEAL = ["plant.sensors.ideal=true", "estimator.method=passthrough"]
+IDEAL = ["sensors.ideal=true"]
 
 
 def record(settings: Settings, seconds: float, bag: Path) -> Path:

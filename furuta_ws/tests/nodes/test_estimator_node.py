@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import isnan, nan
 
 import numpy as np
 from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
-from furuta_control.estimator import MEMORY, estimate_state, sample_filter
+from furuta_control.estimator import MEMORY, estimate_state, estimator
 from furuta_control.estimator_node import Estimator
 from furuta_control.parameters import EstimatorParameters
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
@@ -21,15 +21,16 @@ def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
     bench.add(Estimator())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
-    memory, estimate = np.zeros(MEMORY), np.zeros(4)
-    filter_ = sample_filter(EstimatorParameters())
+    memory, estimate = np.zeros(MEMORY), np.zeros(5)
+    made = estimator(EstimatorParameters())
     for k in range(5):
         x = (0.1 * k, 0.2, 0.01 * k**2, nan)
-        measurement.publish(joint_state(x, k * MS))
+        measurement.publish(joint_state(x, k * MS, effort=0.3))
         bench.spin(lambda k=k: len(states) == k + 1)
-        estimate_state(memory, np.array(x), filter_, estimate)
+        estimate_state(memory, np.array([*x, 0.3]), made, estimate)
         got = states[-1]
         assert [*got.position, *got.velocity] == estimate[[0, 2, 1, 3]].tolist()
+        assert [*got.effort] == [estimate[4], 0.0]
         assert got.header.stamp.nanosec == k * MS
 
 
@@ -63,9 +64,9 @@ def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
     assert states[0].position[1] == 0.25
 
 
-def test_passthrough_needs_the_pendulum_speed(bench: Bench) -> None:
-    """With method passthrough NaN for θ̇ is refused, a number handed on."""
-    node = bench.add(Estimator([Parameter("method", value="passthrough")]))
+def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
+    """With ideal sensors NaN for θ̇ is refused, a number handed on."""
+    node = bench.add(Estimator([Parameter("sensors.ideal", value=True)]))
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     measurement.publish(joint_state((0.0, 0.0, 0.0, nan), 1))
@@ -73,3 +74,18 @@ def test_passthrough_needs_the_pendulum_speed(bench: Bench) -> None:
     measurement.publish(joint_state((0.1, 0.2, 0.3, 0.4), 2))
     bench.spin(lambda: len(states) == 1)
     assert [*states[0].position, *states[0].velocity] == [0.1, 0.3, 0.2, 0.4]
+
+
+def test_kalman_needs_the_applied_torque(bench: Bench) -> None:
+    """A measurement without effort is refused by method kalman and taken by lowpass."""
+    node = bench.add(Estimator())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    message = joint_state((0.0, 0.0, 0.1, nan), 1)
+    message.effort = []
+    measurement.publish(message)
+    bench.spin(lambda: node.refused == 1)
+    node.set_parameters([Parameter("method", value="lowpass")])
+    measurement.publish(message)
+    bench.spin(lambda: len(states) == 1)
+    assert isnan(states[0].effort[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from math import inf, nan
+from math import inf, isnan, nan
 
 import numpy as np
 import pytest
@@ -15,23 +15,24 @@ from furuta_ros.messages import RefusedError, read_float, read_joints, stamp_nan
 STATE = (0.1, -0.2, 0.3, -0.4)
 
 
-def read(message: object, speed: bool = True) -> np.ndarray:
-    x = np.zeros(4)
-    read_joints(message, x, speed)
+def read(message: object, speed: bool = True, effort: bool = False) -> np.ndarray:
+    x = np.zeros(5)
+    read_joints(message, x, speed, effort)
     return x
 
 
 def test_round_trip() -> None:
     """What is written is read, stamp included."""
-    message = joint_state(STATE, 12_345_678_901)
-    assert read(message).tolist() == list(STATE)
+    message = joint_state(STATE, 12_345_678_901, effort=0.7)
+    assert read(message).tolist() == [*STATE, 0.7]
     assert stamp_nanoseconds(message) == 12_345_678_901
 
 
 def test_joints_are_found_by_name() -> None:
     """The order of the joints in a message does not matter."""
     message = joint_state(STATE, 0, ["pendulum", "arm"])
-    assert read(message).tolist() == [0.3, -0.4, 0.1, -0.2]
+    message.effort = array("d", [0.5, 0.6])
+    assert read(message).tolist() == [0.3, -0.4, 0.1, -0.2, 0.6]
 
 
 @pytest.mark.parametrize(
@@ -51,16 +52,35 @@ def test_bad_values_are_refused_and_nothing_is_written(field: str, values: list[
     """Empty, short, long and non-finite arrays leave the state as it was."""
     message = joint_state(STATE, 0)
     setattr(message, field, array("d", values))
-    x = np.full(4, 7.0)
+    x = np.full(5, 7.0)
     with pytest.raises(RefusedError):
         read_joints(message, x)
-    assert x.tolist() == [7.0] * 4
+    assert x.tolist() == [7.0] * 5
 
 
 def test_unmeasured_pendulum_speed_may_be_nan() -> None:
     """A rig without a sensor for it says NaN, which only who needs it refuses."""
     message = joint_state((0.1, -0.2, 0.3, nan), 0)
     assert read(message, speed=False)[:3].tolist() == [0.1, -0.2, 0.3]
+    with pytest.raises(RefusedError):
+        read(message)
+
+
+@pytest.mark.parametrize("efforts", [[], [nan, 0.0]])
+def test_missing_effort_is_nan_and_refused_where_needed(efforts: list[float]) -> None:
+    """An effort that is not there reads NaN; who needs it gets a reason."""
+    message = joint_state(STATE, 0)
+    message.effort = array("d", efforts)
+    assert isnan(read(message)[4])
+    with pytest.raises(RefusedError, match="effort"):
+        read(message, effort=True)
+
+
+@pytest.mark.parametrize("efforts", [[0.0], [0.0, 0.0, 0.0], [inf, 0.0]])
+def test_bad_effort_is_refused(efforts: list[float]) -> None:
+    """An effort that is there must be one number for each joint."""
+    message = joint_state(STATE, 0)
+    message.effort = array("d", efforts)
     with pytest.raises(RefusedError):
         read(message)
 

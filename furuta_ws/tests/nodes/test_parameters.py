@@ -51,7 +51,7 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
         ({"sigma0": float("inf")}, "sigma0"),
         ({"sigma0": 100}, "sigma0"),
         ({"sigma0": "much"}, "sigma0"),
-        ({"compensation": "magic"}, "none, coulomb, lugre"),
+        ({"compensation": "magic"}, "none, coulomb, stiction, lugre, adaptive"),
         ({"sample_time": 0.01}, "read-only"),
         ({"nonsense": 1.0}, "nonsense"),
         ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),

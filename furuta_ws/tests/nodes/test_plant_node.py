@@ -37,7 +37,8 @@ def test_lockstep_moves_once_per_command(bench: Bench) -> None:
     for k in range(1, 4):
         commands.publish(Float64(data=0.5 * k))
         bench.spin(lambda k=k: len(truths) == k + 1 == len(measurements))
-        move(x, 0.5 * k, substeps(rig), rig)
+        torque = move(x, 0.5 * k, substeps(rig), rig)
+        assert measurements[-1].effort[0] == torque == pytest.approx(0.5 * k, abs=20 / 4096)
         assert truths[-1].header.stamp.nanosec == k * 1_000_000
         assert [*truths[-1].position, *truths[-1].velocity] == x[[0, 2, 1, 3]].tolist()
 

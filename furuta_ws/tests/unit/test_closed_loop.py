@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from furuta_analysis.closed_loop import Loop, Record, simulate
+from furuta_analysis.closed_loop import Loop, Record, Simulation, simulate
 from furuta_analysis.oscillation import Oscillation, measure_oscillation
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
@@ -24,7 +24,7 @@ def ideal(dt: float = 1e-3, **plant: object) -> Loop:
     sensors, actuator = Sensors(ideal=True), Actuator(bits=0)
     return Loop(
         Plant(sensors=sensors, actuator=actuator, sample_time=dt, **plant),
-        EstimatorParameters(method="passthrough", sample_time=dt),
+        EstimatorParameters(sensors=sensors, sample_time=dt),
         ObserverParameters(sample_time=dt),
     )
 
@@ -111,10 +111,32 @@ def test_seed_decides() -> None:
     assert not np.array_equal(first.state, other.state)
 
 
+def test_a_run_in_parts_is_the_same_run() -> None:
+    """A simulation stopped and continued gives what one run gives, to the last bit."""
+    loop = Loop(Plant(seed=5), observer=ObserverParameters("adaptive"))
+    simulation = Simulation(loop)
+    parts = [simulation.run(seconds) for seconds in (0.5, 0.001, 1.499)]
+    whole = simulate(loop, 2.0)
+    for k in range(1, 6):
+        assert np.array_equal(np.concatenate([part[k] for part in parts]), whole[k])
+
+
+def test_parameters_change_between_two_samples() -> None:
+    """A change takes effect at once and leaves the past in place."""
+    simulation = Simulation(Loop(Plant(seed=5)))
+    before = simulation.run(2.0)
+    simulation.loop = simulation.loop._replace(observer=ObserverParameters("coulomb"))
+    after = simulation.run(1.0)
+    assert not np.any(before.friction_estimate)
+    assert abs(after.friction_estimate[0]) == 0.21
+    assert np.max(np.abs(after.state[0] - before.state[-1])) < 0.01
+
+
 def test_record() -> None:
     """One row per sample from the initial state on, in time with the sample time."""
     record = simulate(Loop(Plant(initial=InitialState(0.1, 0.2, 0.03, 0.4))), 0.25)
-    assert record.state.shape == record.estimate.shape == (250, 4)
+    assert record.state.shape == (250, 4)
+    assert record.estimate.shape == (250, 5)
     assert list(record.state[0]) == [0.1, 0.2, 0.03, 0.4]
     assert record.time[-1] == pytest.approx(0.249)
     assert np.all(np.isfinite(record.estimate))

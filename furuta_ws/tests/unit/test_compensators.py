@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 from itertools import pairwise, product
+from math import nan
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_friction.compensators import MEMORY, Compensator, compensator, estimate_friction
+from furuta_friction.compensators import (
+    MEMORY,
+    Compensator,
+    compensator,
+    estimate_friction,
+    largest_estimate,
+)
 from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
 from furuta_model.lugre import LuGre
 
 DT = 1e-3
+
+
+def signals(v: float, phi: float = 0.0, seen: float = nan) -> np.ndarray:
+    """An estimate (5,) with arm speed, arm angle and the friction seen."""
+    return np.array([phi, v, 0.0, 0.0, seen])
 
 
 def compensators(**parameters: object) -> dict[str, Compensator]:
@@ -29,23 +41,29 @@ def test_none_and_coulomb() -> None:
     lugre = LuGre(alpha0=0.2, asymmetry=0.1, viscous=0.5)
     made = compensators(friction=lugre)
     for v, expected in ((2.0, 0.22 + 1.0), (1e-9, 0.22), (0.0, 0.0), (-2.0, -0.18 - 1.0)):
-        x = np.array([0.3, v, 0, 0])
+        x = signals(v, phi=0.3)
         assert estimate_friction(np.zeros(MEMORY), x, made["coulomb"]) == pytest.approx(expected)
         assert estimate_friction(np.zeros(MEMORY), x, made["none"]) == 0.0
 
 
-def test_bounded_for_any_motion() -> None:
-    """No speed, noise, step or K takes ẑ or F̂ beyond what the parameters allow."""
+@pytest.mark.parametrize("kind", COMPENSATIONS)
+def test_bounded_for_any_motion(kind: str) -> None:
+    """No speed, noise, step, K or Γ takes ẑ or F̂ beyond what the parameters allow."""
     rng = np.random.default_rng(14)
-    for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (0.0, 0.01, 1e3), (0.0, 0.4)):
+    for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
         lugre = LuGre(viscous=0.1, asymmetry=asymmetry)
-        bound = 0.232 * (1 + asymmetry) * (1 + 1e-9)
-        observer = compensators(friction=lugre, observer_gain=gain, sample_time=dt)["lugre"]
+        factor = 3.0 if kind == "adaptive" else 1.0
+        bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
+        observer = compensators(
+            friction=lugre, observer_gain=gain, adaptation_gain=abs(gain), sample_time=dt
+        )[kind]
         memory = np.zeros(MEMORY)
         for _ in range(500):
             v = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-6, 3)
-            estimate = estimate_friction(memory, np.array([rng.normal(0, 10), v, 0, 0]), observer)
-            assert abs(estimate - lugre.viscous * v) <= bound
+            seen = rng.choice([nan, rng.normal(0, 10)])
+            estimate = estimate_friction(memory, signals(v, rng.normal(0, 10), seen), observer)
+            assert abs(estimate) <= bound + lugre.viscous * abs(v)
+            assert abs(estimate) <= largest_estimate(v, observer) * (1 + 1e-9)
             assert abs(lugre.sigma0 * memory[0]) <= bound
 
 
@@ -54,7 +72,7 @@ def test_converges_to_the_true_bristle(dt: float) -> None:
     """Without model error a wrong ẑ is forgotten, and F̂ is the F of (5)."""
     lugre = LuGre(viscous=0.1, asymmetry=0.2)
     observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
-    memory, z = np.array([-0.0025]), 0.0025
+    memory, z = np.array([-0.0025, 0.0, 0.0]), 0.0025
     for v in 0.6 * np.sin(np.arange(0.01, 3, dt)):
         rate = lugre.sigma0 * abs(v) / reference.level(v, lugre)
         slope = [[-rate]]
@@ -67,7 +85,7 @@ def test_converges_to_the_true_bristle(dt: float) -> None:
             rtol=1e-9,
             atol=1e-14,
         ).y[0, -1]
-        estimate = estimate_friction(memory, np.array([0.5, v, 0, 0]), observer)
+        estimate = estimate_friction(memory, signals(v, phi=0.5), observer)
     assert memory[0] == pytest.approx(z, rel=1e-6)
     force = lugre.sigma0 * z + lugre.sigma1 * (v - rate * z) + lugre.viscous * v
     assert estimate == pytest.approx(force, rel=1e-5)
@@ -77,7 +95,7 @@ def test_correction_pulls_towards_the_reference() -> None:
     """At rest K moves ẑ by −Kφt, up to the level; sliding, F̂ settles at g(1 − Kφ/v)."""
     lugre = LuGre(alpha1=0.0)
     observer = compensators(friction=lugre, observer_gain=0.01, sample_time=DT)["lugre"]
-    memory, resting = np.zeros(MEMORY), np.array([0.2, 0.0, 0, 0])
+    memory, resting = np.zeros(MEMORY), signals(0.0, phi=0.2)
     for _ in range(100):
         estimate_friction(memory, resting, observer)
     assert memory[0] == pytest.approx(-0.01 * 0.2 * 0.1)
@@ -86,7 +104,7 @@ def test_correction_pulls_towards_the_reference() -> None:
     assert memory[0] == pytest.approx(-0.21 / 80)
     assert estimate == pytest.approx(-0.21)
 
-    sliding = np.array([0.2, 0.1, 0, 0])
+    sliding = signals(0.1, phi=0.2)
     for _ in range(2000):
         estimate = estimate_friction(memory, sliding, observer)
     assert estimate == pytest.approx(0.21 * (1 - 0.01 * 0.2 / 0.1))
@@ -97,12 +115,67 @@ def test_switching_finds_the_observer_converged() -> None:
     rng = np.random.default_rng(15)
     made = compensators()
     kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
-    for k, x in enumerate(rng.normal(0, 0.1, (300, 4))):
-        kind = COMPENSATIONS[k // 100]
+    kinds = ("none", "coulomb", "stiction", "lugre")
+    for k, x in enumerate(rng.normal(0, 0.1, (400, 5))):
+        kind = kinds[k // 100]
         expected = estimate_friction(kept, x, made["lugre"])
         found = estimate_friction(switched, x, made[kind])
         assert np.array_equal(kept, switched)
         assert kind != "lugre" or found == expected
+
+
+def test_adaptive_begins_where_lugre_is() -> None:
+    """A switch from one to the other changes F̂ by nothing: same ẑ, factor 1."""
+    made = compensators()
+    memory = np.zeros(MEMORY)
+    for v in 0.3 * np.sin(np.arange(500) * 0.01):
+        estimate_friction(memory, signals(v, seen=0.3), made["lugre"])
+    other = memory.copy()
+    after = signals(v, seen=0.3)
+    assert estimate_friction(memory, after, made["lugre"]) == pytest.approx(
+        estimate_friction(other, after, made["adaptive"]), rel=1e-12
+    )
+
+
+def test_stiction() -> None:
+    """Sliding it is Coulomb's; at rest what is seen, up to breakaway in that direction."""
+    lugre = LuGre(alpha0=0.2, alpha1=0.1, stribeck_velocity=0.05, asymmetry=0.1, viscous=0.5)
+    made = compensators(friction=lugre)["stiction"]
+
+    def estimate(v: float, seen: float) -> float:
+        return estimate_friction(np.zeros(MEMORY), signals(v, seen=seen), made)
+
+    assert estimate(0.06, -5.0) == pytest.approx(0.2 * 1.1 + 0.5 * 0.06)
+    assert estimate(0.04, 0.15) == 0.15
+    assert estimate(-0.04, 5.0) == pytest.approx(0.3 * 1.1)
+    assert estimate(0.0, -5.0) == pytest.approx(-0.3 * 0.9)
+    assert estimate(0.0, nan) == 0.0
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_adaptation_finds_the_levels_of_both_directions(dt: float) -> None:
+    """From levels half and twice as high F̂ comes to the friction seen, each way by itself."""
+    true = LuGre(alpha0=0.3, alpha1=0.03, asymmetry=0.25)
+    for level in (0.15, 0.6):
+        wrong = LuGre(alpha0=level, alpha1=0.1 * level)
+        made = compensators(friction=wrong, observer_gain=0.0, sample_time=dt)["adaptive"]
+        observer = compensators(friction=true, observer_gain=0.0, sample_time=dt)["lugre"]
+        memory, truth = np.zeros(MEMORY), np.zeros(MEMORY)
+        for v in 0.6 * np.sin(np.arange(0, 20, dt)):
+            seen = estimate_friction(truth, signals(v), observer)
+            estimate_friction(memory, signals(v, seen=seen), made)
+        assert level * (1 + memory[1]) == pytest.approx(0.3 * 1.25, rel=0.02)
+        assert level * (1 + memory[2]) == pytest.approx(0.3 * 0.75, rel=0.02)
+
+
+def test_adaptation_needs_motion_and_something_seen() -> None:
+    """At rest, or with no friction seen, the levels stay."""
+    made = compensators()["adaptive"]
+    memory = np.zeros(MEMORY)
+    for v, seen in ((0.0, 1.0), (0.5, nan)):
+        for _ in range(100):
+            estimate_friction(memory, signals(v, seen=seen), made)
+        assert memory[1:].tolist() == [0.0, 0.0]
 
 
 def test_estimate_has_no_jump_at_reversal() -> None:
@@ -112,7 +185,7 @@ def test_estimate_has_no_jump_at_reversal() -> None:
     for kind in ("coulomb", "lugre"):
         memory = np.zeros(MEMORY)
         speeds = 0.2 * np.cos(np.arange(0, 3, DT))
-        series = [estimate_friction(memory, np.array([0, v, 0, 0]), made[kind]) for v in speeds]
+        series = [estimate_friction(memory, signals(v), made[kind]) for v in speeds]
         largest[kind] = max(abs(after - before) for before, after in pairwise(series[500:]))
     assert largest["coulomb"] == pytest.approx(0.42)
     assert largest["lugre"] < 0.01

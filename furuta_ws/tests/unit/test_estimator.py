@@ -6,22 +6,23 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimator import MEMORY, estimate_state, sample_filter
+from furuta_control.estimator import MEMORY, estimate_state, estimator
 from furuta_control.parameters import EstimatorParameters
+from furuta_model.sensors import Sensors
 
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
-    """Estimates (n, 4) for measurements (n, 4), from a filter without past."""
-    memory, filter_ = np.zeros(MEMORY), sample_filter(p)
+    """Estimates (n, 5) for measurements (n, 5), from a filter without past."""
+    memory, made = np.zeros(MEMORY), estimator(p)
     result = np.full_like(measurements, 99.0)
     for measurement, estimate in zip(measurements, result, strict=True):
-        estimate_state(memory, measurement, filter_, estimate)
+        estimate_state(memory, measurement, made, estimate)
     return result
 
 
 def of_theta(theta: np.ndarray) -> np.ndarray:
-    """Measurements (n, 4) of the pendulum's angle, without speed as on the rig."""
-    measurements = np.zeros((len(theta), 4))
+    """Measurements (n, 5) of the pendulum's angle, without speed as on the rig."""
+    measurements = np.zeros((len(theta), 5))
     measurements[:, 2], measurements[:, 3] = theta, np.nan
     return measurements
 
@@ -36,7 +37,9 @@ def test_filter_is_scipys(bandwidth: float, damping: float, dt: float) -> None:
     theta = np.cumsum(np.random.default_rng(10).normal(0, 0.01, 300)) + 0.3
     time = np.arange(300) * dt
     _, expected, _ = lsim(system, theta, time, X0=[theta[0], 0.0], interp=True)
-    p = EstimatorParameters(filter_bandwidth=bandwidth, filter_damping=damping, sample_time=dt)
+    p = EstimatorParameters(
+        "lowpass", filter_bandwidth=bandwidth, filter_damping=damping, sample_time=dt
+    )
     found = estimates(of_theta(theta), p)[:, 2:]
     assert found[:, 0] == pytest.approx(expected[:, 0], abs=1e-9)
     assert found[:, 1] == pytest.approx(expected[:, 1], rel=1e-7, abs=1e-7 * np.ptp(theta) / dt)
@@ -44,45 +47,46 @@ def test_filter_is_scipys(bandwidth: float, damping: float, dt: float) -> None:
 
 def test_no_jump_at_the_start() -> None:
     """A pendulum that stands still is estimated so from the first sample on."""
-    found = estimates(of_theta(np.full(500, 0.4)), EstimatorParameters())
+    found = estimates(of_theta(np.full(500, 0.4)), EstimatorParameters("lowpass"))
     assert found[:, 2] == pytest.approx(0.4)
     assert found[:, 3] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_steady_ramp() -> None:
     """Of a ramp the speed is exact and the angle late by 2ζ/ω."""
-    p = EstimatorParameters()
+    p = EstimatorParameters("lowpass")
     time = np.arange(500) * p.sample_time
     found = estimates(of_theta(1.5 * time), p)[-1]
     assert found[3] == pytest.approx(1.5, rel=1e-9)
     assert found[2] == pytest.approx(1.5 * (time[-1] - 2 * 0.7 / 200), rel=1e-9)
 
 
-def test_arm_is_taken_as_measured() -> None:
-    """Arm angle and speed go through unchanged under both methods."""
-    measurements = np.random.default_rng(11).normal(size=(20, 4))
-    for method in ("lowpass", "passthrough"):
-        found = estimates(measurements, EstimatorParameters(method=method))
-        assert np.array_equal(found[:, :2], measurements[:, :2])
+def test_lowpass_takes_the_arm_as_measured() -> None:
+    """Arm angle and speed go through unchanged; of the friction it knows nothing."""
+    measurements = np.random.default_rng(11).normal(size=(20, 5))
+    found = estimates(measurements, EstimatorParameters("lowpass"))
+    assert np.array_equal(found[:, :2], measurements[:, :2])
+    assert np.all(np.isnan(found[:, 4]))
 
 
-def test_passthrough() -> None:
-    """With all states measured the estimate is the measurement."""
-    measurements = np.random.default_rng(12).normal(size=(20, 4))
-    found = estimates(measurements, EstimatorParameters(method="passthrough"))
-    assert np.array_equal(found, measurements)
+@pytest.mark.parametrize("method", ["kalman", "lowpass"])
+def test_ideal_sensors_need_no_estimate(method: str) -> None:
+    """With all states measured exactly the estimate is the measurement."""
+    measurements = np.random.default_rng(12).normal(size=(20, 5))
+    found = estimates(measurements, EstimatorParameters(method, sensors=Sensors(ideal=True)))
+    assert np.array_equal(found[:, :4], measurements[:, :4])
 
 
-def test_memory_survives_a_change_of_method() -> None:
-    """The filter runs under passthrough too, so that a switch back finds it in step."""
+@pytest.mark.parametrize("method", ["kalman", "lowpass"])
+def test_memory_survives_a_change_of_method(method: str) -> None:
+    """Both filters run under either method, so that a switch back finds them in step."""
     theta = of_theta(0.1 * np.sin(np.arange(200) * 0.02))
-    theta[:, 3] = 0.0
-    always = sample_filter(EstimatorParameters())
-    other = sample_filter(EstimatorParameters(method="passthrough"))
+    other = "lowpass" if method == "kalman" else "kalman"
+    always, sometimes = (estimator(EstimatorParameters(each)) for each in (method, other))
     kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
-    first, second = np.zeros(4), np.zeros(4)
+    first, second = np.zeros(5), np.zeros(5)
     for k, measurement in enumerate(theta):
         estimate_state(kept, measurement, always, first)
-        estimate_state(switched, measurement, other if 50 < k < 150 else always, second)
-    assert np.array_equal(first, second)
+        estimate_state(switched, measurement, sometimes if 50 < k < 150 else always, second)
+    assert np.array_equal(first, second, equal_nan=True)
     assert first[3] != 0.0

@@ -143,14 +143,20 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     ("assignment", "expected"),
     [
         ("alpha0=0.3", {"plant": {"friction.alpha0": 0.3}, "friction_observer": {"alpha0": 0.3}}),
-        ("alpha=0.03", {"plant": {"model.alpha": 0.03}, "controller": {"model.alpha": 0.03}}),
+        (
+            "alpha=0.03",
+            {node: {"model.alpha": 0.03} for node in ("plant", "estimator", "controller")},
+        ),
         ("friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
         ("plant.friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
         ("friction_observer.alpha0=0.3", {"friction_observer": {"alpha0": 0.3}}),
         ("observer_gain=1e-3", {"friction_observer": {"observer_gain": 0.001}}),
         ("filter_bandwidth=1E2", {"estimator": {"filter_bandwidth": 100.0}}),
         ("seed=3", {"plant": {"seed": 3}}),
-        ("sensors.ideal=true", {"plant": {"sensors.ideal": True}}),
+        (
+            "sensors.ideal=true",
+            {node: {"sensors.ideal": True} for node in ("plant", "estimator")},
+        ),
         ("compensation=none", {"friction_observer": {"compensation": "none"}}),
         ("gain=[1, 2, 3, 4]", {"controller": {"gain": (1.0, 2.0, 3.0, 4.0)}}),
         (" theta = 0.1", {"plant": {"initial.theta": 0.1}}),
@@ -172,7 +178,10 @@ def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
         ("alpha0=abc", "alpha0 must be a number, given 'abc'"),
         ("alpha0=nan", "alpha0 must be finite"),
         ("seed=1e3", "seed must be an integer"),
-        ("compensation=stiction", "must be one of none, coulomb, lugre, given 'stiction'"),
+        (
+            "compensation=glue",
+            "must be one of none, coulomb, stiction, lugre, adaptive, given 'glue'",
+        ),
         ("gamma=1", r"alpha \* beta must exceed gamma"),
         ("catch_angle=0.9", "catch_angle must not exceed fall_angle"),
     ],
@@ -186,9 +195,9 @@ def test_assignments_that_are_wrong(assignment: str, message: str) -> None:
 def test_loop_has_what_was_set(file: Any) -> None:
     """The loop without ROS gets the very values that the nodes get."""
     path = file(yaml.safe_dump({"plant": {"ros__parameters": {"sensors": {"ideal": True}}}}))
-    made = loop(gather([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=passthrough", "seed=9"]))
+    made = loop(gather([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=lowpass", "seed=9"]))
     assert made.plant.sensors.ideal
     assert (made.plant.friction.alpha0, made.observer.friction.alpha0) == (0.3, 0.3)
     assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)
-    assert made.estimator.method == "passthrough"
+    assert made.estimator.method == "lowpass"
     assert made.plant.seed == 9

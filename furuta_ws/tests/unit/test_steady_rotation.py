@@ -36,7 +36,7 @@ def speeds(
         sample_time=2e-4,
     )
     controller = ControllerParameters(gain=tuple(-each for each in feedback), voltage_limit=1000.0)
-    estimator = EstimatorParameters("passthrough", sample_time=2e-4)
+    estimator = EstimatorParameters(sensors=Sensors(ideal=True), sample_time=2e-4)
     loop = Loop(plant, estimator, controller=controller)
     state = simulate(loop, seconds).state
     assert np.abs(state[-1, THETA]) < 0.1

@@ -12,7 +12,7 @@ import yaml
 
 from furuta_analysis.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
+from furuta_friction.parameters import SEEING, ObserverParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
 
@@ -46,6 +46,7 @@ def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
         for node, each in parameters_named(name.strip()):
             settings[node][each.name] = _checked(each, _value(text, name))
     _check_sample_times(settings)
+    _check_seeing(settings)
     return settings
 
 
@@ -59,6 +60,17 @@ def _check_sample_times(settings: Settings) -> None:
     if len(set(times.values())) > 1:
         given = ", ".join(f"{node} {time:g} s" for node, time in times.items())
         raise ParameterError(f"sample_time must be the same for all nodes, given {given}")
+
+
+def _check_seeing(settings: Settings) -> None:
+    """Refuse a compensation that needs to see the friction with a filter that does not."""
+    observer = build(ObserverParameters, settings["friction_observer"])
+    estimator = build(EstimatorParameters, settings["estimator"])
+    if observer.compensation in SEEING and estimator.method != "kalman":
+        raise ParameterError(
+            f"compensation {observer.compensation} needs estimator.method=kalman, which tells "
+            f"the friction; given {estimator.method}"
+        )
 
 
 def loop(settings: Settings) -> Loop:

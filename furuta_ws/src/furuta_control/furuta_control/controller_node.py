@@ -10,7 +10,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_model.state import RIGID_STATES
+from furuta_model.state import SIGNALS
 from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
@@ -38,7 +38,7 @@ class Controller(FurutaNode[ControllerParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
-        self._x = np.zeros(RIGID_STATES)
+        self._x = np.zeros(SIGNALS)
         self._stamp = -1
         self._friction = 0.0
         self._friction_stamp = -1

@@ -9,13 +9,13 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_model.state import RIGID_STATES
+from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nanoseconds
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
-from .estimator import MEMORY, estimate_state, sample_filter
+from .estimator import MEMORY, estimate_state, estimator
 from .parameters import EstimatorParameters
 
 # Deviation of an interval that does not count, and how many in a row are worth a word.
@@ -26,14 +26,16 @@ MANY = 100
 class Estimator(FurutaNode[EstimatorParameters]):
     """Estimates the state from what the sensors say.
 
-    Subscribes to ``measurement``, publishes ``joint_states`` with the measurement's stamp. A
-    measurement that comes again (same stamp) is answered again without a new step.
+    Subscribes to ``measurement``, whose effort of the arm is the torque applied since the last
+    one [V]; publishes ``joint_states`` with the measurement's stamp, effort of the arm the
+    estimated friction [V] (NaN under method lowpass). A measurement that comes again (same
+    stamp) is answered again without a new step.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
-        self._measurement = np.zeros(RIGID_STATES)
-        self._estimate = np.zeros(RIGID_STATES)
+        self._measurement = np.zeros(SIGNALS)
+        self._estimate = np.zeros(SIGNALS)
         self._writer = JointWriter()
         self._last_stamp = -1
         self._odd_intervals = 0
@@ -42,20 +44,26 @@ class Estimator(FurutaNode[EstimatorParameters]):
         self.subscribe_to(MEASUREMENT, self._on_measurement)
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
-        """Sample the filter anew; its memory stays."""
-        self._filter = sample_filter(parameters)
+        """Sample the filters anew; their memory stays."""
+        self._estimator = estimator(parameters)
         self._interval = parameters.sample_time * NANOSECONDS
-        estimate_state(self._memory.copy(), self._measurement, self._filter, self._estimate)
+        estimate_state(self._memory.copy(), self._measurement, self._estimator, self._estimate)
 
     def _on_measurement(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
-            read_joints(message, self._measurement, self._filter.passthrough)
-            estimate_state(self._memory, self._measurement, self._filter, self._estimate)
-            self._writer.fill(self._estimate).header.stamp = message.header.stamp
+            self._read(message)
+            estimate_state(self._memory, self._measurement, self._estimator, self._estimate)
+            filled = self._writer.fill(self._estimate, self._estimate[EFFORT])
+            filled.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
         self._publisher.publish(self._writer.message)
+
+    def _read(self, message: JointState) -> None:
+        """Take the measurement if it has what the estimator needs."""
+        ideal, kalman = self._estimator.ideal, self._estimator.kalman
+        read_joints(message, self._measurement, pendulum_speed=ideal, effort=kalman)
 
     def _check_interval(self, interval: int) -> None:
         """Tell when the measurements keep coming at another interval than the filter is for."""

@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
 
 
 class EstimatorParameters(NamedTuple):
@@ -15,11 +16,21 @@ class EstimatorParameters(NamedTuple):
     method: Annotated[
         str,
         About(
-            "lowpass: the paper's filter on the potentiometer, whose state is the speed; "
-            "passthrough: all four states are measured",
-            choices=("lowpass", "passthrough"),
+            "kalman: fuses all sensors with the applied torque and tells the friction too; "
+            "lowpass: the paper's filter on the potentiometer, arm as measured",
+            choices=("kalman", "lowpass"),
         ),
-    ] = "lowpass"
+    ] = "kalman"
+    model: FurutaPendulum = FurutaPendulum()
+    sensors: Sensors = Sensors()
+    friction_spread: Annotated[
+        float,
+        About("kalman: how far friction walks in a second, grows as √t", "V/√s", 1e-3, 1e3),
+    ] = 0.3
+    pendulum_spread: Annotated[
+        float,
+        About("kalman: how far the pendulum's speed walks from the model", "rad/s/√s", 1e-3, 1e3),
+    ] = 0.1
     filter_bandwidth: Annotated[
         float, About("natural frequency of the potentiometer's filter", "rad/s", 0.1, 1e5)
     ] = 200.0

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from math import isnan
 
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_model.state import RIGID_STATES
+from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.messages import read_joints, stamp_nanoseconds
-from furuta_ros.node import FurutaNode
+from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 from .compensators import MEMORY, compensator, estimate_friction
-from .parameters import ObserverParameters
+from .parameters import SEEING, ObserverParameters
 
 
 class FrictionObserver(FurutaNode[ObserverParameters]):
@@ -29,7 +30,7 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
-        self._x = np.zeros(RIGID_STATES)
+        self._x = np.zeros(SIGNALS)
         self._estimate = Float64()
         self._last_stamp = -1
         super().__init__("friction_observer", ObserverParameters, overrides)
@@ -45,9 +46,20 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             read_joints(message, self._x)
+            self._check_seeing()
             self._estimate.data = estimate_friction(self._memory, self._x, self._compensator)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
+
+    def _check_seeing(self) -> None:
+        """Tell when the compensation lacks the friction that it needs to see."""
+        compensation = self.parameters.compensation
+        if compensation in SEEING and isnan(self._x[EFFORT]):
+            self.get_logger().warning(
+                f"compensation {compensation} needs effort in joint_states, the friction that "
+                "the estimator's method kalman tells",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
 
 
 def main() -> None:

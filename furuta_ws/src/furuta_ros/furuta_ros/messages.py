@@ -1,21 +1,21 @@
 """Conversion between messages and the arrays of the cores.
 
-A state is an array (4,) in the order x = (φ, φ̇, θ, θ̇). Readers check all that comes from
-outside and raise :class:`RefusedError`; writers reuse their message, which is safe because
-publishing copies it.
+A state is an array in the order x = (φ, φ̇, θ, θ̇), the arm's effort behind it. Readers check
+all that comes from outside and raise :class:`RefusedError`; writers reuse their message, which
+is safe because publishing copies it.
 """
 
 from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, isinf, isnan, nan
 
 import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA, THETA_DOT
 
 from .topics import JOINTS
 
@@ -34,17 +34,21 @@ def read_float(message: Float64) -> float:
     return value
 
 
-def read_joints(message: JointState, x: np.ndarray, pendulum_speed_measured: bool = True) -> None:
-    """Write the message's state to ``x`` (4,), which is untouched if the message is refused.
+def read_joints(
+    message: JointState, x: np.ndarray, pendulum_speed: bool = True, effort: bool = False
+) -> None:
+    """Write the message's state and the arm's effort to ``x`` (5,), untouched if refused.
 
-    Without ``pendulum_speed_measured`` the speed of the pendulum is not looked at.
+    The pendulum's speed and the arm's effort may be missing (NaN) unless they are asked for.
     """
-    position, velocity = message.position, message.velocity
+    position, velocity, efforts = message.position, message.velocity, message.effort
     if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
         raise RefusedError(
             f"needs position and velocity of {JOINTS}, given {len(position)} positions and "
             f"{len(velocity)} velocities"
         )
+    if len(efforts) not in (0, len(JOINTS)):
+        raise RefusedError(f"needs effort of {JOINTS} or none, given {len(efforts)}")
     arm, pendulum = 0, 1
     if message.name != JOINTS:
         if sorted(message.name) != JOINTS:
@@ -52,13 +56,20 @@ def read_joints(message: JointState, x: np.ndarray, pendulum_speed_measured: boo
         arm, pendulum = 1, 0
     phi, theta, phi_dot = position[arm], position[pendulum], velocity[arm]
     theta_dot = velocity[pendulum]
+    arm_effort = efforts[arm] if efforts else nan
     # A sum is finite only if its terms are.
-    total = phi + theta + phi_dot + theta_dot if pendulum_speed_measured else phi + theta + phi_dot
-    if not isfinite(total):
+    total = phi + theta + phi_dot
+    if pendulum_speed:
+        total += theta_dot
+    if not isfinite(total) or isinf(arm_effort):
         raise RefusedError(
-            f"values must be finite, given position {list(position)}, velocity {list(velocity)}"
+            f"values must be finite, given position {list(position)}, velocity "
+            f"{list(velocity)}, effort {list(efforts)}"
         )
+    if effort and isnan(arm_effort):
+        raise RefusedError("needs the arm's effort, the torque applied since the last message [V]")
     x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot
+    x[EFFORT] = arm_effort
 
 
 def stamp_nanoseconds(message: JointState) -> int:
@@ -70,24 +81,23 @@ def stamp_nanoseconds(message: JointState) -> int:
 class JointWriter:
     """A JointState message that is filled anew for every sample."""
 
-    def __init__(self, with_effort: bool = False) -> None:
-        self._position = array("d", (0.0, 0.0))
-        self._velocity = array("d", (0.0, 0.0))
-        self._effort = array("d", (0.0, 0.0) if with_effort else ())
+    def __init__(self) -> None:
         self.message = JointState(
-            name=JOINTS, position=self._position, velocity=self._velocity, effort=self._effort
+            name=JOINTS,
+            position=array("d", (0.0, 0.0)),
+            velocity=array("d", (0.0, 0.0)),
+            effort=array("d", (0.0, 0.0)),
         )
         # The setters may have copied what they were given.
         self._position = self.message.position
         self._velocity = self.message.velocity
         self._effort = self.message.effort
 
-    def fill(self, x: Sequence[float] | np.ndarray, effort: float | None = None) -> JointState:
+    def fill(self, x: Sequence[float] | np.ndarray, effort: float) -> JointState:
         """Write state ``x`` (4 or more) and the arm's effort [V]."""
         self._position[0], self._position[1] = x[PHI], x[THETA]
         self._velocity[0], self._velocity[1] = x[PHI_DOT], x[THETA_DOT]
-        if effort is not None:
-            self._effort[0] = effort
+        self._effort[0] = effort
         return self.message
 
     def stamp(self, nanoseconds: int) -> None:

@@ -1,8 +1,6 @@
 """Parameters of the simulated rig: true pendulum, true friction, sensors and actuator.
 
-Levels are those of the paper's rig (Section 4). What the paper leaves open is chosen from its
-converters: the tachometer's range is that of a ±10 V converter at 1 V s/rad, and each analogue
-channel has noise of one code (standard deviation), what a 12-bit board of the time specifies.
+Levels are those of the paper's rig (Section 4).
 """
 
 from __future__ import annotations
@@ -14,35 +12,9 @@ from furuta_model.lugre import LuGre
 from furuta_model.motion import MOST_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
 
 CLOCKS = ("realtime", "lockstep")
-
-
-class Sensors(NamedTuple):
-    """Encoder on the arm, tachometer on the arm, potentiometer on the pendulum."""
-
-    ideal: Annotated[
-        bool, About("measure all four states exactly; the rest of this group is unused")
-    ] = False
-    encoder_counts: Annotated[
-        int, About("encoder pulses per revolution of the arm, 0 for no quantisation", "", 0, 2**24)
-    ] = 250
-    tachometer_range: Annotated[float, About("arm speed at full scale", "rad/s", 1e-3, 1e4)] = 10.0
-    tachometer_bits: Annotated[
-        int, About("bits of the tachometer's converter, 0 for no quantisation", "", 0, 32)
-    ] = 12
-    tachometer_noise: Annotated[
-        float, About("standard deviation of the tachometer's noise", "rad/s", 0.0, 100.0)
-    ] = 20.0 / 4096
-    potentiometer_range: Annotated[
-        float, About("pendulum angle at full scale", "rad", 1e-3, 2 * pi)
-    ] = pi / 4
-    potentiometer_bits: Annotated[
-        int, About("bits of the potentiometer's converter, 0 for no quantisation", "", 0, 32)
-    ] = 12
-    potentiometer_noise: Annotated[
-        float, About("standard deviation of the potentiometer's noise", "rad", 0.0, 1.0)
-    ] = pi / 2 / 4096
 
 
 class Actuator(NamedTuple):

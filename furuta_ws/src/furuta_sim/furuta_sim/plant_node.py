@@ -11,7 +11,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from furuta_model.lugre import friction
-from furuta_model.state import BRISTLE, PHI_DOT, RIGID_STATES
+from furuta_model.state import BRISTLE, PHI_DOT, SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
@@ -26,19 +26,20 @@ from .rig import Noise, initial_state, measure, move, substeps
 class Plant(FurutaNode[PlantNodeParameters]):
     """Simulates the rig.
 
-    Publishes ``measurement`` (NaN where there is no sensor) and ``ground_truth`` (effort of the
-    arm: the true friction [V]); subscribes to ``command`` [V]. The rig is held in its initial
-    state until the first command arrives, and again after the service ``~/reset``. How time
-    runs is the matter of :class:`RealTime` or :class:`LockStep`.
+    Publishes ``measurement`` (NaN where there is no sensor; effort of the arm: the torque applied
+    since the last one [V]) and ``ground_truth`` (effort: the true friction [V]); subscribes to
+    ``command`` [V]. The rig is held in its initial state until the first command arrives, and
+    again after the service ``~/reset``. How time runs is the matter of :class:`RealTime` or :class:`LockStep`.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        self._measurement = np.zeros(RIGID_STATES)
+        self._measurement = np.zeros(SIGNALS)
         self._measurement_writer = JointWriter()
-        self._truth_writer = JointWriter(with_effort=True)
+        self._truth_writer = JointWriter()
         self.sample = 0
         self.start = 0
         self.held = True
+        self._torque = 0.0
         self.x = np.zeros(0)
         super().__init__("plant", PlantNodeParameters, overrides)
         self._noise = Noise(self.parameters.plant.seed)
@@ -74,7 +75,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         self._truth_writer.stamp(stamp)
         self._truth_writer.fill(x, friction(x[PHI_DOT], x[BRISTLE], rig.friction))
         self._measurement_writer.stamp(stamp)
-        self._measurement_writer.fill(self._measurement)
+        self._measurement_writer.fill(self._measurement, self._torque)
         self._truth_publisher.publish(self._truth_writer.message)
         self.repeat_measurement()
 
@@ -85,7 +86,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            move(self.x, command, self._substeps, self._rig)
+            self._torque = move(self.x, command, self._substeps, self._rig)
         self.sample += 1
 
     def _on_command(self, message: Float64) -> None:
@@ -96,6 +97,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self.x = initial_state(self._rig)
         self.held = True
+        self._torque = 0.0
         response.success = True
         response.message = "held in the initial state until the next command"
         return response

@@ -1,7 +1,7 @@
 """The rig's converters and one sample of the whole rig: command in, state moved, sensors read.
 
-The state is (5,): x = (φ, φ̇, θ, θ̇) and the bristle deflection z. A measurement is (4,) in the
-order of x, with NaN where the rig has no sensor (θ̇).
+The state is (5,): x = (φ, φ̇, θ, θ̇) and the bristle deflection z. A measurement is (5,): the order
+of x, with NaN where the rig has no sensor (θ̇), and the torque applied since the last one [V].
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ import numpy as np
 
 from furuta_model.compiled import compiled
 from furuta_model.motion import advance, substeps_for
+from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
-from .parameters import Actuator, Plant, Sensors
+from .parameters import Actuator, Plant
 
 # Noise drawn per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
@@ -39,7 +40,7 @@ def drive(command: float, actuator: Actuator) -> float:
 
 @compiled
 def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
-    """Read the sensors: ``noise`` (2,) is standard normal, ``measurement`` (4,) is written."""
+    """Read the sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal."""
     if sensors.ideal:
         for i in range(4):
             measurement[i] = x[i]
@@ -64,10 +65,11 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
 
 
 @compiled
-def move(x: np.ndarray, command: float, substeps: int, plant: Plant) -> None:
-    """Move the rig over one sample with ``command`` [V] held."""
+def move(x: np.ndarray, command: float, substeps: int, plant: Plant) -> float:
+    """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
     torque = drive(command, plant.actuator)
     advance(x, torque, plant.sample_time, substeps, plant.model, plant.friction)
+    return torque
 
 
 def substeps(plant: Plant) -> int:

@@ -50,7 +50,7 @@ def command(
     if compensation is not None:
         extra.append(f"friction_observer.compensation={compensation}")
     if ideal_sensors:
-        extra += ["plant.sensors.ideal=true", "estimator.method=passthrough"]
+        extra.append("sensors.ideal=true")
     if seed is not None:
         extra.append(f"plant.seed={seed}")
     if feedback is not None:
