@@ -29,7 +29,8 @@ class Plant(FurutaNode[PlantNodeParameters]):
     Publishes ``measurement`` (NaN where there is no sensor; effort of the arm: the torque applied
     since the last one [V]) and ``ground_truth`` (effort: the true friction [V]); subscribes to
     ``command`` [V]. The rig is held in its initial state until the first command arrives, and
-    again after the service ``~/reset``. How time runs is the matter of :class:`RealTime` or :class:`LockStep`.
+    again after the service ``~/reset``. How time runs is the matter of :class:`RealTime` or
+    :class:`LockStep`.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
