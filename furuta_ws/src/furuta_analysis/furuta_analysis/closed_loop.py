@@ -80,21 +80,27 @@ class Simulation:
         self._noise = np.random.default_rng(loop.plant.seed)
         self._memory = fresh_memory()
 
-    def run(self, seconds: float) -> Record:
-        """Go on for ``seconds``, at least one sample."""
-        loop = self.loop
-        record = _empty_record(loop.plant.sample_time, seconds)
-        _run(
-            self._state,
-            self._noise.standard_normal((len(record.command), NOISE_CHANNELS)),
+    @property
+    def loop(self) -> Loop:
+        """The parameters in force."""
+        return self._loop
+
+    @loop.setter
+    def loop(self, loop: Loop) -> None:
+        self._loop = loop
+        self._members = (
             substeps(loop.plant),
             loop.plant,
             estimator(loop.estimator),
             compensator(loop.observer),
             state_feedback(loop.controller),
-            self._memory,
-            record,
         )
+
+    def run(self, seconds: float) -> Record:
+        """Go on for ``seconds``, at least one sample."""
+        record = _empty_record(self.loop.plant.sample_time, seconds)
+        noise = self._noise.standard_normal((len(record.command), NOISE_CHANNELS))
+        _run(self._state, noise, *self._members, self._memory, record)
         return record
 
 
@@ -121,7 +127,7 @@ def _run(
     noise: np.ndarray,
     steps: int,
     plant: Plant,
-    estimator: Estimator,
+    estimation: Estimator,
     observer: Compensator,
     feedback: StateFeedback,
     memory: Memory,
@@ -135,7 +141,7 @@ def _run(
         measure(x, noise[k], plant.sensors, measurement)
         measurement[EFFORT] = torque
         estimate = record.estimate[k]
-        estimate_state(memory.estimator, measurement, estimator, estimate)
+        estimate_state(memory.estimator, measurement, estimation, estimate)
         estimated = estimate_friction(memory.observer, estimate, observer)
         u = control(memory.controller, estimate, estimated, feedback)
         record.friction_estimate[k] = estimated

@@ -5,6 +5,7 @@ Measurement and estimate are (5,): x, then the applied torque and the estimated 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import isnan, nan
 from typing import NamedTuple
 
@@ -32,8 +33,9 @@ class Estimator(NamedTuple):
     half_count: float
 
 
+@lru_cache(maxsize=64)
 def estimator(p: EstimatorParameters) -> Estimator:
-    """The estimator that the parameters describe."""
+    """The estimator that the parameters describe; kept, for its design takes a millisecond."""
     return Estimator(
         p.method == "kalman",
         p.sensors.ideal,

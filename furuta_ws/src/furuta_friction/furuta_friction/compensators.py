@@ -34,7 +34,13 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.lugre import LuGre, bristle_after, bristle_rate, highest_level
+from furuta_model.lugre import (
+    LuGre,
+    bristle_after,
+    bristle_rate,
+    highest_level,
+    stribeck_level,
+)
 from furuta_model.state import EFFORT, PHI, PHI_DOT
 
 from .parameters import COMPENSATIONS, ObserverParameters
@@ -45,6 +51,8 @@ MEMORY = 3
 BRISTLE, RISING, FALLING = range(MEMORY)
 # The adaptation keeps the factors between 1/3 and 3: beyond, it is the model that is wrong.
 LARGEST_FACTOR = 3.0
+# Part of its final deflection from which on the bristle counts as sliding.
+SLIDING = 0.8
 
 _COULOMB = COMPENSATIONS.index("coulomb")
 _STICTION = COMPENSATIONS.index("stiction")
@@ -80,12 +88,13 @@ def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) 
     The observer runs under every kind, so that a switch to it finds it converged.
     """
     v, seen = estimate[PHI_DOT], estimate[EFFORT]
-    lugre = _adapted(memory, p.friction) if p.kind == _ADAPTIVE else p.friction
-    force = _observe(memory, v, -p.observer_gain * estimate[PHI], p.sample_time, lugre)
-    if p.kind == _LUGRE:
-        return force
+    push = -p.observer_gain * estimate[PHI]
     if p.kind == _ADAPTIVE:
+        force = _observe(memory, v, push, p.sample_time, _adapted(memory, p.friction))
         _adapt(memory, v, force, seen, p)
+        return force
+    force = _observe(memory, v, push, p.sample_time, p.friction)
+    if p.kind == _LUGRE:
         return force
     if p.kind == _STICTION:
         return stiction(v, seen, p.friction)
@@ -154,20 +163,18 @@ def _adapted(memory: np.ndarray, p: LuGre) -> LuGre:
 
 @compiled
 def _adapt(memory: np.ndarray, v: float, force: float, seen: float, p: Compensator) -> None:
-    """Move the factor of this direction against the error that it makes.
+    """Move the level of this direction towards the friction seen, at the rate Γ.
 
-    The gradient of (F_seen − F̂)²/2 with F̂ = factor · f, normalised by the level: the factor
-    approaches F_seen / f at the rate Γ(f/level)², by its exact solution over the sample.
+    Only while the bristle slides: before, it is σ₀ and σ₁ that decide F̂, and an error of theirs,
+    or the delay with which friction is seen at a reversal, would be taken for one of the level.
     """
     if v == 0.0 or isnan(seen):
         return
     direction = RISING if v > 0.0 else FALLING
     factor = 1.0 + memory[direction]
-    bristle = (force - p.friction.viscous * v) / factor
-    share = bristle / highest_level(p.friction)
-    error = (seen - force) / highest_level(p.friction)
-    if share * share < 1e-12:
+    level = factor * stribeck_level(v, p.friction)
+    if p.friction.sigma0 * memory[BRISTLE] * v < SLIDING * level * abs(v):
         return
-    step = -expm1(-p.adaptation_gain * p.sample_time * share * share) * error / share
-    factor = min(max(factor + step, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR)
-    memory[direction] = factor - 1.0
+    error = (seen - force) / (level if v > 0.0 else -level)
+    factor *= 1.0 - expm1(-p.adaptation_gain * p.sample_time) * error
+    memory[direction] = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0

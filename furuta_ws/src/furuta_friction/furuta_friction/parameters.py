@@ -29,7 +29,7 @@ class ObserverParameters(NamedTuple):
     ] = 0.01
     adaptation_gain: Annotated[
         float, About("adaptive: rate at which a level follows while the arm slides", "1/s", 0, 1e3)
-    ] = 3.0
+    ] = 20.0
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
