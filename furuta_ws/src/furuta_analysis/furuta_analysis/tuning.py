@@ -211,8 +211,9 @@ class _Tuner:
             trial = Trial(observer, self._plan.arm_guard)
             self._retreat()
         self._trials.append(trial)
-        values = ", ".join(f"{name} {_value(observer, name):.4g}" for name in self._plan.search)
-        self._report(f"{values}: {trial.amplitude:.4f} rad", self._seconds)
+        given = values(observer)
+        tried = ", ".join(f"{name} {given[name]:.4g}" for name in self._plan.search)
+        self._report(f"{tried}: {trial.amplitude:.4f} rad", self._seconds)
         return trial
 
     def _retreat(self) -> None:
