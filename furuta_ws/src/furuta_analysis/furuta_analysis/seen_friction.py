@@ -118,7 +118,7 @@ def fit_friction(
 
 def _check(speed: np.ndarray, seen: np.ndarray) -> None:
     if np.any(np.isnan(seen)):
-        raise ValueError("no friction was seen; the estimator's method must be kalman")
+        raise ValueError("the estimator sees no friction")
     if len(speed) < 4 * FORGOTTEN or np.ptp(seen) < 4 * SEEN_NOISE:
         raise ValueError("the arm hardly moved: there is no friction to be seen")
 

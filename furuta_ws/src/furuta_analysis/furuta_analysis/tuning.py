@@ -143,6 +143,11 @@ def tune(
     parameters of the start are in force again.
     """
     plan.check()
+    if estimator.method != "kalman":
+        raise ValueError(
+            f"the estimator's method must be kalman, which sees the friction; given "
+            f"{estimator.method}"
+        )
     try:
         return _Tuner(rig, start._replace(compensation="lugre"), plan, report).run(estimator)
     except BaseException:

@@ -1,6 +1,7 @@
-"""The paper's experiment through the real graph: Figs 6 to 8 in sequence.
+"""The paper's experiment through the real graph: Figs 6 to 9 in sequence.
 
-In lock-step, one pendulum runs on while the compensation is switched by the parameter services.
+In lock-step. First the compensator is tuned on a graph of its own; then one pendulum runs on while
+the compensation is switched. Both use the parameter services, as a person would.
 """
 
 from __future__ import annotations
@@ -14,15 +15,21 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta_analysis.oscillation import measure_oscillation
+from furuta_analysis.tuning import Plan, Report, Tuned, tune
+from furuta_friction.parameters import ObserverParameters
 from furuta_model.parameters import ParameterError
 
 from .bag import Recording
 from .graph import Graph
 from .operator import Operator
 from .recorder import Recorder
+from .running_rig import Estimates, RunningRig
 from .settings import Settings
+from .tuning_report import parameters
 
-COMPENSATIONS = ("none", "coulomb", "lugre")
+# The phases: the three compensations of the paper, and LuGre as tuned.
+TUNED = "tuned"
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
 # Part of each phase that counts: the last half, after the transients.
 SETTLED = 0.5
 
@@ -36,19 +43,59 @@ class Phase(NamedTuple):
     wall_seconds: float
 
 
+class PausingRig(RunningRig):
+    """A graph in lock-step that stands still while nobody watches.
+
+    So the sample at which a parameter changes is known, and the tuning repeatable.
+    """
+
+    def __init__(self, graph: Graph, operator: Operator, estimates: Estimates) -> None:
+        super().__init__(operator, estimates, graph.executor)
+        self._graph = graph
+        self._end = 0.0
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """The estimates (n, 5) of the next ``seconds`` of pendulum time."""
+        self._end += seconds
+        self.operator.set("plant", run_until=self._end)
+        estimates = super().watch(seconds)
+        self._graph.run_until(self._end)
+        return estimates
+
+
+def tune_graph(settings: Settings, seconds: float, report: Report) -> Tuned:
+    """Tune a graph with ``settings`` for at most ``seconds`` of pendulum time."""
+    person = Node("person")
+    estimates = Estimates(person)
+    graph = Graph(_in_lockstep(settings), [person])
+    try:
+        rig = PausingRig(graph, Operator(person, graph.executor), estimates)
+        return tune(rig, rig.observer, rig.estimator, Plan(seconds=seconds), report)
+    finally:
+        graph.close()
+
+
+def _in_lockstep(settings: Settings) -> Settings:
+    settings = {node: dict(given) for node, given in settings.items()}
+    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
+    settings["friction_observer"]["compensation"] = COMPENSATIONS[0]
+    return settings
+
+
 def run_demo(
-    settings: Settings, seconds: float, bag: Path, progress: Callable[[float], None]
+    settings: Settings,
+    tuned: ObserverParameters,
+    seconds: float,
+    bag: Path,
+    progress: Callable[[float], None],
 ) -> list[Phase]:
     """Run every compensation for ``seconds``, recording into ``bag``.
 
     ``progress`` is told the pendulum's time now and then.
     """
-    settings = {node: dict(given) for node, given in settings.items()}
-    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
-    settings["friction_observer"]["compensation"] = COMPENSATIONS[0]
     person = Node("person")
     recorder = Recorder(bag, stamped=True)
-    graph = Graph(settings, [recorder, person])
+    graph = Graph(_in_lockstep(settings), [recorder, person])
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         operator = Operator(person, graph.executor)
@@ -56,7 +103,8 @@ def run_demo(
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
-            operator.set("friction_observer", compensation=compensation)
+            chosen = parameters(tuned) if compensation == TUNED else {"compensation": compensation}
+            operator.set_all("friction_observer", chosen)
             operator.set("plant", run_until=end)
             graph.run_until(end)
             phases.append(Phase(compensation, number * seconds, end, perf_counter() - began))

@@ -20,6 +20,7 @@ TITLES = {
     "none": "no compensation (Fig. 6)",
     "coulomb": "Coulomb (Fig. 7)",
     "lugre": "LuGre (Fig. 8)",
+    "tuned": "LuGre, tuned (Fig. 9)",
 }
 LABELS = ("arm φ [rad]", "pendulum θ [rad]", "control u [V]", "friction [V]")
 # Seconds shown of each phase, its last.
@@ -48,7 +49,7 @@ def draw_run(run: Record, path: Path) -> None:
 def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
     """One column per phase, one row per signal, each row with one scale."""
     figure, axes = plt.subplots(
-        4, len(phases), sharex="col", sharey="row", figsize=(12, 8), layout="constrained"
+        4, len(phases), sharex="col", sharey="row", figsize=(14, 8), layout="constrained"
     )
     for column, phase in zip(axes.T, phases, strict=True):
         part = recording.between(max(phase.start, phase.end - SHOWN), phase.end)

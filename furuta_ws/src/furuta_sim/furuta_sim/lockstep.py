@@ -38,6 +38,7 @@ class LockStep:
         self._complained_at = 0.0
         self._ring: frozenset[bytes] = frozenset()
         plant.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        plant.on_change = self._resume
 
     def on_command(self, command: float) -> None:
         """Take the command for the published sample; any other is not for this time."""
@@ -60,10 +61,15 @@ class LockStep:
         self._published_at = self._repeated_at = monotonic()
         self._plant.publish_sample()
 
+    def _resume(self) -> None:
+        """Go on at once when ``run_until`` is raised."""
+        if not self._waiting and not self._plant.paused and self._plant.sample > 0:
+            self._publish()
+
     def _look(self) -> None:
-        """Start, go on after a pause, and mend a broken ring."""
+        """Start, and mend a broken ring."""
         if not self._waiting:
-            if not self._plant.paused and (self._plant.sample > 0 or self._complete()):
+            if not self._plant.paused and self._complete():
                 self._ring = self._publishers()
                 self._publish()
             return

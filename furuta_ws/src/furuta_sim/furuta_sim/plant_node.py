@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -42,6 +42,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         self.held = True
         self._torque = 0.0
         self.x = np.zeros(0)
+        self.on_change: Callable[[], None] = lambda: None  # what time does at a change
         super().__init__("plant", PlantNodeParameters, overrides)
         self._noise = Noise(self.parameters.plant.seed)
         self.x = initial_state(self.parameters.plant)
@@ -57,6 +58,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         """Take the new rig between two samples."""
         self._rig = parameters.plant
         self._substeps = substeps(self._rig)
+        self.on_change()
 
     @property
     def time(self) -> float:

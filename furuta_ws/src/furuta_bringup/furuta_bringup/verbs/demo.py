@@ -17,11 +17,15 @@ from rich.progress import Progress
 from rich.table import Table
 
 from furuta_bringup.bag import read_recording
-from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo
+from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
 from furuta_bringup.figure import draw
 from furuta_bringup.settings import gather
 
 from ..options import json_option, model_options, print_json
+from ..tuning_report import parameters
+
+# Most pendulum time [s] for the tuning that comes first.
+TUNING_SECONDS = 200.0
 
 
 @click.command()
@@ -43,10 +47,10 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Run none, Coulomb and LuGre compensation through the real node graph.
+    """Run no, Coulomb, LuGre and tuned LuGre compensation through the real node graph.
 
-    The graph runs in lock-step in one process and is recorded; compensations are switched by
-    the parameter services.
+    The graph runs in lock-step in one process and is recorded; the compensator is tuned, and
+    compensations are switched, by the parameter services.
     """
     check_seconds(seconds)
     settings = gather(files, assignments)
@@ -65,15 +69,31 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         with Progress(console=console, transient=True) as bar:
-            task = bar.add_task("pendulum time", total=seconds * len(COMPENSATIONS))
-            phases = run_demo(settings, seconds, bag, lambda t: bar.update(task, completed=t))
+            tuning = bar.add_task("tuning", total=TUNING_SECONDS)
+            tuned = tune_graph(
+                settings, TUNING_SECONDS, lambda _, t: bar.update(tuning, completed=t)
+            )
+            bar.update(tuning, completed=TUNING_SECONDS)
+            task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
+            phases = run_demo(
+                settings,
+                tuned.after.observer,
+                seconds,
+                bag,
+                lambda t: bar.update(task, completed=t),
+            )
     finally:
         rclpy.try_shutdown()
     with console.status("reading the bag, drawing"):
         recording = read_recording(bag)
         figure = directory / "demo.png"
         draw(recording, phases, figure)
-    return {"runs": evaluate(phases, recording), "figure": str(figure), "bag": str(bag)}
+    return {
+        "runs": evaluate(phases, recording),
+        "tuned_parameters": parameters(tuned.after.observer),
+        "figure": str(figure),
+        "bag": str(bag),
+    }
 
 
 def _clear(bag: Path) -> None:
