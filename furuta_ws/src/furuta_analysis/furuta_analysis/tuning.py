@@ -3,8 +3,9 @@
 First the pendulum swings without compensation and the friction's parameters are read off what the
 estimator sees (:mod:`.seen_friction`). Then the limit cycle that is left with compensation is made
 as small as it gets by a trust-region search (COBYQA) on the few parameters that the data tell
-least, and the best candidates are looked at once more, since the least of noisy figures is mostly
-luck. What counts is what a rig can measure: the peak-to-peak value of the estimated arm angle.
+least, and the best candidates are looked at again with the time that is left, since the least of
+noisy figures is mostly luck. What counts is what a rig can measure: the peak-to-peak value of the
+estimated arm angle.
 
 Safety: between any two moments of a tenth of a second the excursion is checked against a guard.
 A candidate that exceeds it is dropped for the best so far; where that does not help, or at an
@@ -45,13 +46,13 @@ FITTED = tuple(SCALES)
 # Pendulum time [s] of each step.
 LOOK = 0.1
 SETTLE = 2.0
-WINDOW = 7.0
+WINDOW = 10.0
 FIRST_SETTLE = 3.0
 LISTEN = 12.0
-LAST_WINDOW = 10.0
+LAST_WINDOW = 12.0
 CANDIDATES = 3
 # The search's first and last step, in its units.
-FIRST_STEP, LAST_STEP = 1.0, 0.1
+FIRST_STEP, LAST_STEP = 0.6, 0.1
 
 
 class Rig(Protocol):
@@ -169,11 +170,20 @@ class _Tuner:
         self._report(f"before: {before.amplitude:.4f} rad", self._seconds)
         fitted = self._listen(estimator)
         self._search(self._start._replace(friction=fitted))
-        best = sorted(self._trials, key=lambda trial: trial.amplitude)[:CANDIDATES]
-        last = [self._trial(each.observer, LAST_WINDOW) for each in best]
-        after = min(last, key=lambda trial: trial.amplitude)
+        after = self._best()
         self._rig.apply(after.observer)
         return Tuned(before, fitted, after, self._trials, self._seconds)
+
+    def _best(self) -> Trial:
+        """The best of the best trials, looked at again for all the time that is left."""
+        best = sorted(self._trials, key=lambda trial: trial.amplitude)[:CANDIDATES]
+        window = (self._plan.seconds - self._seconds) / len(best) - SETTLE
+        last = []
+        for number, each in enumerate(best, start=1):
+            self._report(f"looking again at candidate {number} of {len(best)}", self._seconds)
+            again = self._trial(each.observer, window)
+            last.append(again._replace(amplitude=max(each.amplitude, again.amplitude)))
+        return min(last, key=lambda trial: trial.amplitude)
 
     def _listen(self, estimator: EstimatorParameters) -> LuGre:
         """The friction's parameters from the limit cycle without compensation."""
@@ -239,7 +249,7 @@ class _Tuner:
         """The estimates of the next ``seconds``; :class:`GuardError` outside the guard."""
         low, high = np.inf, -np.inf
         parts = []
-        for _ in range(round(seconds / LOOK)):
+        for _ in range(int(seconds / LOOK + 1e-6)):
             part = self._move(LOOK)
             parts.append(part)
             low, high = min(low, part[:, PHI].min()), max(high, part[:, PHI].max())

@@ -14,6 +14,7 @@ VERBS = {
     "demo": "The paper's experiments through the real node graph.",
     "run": "The graph until Ctrl-C, in one process or in one per node.",
     "simulate": "The same loop without ROS.",
+    "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
     "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
