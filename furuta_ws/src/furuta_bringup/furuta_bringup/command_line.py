@@ -14,6 +14,7 @@ VERBS = {
     "demo": "The paper's experiments through the real node graph.",
     "run": "The graph until Ctrl-C, in one process or in one per node.",
     "simulate": "The same loop without ROS.",
+    "sweep": "A study over any parameters, on all cores or on a cluster.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",

@@ -22,10 +22,11 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def compiled(function: Function) -> Function:
+def compiled(function: Function, **options: bool) -> Function:
     """Compile ``function`` in nopython mode, cached beside its installed source.
 
-    No fast-math: results do not depend on the compiler's freedom to reorder.
+    No fast-math: results do not depend on the compiler's freedom to reorder. ``options`` are
+    numba's own.
     """
     digest = _digest(function)
     cache = _cache_directory(inspect.getfile(function)) / digest[:16]
@@ -33,11 +34,22 @@ def compiled(function: Function) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
-        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        dispatcher: Any = numba.njit(
+            cache=True, nogil=True, error_model="numpy", **options
+        )(function)
     finally:
         config.CACHE_DIR = before
     dispatcher.furuta_digest = digest
     return cast(Function, dispatcher)
+
+
+def inlined(function: Function) -> Function:
+    """Compile ``function`` into those that call it.
+
+    For what is called every sample and hands arrays on: counting references to them at every call
+    takes several times as long as the sample's arithmetic.
+    """
+    return compiled(function, forceinline=True)
 
 
 def _digest(function: Callable[..., Any]) -> str:
