@@ -94,6 +94,7 @@ def test_manifest_lists_what_is_imported(package: str) -> None:
         "numba": "python3-numba",
         "yaml": "python3-yaml",
         "click": "python3-click",
+        "distributed": "python3-distributed",
         "rich": "python3-rich",
         "matplotlib": "python3-matplotlib",
         "rosbags": "python3-rosbags-pip",

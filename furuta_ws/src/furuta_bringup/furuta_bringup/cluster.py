@@ -59,7 +59,9 @@ def run_there(study: Study, done: set[int], address: str) -> Iterator[Result]:
                 found = future.result()
             except KilledWorker:
                 if tries == TRIES:
-                    raise UserError(f"{TRIES} workers died in one study; it can be resumed") from None
+                    raise UserError(
+                        f"{TRIES} workers died in one study; it can be resumed"
+                    ) from None
                 submit(chunk, tries + 1)
                 continue
             for (number, _), outcome in zip(chunk, found, strict=True):

@@ -37,7 +37,11 @@ def draw(axes: tuple[Axis, ...], rows: list[dict[str, Any]], path: Path) -> None
         plane.set(xlabel=first.name, ylabel=second.name)
     else:
         figure, grid = plt.subplots(
-            1, len(axes), figsize=(2.0 + 4.0 * len(axes), 4.5), squeeze=False, sharey=True,
+            1,
+            len(axes),
+            figsize=(2.0 + 4.0 * len(axes), 4.5),
+            squeeze=False,
+            sharey=True,
             layout="constrained",
         )
         for axis, panel in zip(axes, grid[0], strict=True):

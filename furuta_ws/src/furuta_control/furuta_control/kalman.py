@@ -106,7 +106,7 @@ def _variance(noise: float, full_scale: float, bits: int) -> float:
 
 @inlined
 def fuse(memory: np.ndarray, measurement: np.ndarray, step: np.ndarray, half_count: float) -> None:
-    """One sample: ``memory``'s first (5,), x and the friction, are moved to this ``measurement``."""
+    """One sample: x and friction, ``memory``'s first (5,), are moved to this ``measurement``."""
     phi, phi_dot = memory[PHI], memory[PHI_DOT]
     theta, theta_dot, effort = memory[THETA], memory[THETA_DOT], memory[EFFORT]
     for i in range(SIGNALS):

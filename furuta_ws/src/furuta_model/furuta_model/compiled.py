@@ -34,9 +34,9 @@ def compiled(function: Function, **options: bool) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
-        dispatcher: Any = numba.njit(
-            cache=True, nogil=True, error_model="numpy", **options
-        )(function)
+        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(
+            function
+        )
     finally:
         config.CACHE_DIR = before
     dispatcher.furuta_digest = digest

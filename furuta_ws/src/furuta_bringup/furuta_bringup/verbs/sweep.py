@@ -25,7 +25,9 @@ COUNT = 10
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
 @click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True)
 @click.option("--points", default=256, show_default=True, help="Runs, where it is not a grid.")
-@click.option("--seed", default=0, show_default=True, help="Of the points; plant.seed is the rig's.")
+@click.option(
+    "--seed", default=0, show_default=True, help="Of the points; plant.seed is the rig's."
+)
 @click.option("--seconds", default=60.0, show_default=True, help="Pendulum time of a run.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
@@ -48,10 +50,10 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the loop over any parameters: furuta sweep friction_observer.alpha0=0.1:0.3:50
+    """Simulate the loop over any parameters, as in friction_observer.alpha0=0.1:0.3:50 seed=0:9.
 
-    Every run is what furuta simulate gives. A sweep that was interrupted goes on where it was when it
-    is called again with the same arguments.
+    Every run is that of furuta simulate. A sweep that was interrupted goes on where it was when
+    it is called again with the same arguments.
     """
     if not 0 < seconds <= 1e6:
         raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
