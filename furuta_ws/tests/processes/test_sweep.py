@@ -1,4 +1,4 @@
-"""The verb ``sweep`` as a user meets it: here, killed and resumed, on a cluster that loses workers."""
+"""The verb ``sweep`` as a user meets it: here, killed and resumed, on a cluster."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from .sweep import Result, Study, failed, succeeded
 
 CHUNK = 8  # runs that travel together
 WAITING = 4  # chunks per thread of the cluster that are under way
-CONNECT = 10.0  # [s] that the scheduler gets to answer
+CONNECT = 5.0  # [s] that the scheduler gets to answer
 # Times that a chunk is tried. A cluster blames a task for every worker that dies under it.
 TRIES = 20
 
@@ -33,7 +33,7 @@ def run_there(study: Study, done: set[int], address: str) -> Iterator[Result]:
     with client:
         runs = study.loops(done)
         under_way: dict[Any, tuple[list[tuple[int, Loop]], int]] = {}
-        completed = as_completed()
+        completed = as_completed(loop=client.loop)
 
         def submit(chunk: list[tuple[int, Loop]], tries: int) -> None:
             loops = [made for _, made in chunk]
@@ -64,5 +64,7 @@ def run_there(study: Study, done: set[int], address: str) -> Iterator[Result]:
                     ) from None
                 submit(chunk, tries + 1)
                 continue
+            except (ImportError, RuntimeError) as error:
+                raise UserError(f"a worker of the cluster cannot run it: {error}") from None
             for (number, _), outcome in zip(chunk, found, strict=True):
                 yield succeeded(number, outcome)

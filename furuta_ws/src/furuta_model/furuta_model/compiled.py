@@ -22,11 +22,10 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def compiled(function: Function, **options: bool) -> Function:
+def compiled(function: Function, forceinline: bool = False) -> Function:
     """Compile ``function`` in nopython mode, cached beside its installed source.
 
-    No fast-math: results do not depend on the compiler's freedom to reorder. ``options`` are
-    numba's own.
+    No fast-math: results do not depend on the compiler's freedom to reorder.
     """
     digest = _digest(function)
     cache = _cache_directory(inspect.getfile(function)) / digest[:16]
@@ -34,7 +33,7 @@ def compiled(function: Function, **options: bool) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
-        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(
+        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=forceinline)(
             function
         )
     finally:
