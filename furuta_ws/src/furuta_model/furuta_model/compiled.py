@@ -33,9 +33,9 @@ def compiled(function: Function, forceinline: bool = False) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
-        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=forceinline)(
-            function
-        )
+        dispatcher: Any = numba.njit(
+            cache=True, nogil=True, error_model="numpy", forceinline=forceinline
+        )(function)
     finally:
         config.CACHE_DIR = before
     dispatcher.furuta_digest = digest
