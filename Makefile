@@ -7,6 +7,8 @@ test:
 	tools/in_environment python -m pytest furuta_ws/tests
 
 bench:
+	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
+		--requirement benchmarks/requirements.lock
 	tools/in_environment python benchmarks/run.py
 
 clean:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from statistics import median
-from time import monotonic, perf_counter, perf_counter_ns, sleep
+from time import monotonic, perf_counter, perf_counter_ns, sleep, thread_time
 from typing import Any
 
 import numpy as np
@@ -39,12 +39,35 @@ def lockstep() -> dict[str, float]:
 
     bare_rate(), graph_rate()  # warm
     pairs = [(graph_rate(), bare_rate()) for _ in range(TURNS)]
+    costs = _costs(graph)
     _stop(graph, bare)
-    return {
+    return costs | {
         "lockstep_vs_bare_chain": median(ours / theirs for ours, theirs in pairs),
         "lockstep_samples_per_s": median(ours for ours, _ in pairs),
         "bare_chain_samples_per_s": median(theirs for _, theirs in pairs),
     }
+
+
+def _costs(graph: Graph) -> dict[str, float]:
+    """CPU time per sample [µs] in each node's callbacks, publishing included, and in all."""
+    spent = dict.fromkeys((node.get_name() for node in graph.nodes), 0.0)
+
+    def timed(name: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        def call(message: Any) -> None:
+            began = thread_time()
+            callback(message)
+            spent[name] += thread_time() - began
+
+        return call
+
+    for node in graph.nodes:
+        for subscription in node.subscriptions:
+            subscription.callback = timed(node.get_name(), subscription.callback)
+    samples, began = graph.plant.sample, thread_time()
+    _spin_for(graph.executor, TURN_SECONDS)
+    samples = graph.plant.sample - samples
+    costs = {f"cost_{name}_us": seconds / samples * 1e6 for name, seconds in spent.items()}
+    return costs | {"cost_sample_us": (thread_time() - began) / samples * 1e6}
 
 
 def realtime() -> dict[str, float]:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from time import monotonic
 
+import numpy as np
+from rclpy.node import Node
+from std_msgs.msg import UInt64MultiArray
+
 from furuta_bringup.graph import Graph
 from furuta_bringup.settings import Settings
 from furuta_ros.spinning import spin_until
+from furuta_ros.topics import QOS, TIMING
 
 
 def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
@@ -22,6 +27,20 @@ def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
     # How punctual depends on the machine's load; the benchmark measures it.
     assert count.on_time > 0.5 * count.samples > 500
     assert 2.5 < seconds < 3.5
+
+
+def test_timing_is_published(ros: None, settings: Settings) -> None:
+    """Two rows of counts, as many latencies as commands and lateness as samples, or nearly."""
+    received: list[UInt64MultiArray] = []
+    probe = Node("probe")
+    probe.create_subscription(TIMING.type, TIMING.name, received.append, QOS)
+    graph = Graph(settings, [probe])
+    spin_until(graph.executor, lambda: len(received) >= 2)
+    graph.close()
+    latency, lateness = np.array(received[-1].data).reshape(2, -1)
+    assert [each.size for each in received[-1].layout.dim] == [2, len(latency)]
+    assert 0 < sum(received[0].data) < sum(received[1].data)
+    assert 0.5 * lateness.sum() < latency.sum() <= lateness.sum()
 
 
 def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None:

@@ -16,6 +16,7 @@ VERBS = {
     "simulate": "The same loop without ROS.",
     "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
     "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
+    "sweep": "A study over any parameters, on all cores or on a cluster.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from furuta_ros.scheduling import Scheduling, schedule
 from furuta_ros.spinning import Stop, spin_until
 from furuta_sim.realtime import RealTime
 
@@ -15,8 +17,19 @@ from .recorder import Recorder
 from .settings import Settings
 
 
-def run_composed(settings: Settings, record: Path | None, seconds: float | None) -> None:
-    """Run the graph until it is told to stop or the pendulum's time is up."""
+def run_composed(
+    settings: Settings,
+    record: Path | None,
+    seconds: float | None,
+    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
+    timing: Path | None = None,
+) -> None:
+    """Run the graph until it is told to stop or the pendulum's time is up.
+
+    Says what of ``scheduling`` the system granted; ``timing`` is a table of how late samples were.
+    """
+    for granted in schedule(scheduling):
+        print(granted)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         others = []
@@ -28,6 +41,8 @@ def run_composed(settings: Settings, record: Path | None, seconds: float | None)
             plant = graph.plant
             spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
             _report(graph)
+            if timing is not None:
+                _write_timing(graph, timing)
         finally:
             graph.close()
     finally:
@@ -44,3 +59,18 @@ def _report(graph: Graph) -> None:
             f"{share:.2%} of {count.samples} samples had their command before the next one; "
             f"{count.overruns} overruns, {count.timeouts} samples at 0 V for want of a command"
         )
+        print(f"latency   {plant.clockwork.latency.summary()}")
+        print(f"lateness  {plant.clockwork.lateness.summary()}")
+
+
+def _write_timing(graph: Graph, path: Path) -> None:
+    """Both histograms, a row per microsecond that anything was counted in."""
+    clockwork = graph.plant.clockwork
+    if not isinstance(clockwork, RealTime):
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["from_us", "latency", "lateness"])
+        counts = zip(clockwork.latency.counts, clockwork.lateness.counts, strict=True)
+        writer.writerows([us, a, b] for us, (a, b) in enumerate(counts) if a or b)

@@ -39,6 +39,16 @@ def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
     for file in files:
         for node, given in read_file(file).items():
             settings[node] |= given
+    return _assigned(settings, assignments)
+
+
+def varied(settings: Settings, values: Mapping[str, Any]) -> Settings:
+    """The settings with further values by name, as checked as :func:`gather`'s."""
+    copied = {node: dict(given) for node, given in settings.items()}
+    return _assigned(copied, [f"{name}={value}" for name, value in values.items()])
+
+
+def _assigned(settings: Settings, assignments: Iterable[str]) -> Settings:
     for assignment in assignments:
         name, separator, text = assignment.partition("=")
         if not separator:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 
 from .kalman import fuse, half_count, sample_kalman
@@ -19,8 +19,10 @@ from .lowpass import MEMORY as LOWPASS_MEMORY
 from .lowpass import sample_lowpass, smooth
 from .parameters import EstimatorParameters
 
-# The estimator's memory: that of the low-pass, the Kalman filter's signals, whether it began.
-MEMORY = LOWPASS_MEMORY + SIGNALS + 1
+# The estimator's memory: the Kalman filter's signals, that of the low-pass, whether it began.
+LOWPASS = SIGNALS
+BEGAN = LOWPASS + LOWPASS_MEMORY
+MEMORY = BEGAN + 1
 
 
 class Estimator(NamedTuple):
@@ -45,33 +47,42 @@ def estimator(p: EstimatorParameters) -> Estimator:
     )
 
 
-@compiled
+@inlined
 def estimate_state(
     memory: np.ndarray, measurement: np.ndarray, p: Estimator, estimate: np.ndarray
 ) -> None:
     """One sample: ``memory`` is updated, ``estimate`` (5,) written.
 
     Both filters run, so that a change of method finds the other in step. Without an applied
-    torque (NaN) the Kalman filter has no past: it begins anew at every sample.
+    torque (NaN) the Kalman filter has no past: it begins anew at every sample. Of what is measured
+    exactly nothing is filtered, but for the friction that the Kalman filter finds.
     """
-    lowpass = memory[:LOWPASS_MEMORY]
-    signals = memory[LOWPASS_MEMORY : LOWPASS_MEMORY + SIGNALS]
-    began = memory[LOWPASS_MEMORY + SIGNALS] == 1.0
+    if p.ideal and not p.kalman:
+        for i in range(EFFORT):
+            estimate[i] = measurement[i]
+        estimate[EFFORT] = nan
+        memory[BEGAN] = 0.0
+        return
+    theta = measurement[THETA]
+    began = memory[BEGAN] == 1.0
+    memory[BEGAN] = 1.0
     if began:
-        smooth(lowpass, measurement[THETA], p.lowpass_step)
+        smooth(memory, LOWPASS, theta, p.lowpass_step)
     else:
-        lowpass[0], lowpass[1], lowpass[2] = measurement[THETA], 0.0, measurement[THETA]
+        memory[LOWPASS], memory[LOWPASS + 1], memory[LOWPASS + 2] = theta, 0.0, theta
     if began and not isnan(measurement[EFFORT]):
-        fuse(signals, measurement, p.kalman_step, p.half_count)
+        fuse(memory, measurement, p.kalman_step, p.half_count)
     else:
-        signals[:THETA_DOT] = measurement[:THETA_DOT]
-        signals[THETA_DOT:] = 0.0
-    memory[LOWPASS_MEMORY + SIGNALS] = 1.0
+        for i in range(THETA_DOT):
+            memory[i] = measurement[i]
+        memory[THETA_DOT] = memory[EFFORT] = 0.0
     if p.kalman:
-        estimate[:] = signals
+        for i in range(SIGNALS):
+            estimate[i] = memory[i]
     else:
         estimate[PHI], estimate[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
-        estimate[THETA], estimate[THETA_DOT] = lowpass[0], lowpass[1]
+        estimate[THETA], estimate[THETA_DOT] = memory[LOWPASS], memory[LOWPASS + 1]
         estimate[EFFORT] = nan
     if p.ideal:
-        estimate[:EFFORT] = measurement[:EFFORT]
+        for i in range(EFFORT):
+            estimate[i] = measurement[i]

@@ -26,7 +26,7 @@ from math import pi
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
 from furuta_model.sensors import Sensors
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
@@ -104,22 +104,21 @@ def _variance(noise: float, full_scale: float, bits: int) -> float:
     return max(noise**2 + step**2 / 12.0, SMALLEST_VARIANCE)
 
 
-@compiled
-def fuse(signals: np.ndarray, measurement: np.ndarray, step: np.ndarray, half_count: float) -> None:
-    """One sample: ``signals`` (5,), x and the friction, are moved to this ``measurement`` (5,)."""
-    phi_dot, theta, theta_dot = signals[PHI_DOT], signals[THETA], signals[THETA_DOT]
-    phi, effort = signals[PHI], signals[EFFORT]
+@inlined
+def fuse(memory: np.ndarray, measurement: np.ndarray, step: np.ndarray, half_count: float) -> None:
+    """One sample: x and friction, ``memory``'s first (5,), are moved to this ``measurement``."""
+    phi, phi_dot = memory[PHI], memory[PHI_DOT]
+    theta, theta_dot, effort = memory[THETA], memory[THETA_DOT], memory[EFFORT]
     for i in range(SIGNALS):
-        row = step[i]
-        signals[i] = (
-            row[PHI] * phi
-            + row[PHI_DOT] * phi_dot
-            + row[THETA] * theta
-            + row[THETA_DOT] * theta_dot
-            + row[EFFORT] * effort
-            + row[SIGNALS] * measurement[EFFORT]
-            + row[SIGNALS + 1] * measurement[PHI_DOT]
-            + row[SIGNALS + 2] * measurement[THETA]
+        memory[i] = (
+            step[i, PHI] * phi
+            + step[i, PHI_DOT] * phi_dot
+            + step[i, THETA] * theta
+            + step[i, THETA_DOT] * theta_dot
+            + step[i, EFFORT] * effort
+            + step[i, SIGNALS] * measurement[EFFORT]
+            + step[i, SIGNALS + 1] * measurement[PHI_DOT]
+            + step[i, SIGNALS + 2] * measurement[THETA]
         )
     read = measurement[PHI]
-    signals[PHI] = min(max(signals[PHI], read - half_count), read + half_count)
+    memory[PHI] = min(max(memory[PHI], read - half_count), read + half_count)

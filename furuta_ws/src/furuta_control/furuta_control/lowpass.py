@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 
 from .parameters import EstimatorParameters
 
@@ -34,10 +34,10 @@ def sample_lowpass(p: EstimatorParameters) -> np.ndarray:
     return np.ascontiguousarray(step)
 
 
-@compiled
-def smooth(memory: np.ndarray, theta: float, step: np.ndarray) -> None:
-    """One sample with the measured angle ``theta`` [rad]: ``memory`` (3,) is moved."""
-    a, b = step
-    angle = a[0] * memory[0] + a[1] * memory[1] + a[2] * memory[2] + a[3] * theta
-    speed = b[0] * memory[0] + b[1] * memory[1] + b[2] * memory[2] + b[3] * theta
-    memory[0], memory[1], memory[2] = angle, speed, theta
+@inlined
+def smooth(memory: np.ndarray, at: int, theta: float, step: np.ndarray) -> None:
+    """One sample with the measured angle ``theta`` [rad]: ``memory`` (3,) from ``at`` is moved."""
+    y, y_dot, before = memory[at], memory[at + 1], memory[at + 2]
+    memory[at] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * before + step[0, 3] * theta
+    memory[at + 1] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * before + step[1, 3] * theta
+    memory[at + 2] = theta

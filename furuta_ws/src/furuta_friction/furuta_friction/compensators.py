@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.lugre import (
     LuGre,
     bristle_after,
@@ -81,7 +81,7 @@ def compensator(p: ObserverParameters) -> Compensator:
     )
 
 
-@compiled
+@inlined
 def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
     """F̂ [V] for the state estimate (5,), x and the friction seen; ``memory`` (3,) is updated.
 
@@ -131,7 +131,7 @@ def stiction(v: float, seen: float, p: LuGre) -> float:
     return min(max(seen, -breakaway * (1.0 - p.asymmetry)), breakaway * (1.0 + p.asymmetry))
 
 
-@compiled
+@inlined
 def _observe(memory: np.ndarray, v: float, push: float, dt: float, p: LuGre) -> float:
     """Move ẑ by one sample and return F̂ [V]."""
     z, _ = bristle_after(v, push, memory[BRISTLE], dt, p)
@@ -143,7 +143,7 @@ def _observe(memory: np.ndarray, v: float, push: float, dt: float, p: LuGre) -> 
     return min(max(force, -highest), highest) + p.viscous * v
 
 
-@compiled
+@inlined
 def _adapted(memory: np.ndarray, p: LuGre) -> LuGre:
     """The friction with its levels as far as the adaptation has come."""
     rising = (1.0 + p.asymmetry) * (1.0 + memory[RISING])
@@ -161,7 +161,7 @@ def _adapted(memory: np.ndarray, p: LuGre) -> LuGre:
     )
 
 
-@compiled
+@inlined
 def _adapt(memory: np.ndarray, v: float, force: float, seen: float, p: Compensator) -> None:
     """Move the level of this direction towards the friction seen, at the rate Γ.
 

@@ -19,8 +19,10 @@ from .parameters import About
 
 # Below this level [V] friction counts as absent: the bristle's rate stays finite.
 SMALLEST_LEVEL = 1e-12
-# Below this rate times step the series is closer than the quotient it stands for.
-SMALL_DECAY = 1e-3
+# Above this (v/vs)² stiction is gone: what is left of it is lost in the rounding of α₀.
+LARGE_RATIO = 50.0
+# Below this rate times step the rational form of the decay is exact to rounding, and faster.
+SMALL_DECAY = 0.3
 
 
 class LuGre(NamedTuple):
@@ -46,6 +48,8 @@ class LuGre(NamedTuple):
 def symmetric_level(v: float, p: LuGre) -> float:
     """α₀ + α₁ exp(−(v/vs)²) [V]: the level at speed v [rad/s] before its asymmetry."""
     ratio = v / p.stribeck_velocity
+    if ratio * ratio > LARGE_RATIO:
+        return p.alpha0
     return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
 
 
@@ -93,13 +97,25 @@ def bristle_after(v: float, push: float, z: float, dt: float, p: LuGre) -> tuple
     Returns the deflection at the end and its mean over the step [rad]. ``push`` [rad/s] is an
     observer's correction, zero for the plant.
     """
-    source = v + push
-    rate = p.sigma0 * abs(v) / stribeck_level(v, p)
-    decay = rate * dt
-    if decay < SMALL_DECAY:
-        end = z + dt * (source - rate * z) * (1.0 - decay * (0.5 - decay / 6.0))
-        mean = z + dt * (source - rate * z) * (0.5 - decay * (1.0 / 6.0 - decay / 24.0))
-        return end, mean
-    end = z - (z - source / rate) * -expm1(-decay)
-    mean = (source - (end - z) / dt) / rate
-    return end, mean
+    rate = p.sigma0 / stribeck_level(v, p) * abs(v)
+    to_end, to_mean = travel(rate * dt)
+    step = dt * (v + push - rate * z)
+    return z + step * to_end, z + step * to_mean
+
+
+@compiled
+def travel(d: float) -> tuple[float, float]:
+    r"""Parts of its first rate times the step that a decaying quantity has moved: end, mean.
+
+    .. math:: φ = (1 - e^{-d})/d, \qquad ψ = (1 - φ)/d
+
+    where d ≥ 0 is rate times step. For small d by the (5, 5) Padé approximant of :math:`e^{-d}`, in
+    which what would cancel has cancelled.
+    """
+    if d >= SMALL_DECAY:
+        end = -expm1(-d) / d
+        return end, (1.0 - end) / d
+    s = d * d
+    odd = 0.5 + s * (1.0 / 72.0 + s / 30240.0)
+    below = 1.0 + s * (1.0 / 9.0 + s / 1008.0) + d * odd
+    return 2.0 * odd / below, (odd + d * (1.0 / 12.0 + s / 1080.0)) / below

@@ -56,13 +56,15 @@ def accelerations(
     s = sin(theta)
     c = cos(theta)
     coupling = p.gamma * c
-    arm = torque - 2 * p.beta * c * s * phi_dot * theta_dot + p.gamma * s * theta_dot * theta_dot
+    # What depends on the torque comes last: a stage of the integration waits for nothing else.
+    spin = p.gamma * s * theta_dot * theta_dot - 2 * p.beta * c * s * phi_dot * theta_dot
     pendulum = (p.beta * c * phi_dot * phi_dot + p.delta) * s
     inertia = p.alpha + p.beta * s * s
-    determinant = inertia * p.beta - coupling * coupling
+    scale = 1.0 / (inertia * p.beta - coupling * coupling)
+    arm = torque + spin
     return (
-        (p.beta * arm - coupling * pendulum) / determinant,
-        (inertia * pendulum - coupling * arm) / determinant,
+        p.beta * scale * arm - coupling * scale * pendulum,
+        inertia * scale * pendulum - coupling * scale * arm,
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, UInt64MultiArray
 
 JOINTS = ["arm", "pendulum"]
 
@@ -41,3 +41,7 @@ COMMAND = Topic("command", Float64)
 GROUND_TRUTH = Topic("ground_truth", JointState)
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
+
+# How late samples of real time were, once a second, as two rows of counts: the latency from
+# measurement to command and the lateness of the measurement. A label says how wide a bin is.
+TIMING = Topic("timing", UInt64MultiArray)

@@ -6,12 +6,21 @@ from time import monotonic_ns
 from typing import TYPE_CHECKING, NamedTuple
 
 from rclpy.clock import Clock, ClockType
+from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
+from furuta_ros.topics import TIMING
+
+from .histogram import Histogram
 
 if TYPE_CHECKING:
     from .plant_node import Plant
+
+
+# Bins of the published histograms, and how often they are published [s].
+WIDTH, BINS = 20, 250  # [µs]
+PUBLISHED_EVERY = 1.0
 
 
 class Punctuality(NamedTuple):
@@ -39,6 +48,9 @@ class RealTime:
         self._command_at = 0
         self._answered = False
         self.punctuality = Punctuality()
+        self.latency, self.lateness = Histogram(), Histogram()
+        self._published_at = 0
+        self._timing = plant.publish_on(TIMING)
         # Stamps are ROS time, deadlines steady time: an adjusted clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()
@@ -47,10 +59,14 @@ class RealTime:
             self._tick,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
+        plant.create_timer(PUBLISHED_EVERY, self._publish_timing)
 
     def on_command(self, command: float) -> None:
         """Keep the command until the next one."""
-        self._command, self._command_at, self._answered = command, monotonic_ns(), True
+        now = monotonic_ns()
+        if self._published_at and not self._answered:
+            self.latency.add(now - self._published_at)
+        self._command, self._command_at, self._answered = command, now, True
 
     def _tick(self) -> None:
         plant = self._plant
@@ -67,8 +83,18 @@ class RealTime:
             self._count(due, stale)
         for _ in range(due):
             plant.move(0.0 if stale else self._command)
+        self.lateness.add((due - 1) * self._period + late)
         self._answered = False
+        self._published_at = monotonic_ns()
         plant.publish_sample()
+
+    def _publish_timing(self) -> None:
+        rows = [MultiArrayDimension(label="latency, lateness", size=2, stride=2 * BINS)]
+        bins = MultiArrayDimension(label=f"bins of {WIDTH} us", size=BINS, stride=BINS)
+        counts = self.latency.coarse(WIDTH, BINS) + self.lateness.coarse(WIDTH, BINS)
+        self._timing.publish(
+            UInt64MultiArray(layout=MultiArrayLayout(dim=[*rows, bins]), data=counts)
+        )
 
     def _count(self, due: int, stale: bool) -> None:
         samples, on_time, overruns, timeouts = self.punctuality

@@ -27,7 +27,7 @@ def convert(value: float, full_scale: float, bits: int) -> float:
     value = min(max(value, -full_scale), full_scale)
     if bits == 0:
         return value
-    half = 2.0 ** (bits - 1)
+    half = float(1 << (bits - 1))
     code = floor(value / full_scale * half + 0.5)
     return min(code, half - 1.0) * full_scale / half
 

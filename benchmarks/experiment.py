@@ -1,0 +1,86 @@
+"""The experiment that every simulator runs: the ideal loop's limit cycle, feedback held for 1 ms.
+
+All states measured exactly, no compensation, released 0.05 rad off upright. Equations (1) and (5)
+are written here once more in plain Python, for the solvers that are compared.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, sin
+
+import numpy as np
+from scipy.integrate import odeint
+
+from furuta_analysis.closed_loop import Loop, simulate
+from furuta_analysis.oscillation import Oscillation, measure_oscillation
+from furuta_control.controller import state_feedback
+from furuta_control.parameters import ControllerParameters, EstimatorParameters
+from furuta_model.lugre import LuGre
+from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.parameters import Actuator, Plant, Sensors
+
+SECONDS = 60.0
+STEP = 1e-3
+RELEASE = 0.05
+BODY, FRICTION = FurutaPendulum(), LuGre()
+SENSORS = Sensors(ideal=True)
+LOOP = Loop(
+    Plant(sensors=SENSORS, actuator=Actuator(bits=0), sample_time=STEP),
+    EstimatorParameters(sensors=SENSORS, sample_time=STEP),
+)
+# u = l·x
+FEEDBACK = tuple(-each for each in state_feedback(ControllerParameters())[:4])
+TURNS = 4  # of the cycle that the reference follows, the first third left out
+
+
+def cycle(phi: np.ndarray, theta: np.ndarray) -> Oscillation:
+    """Size and period of a motion sampled every ``STEP``, transients cut off."""
+    state = np.zeros((len(phi), 4))
+    state[:, 0], state[:, 2] = phi, theta
+    return measure_oscillation(state, STEP)
+
+
+def command(x: np.ndarray) -> float:
+    """U [V] in state ``x``."""
+    l1, l2, l3, l4 = FEEDBACK
+    return float(l1 * x[0] + l2 * x[1] + l3 * x[2] + l4 * x[3])
+
+
+def rate(_: float, x: np.ndarray, u: float | None = None) -> list[float]:
+    """ẋ (5,) under ``u`` [V], or under feedback of ``x`` itself where none is given."""
+    _, v, theta, w, z = x
+    p = BODY
+    level = FRICTION.alpha0 + FRICTION.alpha1 * exp(-((v / FRICTION.stribeck_velocity) ** 2))
+    z_dot = v - FRICTION.sigma0 * abs(v) / level * z
+    force = FRICTION.sigma0 * z + FRICTION.sigma1 * z_dot
+    s, c = sin(theta), cos(theta)
+    arm = (command(x) if u is None else u) - force
+    arm += p.gamma * s * w * w - 2 * p.beta * c * s * v * w
+    pendulum = (p.beta * c * v * v + p.delta) * s
+    inertia, coupling = p.alpha + p.beta * s * s, p.gamma * c
+    determinant = inertia * p.beta - coupling * coupling
+    v_dot = (p.beta * arm - coupling * pendulum) / determinant
+    w_dot = (inertia * pendulum - coupling * arm) / determinant
+    return [v, v_dot, w, w_dot, z_dot]
+
+
+def tight_reference() -> Oscillation:
+    """The cycle under held feedback, each step solved by LSODA to ten digits."""
+    found = cycle_of_ours()
+    x = np.append(simulate(LOOP, SECONDS).state[-1], 0.0)
+    samples = round(TURNS * found.period_s / STEP)
+    path = np.empty((samples, 5))
+    for k in range(samples):
+        path[k] = x
+        x = odeint(rate, x, [0.0, STEP], args=(command(x),), tfirst=True, rtol=1e-10, atol=1e-12)[
+            -1
+        ]
+    settled = path[samples // 3 :]
+    return cycle(settled[:, 0], settled[:, 2])
+
+
+def cycle_of_ours() -> Oscillation:
+    """The cycle that the product's loop ends in."""
+    record = simulate(LOOP, SECONDS)
+    settled = record.state[len(record.state) // 2 :]
+    return measure_oscillation(settled, STEP)

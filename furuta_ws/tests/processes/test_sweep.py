@@ -1,0 +1,140 @@
+"""The verb ``sweep`` as a user meets it: here, killed and resumed, on a cluster."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+from distributed import Client, LocalCluster
+
+PNG = b"\x89PNG"
+TIMEOUT = 90.0
+# Long enough to be killed in the middle, and with a point that no rig can have.
+LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
+
+
+def wait_for_lines(journal: Path, lines: int) -> None:
+    """Return once the journal holds that many."""
+    deadline = monotonic() + TIMEOUT
+    while not journal.exists() or journal.read_text().count("\n") < lines:
+        assert monotonic() < deadline, "the sweep does not get on"
+        sleep(0.01)
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[bytes]:
+    """What the long sweep comes to when nothing disturbs it."""
+    from processes.conftest import Processes  # noqa: PLC0415
+
+    out = tmp_path_factory.mktemp("whole") / "sweep.csv"
+    processes = Processes()
+    process = processes.furuta("sweep", *LONG, "--out", out)
+    _, err = process.communicate(timeout=TIMEOUT)
+    processes.close()
+    assert process.returncode == 0, err
+    yield out.read_bytes()
+
+
+def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
+    """A row says what ``simulate`` says of the same parameters; and there is a picture."""
+    out, picture = tmp_path / "new" / "a.csv", tmp_path / "a.png"
+    status, text, err = furuta(
+        "sweep", "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre",
+        "--seconds", "20", "--out", out, "--picture", picture, "--json",
+    )  # fmt: skip
+    assert status == 0, err
+    assert json.loads(text) == {
+        "runs": 6, "resumed": 0, "fell": 0, "impossible": 0, "file": str(out)
+    }  # fmt: skip
+    rows = table(out)
+    simulated = json.loads(
+        furuta(
+            "simulate", "--seconds", "20", "--compensation", "lugre", "--json",
+            "--set", "friction_observer.alpha0=0.2",
+        )[1]
+    )  # fmt: skip
+    (row,) = (r for r in rows if r["compensation"] == "lugre" and "0.2" in r[next(iter(r))][:4])
+    for name in ("phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "stuck_fraction", "steps"):
+        assert float(row[name]) == simulated[name], name
+    assert picture.read_bytes().startswith(PNG)
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_killed_sweep_goes_on_where_it_was(processes: Any, tmp_path: Path, whole: bytes) -> None:
+    """After SIGKILL nothing is computed twice, and the table is the undisturbed one."""
+    out = tmp_path / "sweep.csv"
+    journal = tmp_path / "sweep.csv.part"
+    process = processes.furuta("sweep", *LONG, "--out", out)
+    wait_for_lines(journal, 20)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not out.exists()
+    with journal.open("a") as file:
+        file.write('[3, {"phi_peak')  # as a kill in the middle of a line leaves it
+    kept = journal.read_text().count("\n") - 1
+    other = processes.furuta("sweep", *LONG[:2], "--seconds", "5", "--out", out)
+    _, err = other.communicate(timeout=TIMEOUT)
+    assert other.returncode == 1
+    assert "another study" in err
+    again = processes.furuta("sweep", *LONG, "--out", out, "--json")
+    text, err = again.communicate(timeout=TIMEOUT)
+    assert again.returncode == 0, err
+    assert json.loads(text)["resumed"] == kept >= 19
+    assert out.read_bytes() == whole
+    assert not journal.exists()
+
+
+def test_cluster_that_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
+    """On a Dask cluster of processes, two of them killed in the middle: the same table."""
+    out = tmp_path / "sweep.csv"
+    with (
+        LocalCluster(
+            n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        process = processes.furuta(
+            "sweep", *LONG, "--out", out, "--scheduler", client.scheduler.addr
+        )
+        wait_for_lines(tmp_path / "sweep.csv.part", 12)
+        workers = list(client.run(os.getpid).values())
+        for worker in workers[:2]:
+            os.kill(worker, signal.SIGKILL)
+        _, err = process.communicate(timeout=TIMEOUT)
+        assert process.returncode == 0, err
+    assert out.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["nothing=1:2"], "no parameter nothing"),
+        (["alpha0=0.1:0.2", "--out", "a.txt"], ".csv"),
+        (["alpha0=0.1:0.2", "--seconds", "0"], "--seconds"),
+        (["alpha0=0.1:0.2", "--method", "sobol", "--points", "0"], "1 to"),
+        (["alpha0=0.1:0.2", "--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler"),
+        (["sigma1=1e9,2e9"], "no run is possible"),
+    ],
+)
+def test_bad_sweeps(furuta: Any, tmp_path: Path, arguments: list[str], reason: str) -> None:
+    """One line that says what is wrong."""
+    if "--out" not in arguments:
+        arguments = [*arguments, "--out", str(tmp_path / "a.csv")]
+    status, out, err = furuta("sweep", *arguments)
+    assert status == 1
+    assert out == ""
+    assert err.startswith("error: ")
+    assert reason in err
+    assert "Traceback" not in err

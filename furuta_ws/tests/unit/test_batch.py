@@ -1,0 +1,136 @@
+"""Batches: every run is what it is alone, whoever runs beside it; memory does not grow."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from furuta_analysis.batch import batch
+from furuta_analysis.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
+from furuta_analysis.oscillation import fell, measure_oscillation
+from furuta_control.parameters import ControllerParameters, EstimatorParameters
+from furuta_friction.parameters import ObserverParameters
+from furuta_model.lugre import LuGre
+from furuta_model.state import PHI
+from furuta_sim.parameters import InitialState, Plant
+
+SECONDS = 3.0
+
+
+def loops(count: int) -> list[Loop]:
+    """Runs that differ in everything that can differ."""
+    return [
+        Loop(
+            Plant(friction=LuGre(alpha0=0.1 + 0.01 * k), seed=k),
+            observer=ObserverParameters(compensation=("none", "coulomb", "lugre")[k % 3]),
+        )
+        for k in range(count)
+    ]
+
+
+def bits(outcomes: Iterator[Outcome] | list[Outcome]) -> list[bytes]:
+    """Outcomes to the last bit, NaN included."""
+    return [np.array(each, dtype=float).tobytes() for each in outcomes]
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_outcomes_depend_on_nothing_but_their_own_parameters(workers: int) -> None:
+    """Not on the number of workers, nor on the batch's size and order."""
+    alone = bits([outcome(loop, SECONDS) for loop in loops(23)])
+    assert len(set(alone)) == 23
+    assert bits(batch(loops(23), SECONDS, workers=workers)) == alone
+    assert bits(batch(loops(23)[::-1], SECONDS, workers=workers)) == alone[::-1]
+    assert bits(batch(loops(4), SECONDS, workers=workers)) == alone[:4]
+
+
+@pytest.mark.parametrize("kind", ["none", "coulomb", "lugre"])
+def test_outcome_is_that_of_the_kept_series(kind: str) -> None:
+    """Statistics on the fly are those of the series, which a run that keeps them records."""
+    loop = Loop(observer=ObserverParameters(compensation=kind))
+    found, record = outcome(loop, 40.0), simulate(loop, 40.0)
+    half = slice(len(record.command) // 2, None)
+    expected = measure_oscillation(record.state[half], record.sample_time)
+    assert found.phi_peak_to_peak_rad == expected.phi_peak_to_peak_rad
+    assert found.theta_peak_to_peak_rad == expected.theta_peak_to_peak_rad
+    assert found.stuck_fraction == expected.stuck_fraction
+    assert found.steps == len(record.command) == 40_000
+    error = record.friction[half] - record.friction_estimate[half]
+    for rms, series in (
+        (found.phi_rms_rad, record.state[half, PHI]),
+        (found.command_rms_v, record.command[half]),
+        (found.friction_error_rms_v, error),
+    ):
+        assert rms == pytest.approx(np.sqrt(np.mean(series**2)), rel=1e-12)
+    if kind == "none":
+        # The middle is known from another part of the run, which moves it by some millimetres.
+        assert found.period_s == pytest.approx(expected.period_s, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 264])
+def test_period_from_a_few_turns(seed: int) -> None:
+    """A run that holds a handful of turns has a period, whatever the noise makes of their size."""
+    loop = Loop(Plant(seed=seed), EstimatorParameters(method="lowpass"))
+    assert outcome(loop, 30.0).period_s == pytest.approx(2.68, rel=0.01)
+
+
+def test_fall_is_noticed_at_any_time() -> None:
+    """Also before the settled part."""
+    fallen = Loop(Plant(initial=InitialState(theta=1.0)))
+    found = outcome(fallen, 20.0)
+    assert found.fell
+    assert found.fell == fell(simulate(fallen, 20.0).state)
+    assert not outcome(Loop(), 5.0).fell
+
+
+def test_rest_has_no_period() -> None:
+    """An arm that never moves: no size, no period, stuck all the time."""
+    loop = Loop(
+        Plant(initial=InitialState(theta=0.0)), controller=ControllerParameters(enabled=False)
+    )
+    found = outcome(loop, 1.0)
+    assert found.phi_peak_to_peak_rad == 0.0
+    assert np.isnan(found.period_s)
+    assert found.stuck_fraction == 1.0
+
+
+def test_memory_is_flat() -> None:
+    """A long batch of long runs holds no more than a short one of short ones."""
+
+    def peak(count: int, seconds: float) -> int:
+        tracemalloc.start()
+        assert sum(1 for _ in batch((Loop(Plant(seed=k)) for k in range(count)), seconds)) == count
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    peak(1000, 0.01)
+    small = peak(50, 0.01)
+    garbage = 1_000_000  # that the collector lets pile up, however many runs there are
+    assert peak(6000, 0.01) < small + garbage
+    assert peak(50, 2.0) < small + garbage
+
+
+def test_batch_draws_on_its_loops_as_it_goes() -> None:
+    """An endless study can be taken from as far as one likes."""
+    drawn = []
+
+    def endless() -> Iterator[Loop]:
+        while True:
+            drawn.append(len(drawn))
+            yield Loop(Plant(seed=len(drawn)))
+
+    results = batch(endless(), 0.01, SETTLED, workers=2)
+    for _ in range(5):
+        next(results)
+    results.close()
+    assert len(drawn) < 20
+
+
+def test_failure_of_a_run_is_raised() -> None:
+    """And does not hang the others."""
+    impossible = Loop()._replace(controller=ControllerParameters(gain=(1.0,)))
+    with pytest.raises(ValueError, match="unpack"):
+        list(batch([Loop(), impossible, Loop()], 0.01))
