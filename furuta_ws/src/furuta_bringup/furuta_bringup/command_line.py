@@ -17,6 +17,7 @@ VERBS = {
     "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
     "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
     "sweep": "A study over any parameters, on all cores or on a cluster.",
+    "sensitivity": "The limit cycle that compensation leaves, over the sensors' noise.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",

@@ -30,8 +30,8 @@ from .tuning_report import parameters
 # The phases: the three compensations of the paper, and LuGre as tuned.
 TUNED = "tuned"
 COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
-# Part of each phase that counts: the last half, after the transients.
-SETTLED = 0.5
+# Part of each phase that counts, the last, after the transients.
+SETTLED = 0.75
 
 
 class Phase(NamedTuple):
@@ -63,14 +63,14 @@ class PausingRig(RunningRig):
         return estimates
 
 
-def tune_graph(settings: Settings, seconds: float, report: Report) -> Tuned:
-    """Tune a graph with ``settings`` for at most ``seconds`` of pendulum time."""
+def tune_graph(settings: Settings, plan: Plan, report: Report) -> Tuned:
+    """Tune a graph with ``settings``, in lock-step and with nobody else near."""
     person = Node("person")
     estimates = Estimates(person)
     graph = Graph(_in_lockstep(settings), [person])
     try:
         rig = PausingRig(graph, Operator(person, graph.executor), estimates)
-        return tune(rig, rig.observer, rig.estimator, Plan(seconds=seconds), report)
+        return tune(rig, rig.observer, rig.estimator, plan, report)
     finally:
         graph.close()
 

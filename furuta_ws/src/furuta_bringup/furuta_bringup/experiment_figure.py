@@ -46,9 +46,8 @@ def draw_experiment(title: str, outcome: Outcome, path: Path) -> None:
         axis.set_ylabel(label)
         axis.grid(alpha=0.3)
         axis.margins(x=0)
-    for axis in (axes[0], axes[3]):
-        axis.legend(loc="upper right", ncols=2)
     axes[3].set_xlabel("time [s]")
+    figure.legend(loc="outside lower center", ncols=4)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     plt.close(figure)

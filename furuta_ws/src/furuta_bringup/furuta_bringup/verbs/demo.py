@@ -16,6 +16,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
+from furuta_analysis.tuning import Plan
 from furuta_bringup.bag import read_recording
 from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
 from furuta_bringup.figure import draw
@@ -24,12 +25,12 @@ from furuta_bringup.settings import gather
 from ..options import json_option, model_options, print_json
 from ..tuning_report import parameters
 
-# Most pendulum time [s] for the tuning that comes first.
-TUNING_SECONDS = 200.0
+# Of the tuning that comes first.
+PLAN = Plan()
 
 
 @click.command()
-@click.option("--seconds", default=30.0, show_default=True, help="Pendulum time per compensation.")
+@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time per compensation.")
 @click.option(
     "--out",
     "directory",
@@ -69,11 +70,9 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         with Progress(console=console, transient=True) as bar:
-            tuning = bar.add_task("tuning", total=TUNING_SECONDS)
-            tuned = tune_graph(
-                settings, TUNING_SECONDS, lambda _, t: bar.update(tuning, completed=t)
-            )
-            bar.update(tuning, completed=TUNING_SECONDS)
+            tuning = bar.add_task("tuning", total=PLAN.seconds)
+            tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
+            bar.update(tuning, completed=PLAN.seconds)
             task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
             phases = run_demo(
                 settings,
@@ -109,7 +108,7 @@ def _clear(bag: Path) -> None:
 
 
 def _print(summary: dict[str, Any]) -> None:
-    table = Table(title="limit cycle, peak to peak, second half of each phase", box=SIMPLE)
+    table = Table(title="limit cycle, peak to peak, last three quarters of each phase", box=SIMPLE)
     table.add_column("compensation", no_wrap=True)
     for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
         table.add_column(escape(heading), justify="right")

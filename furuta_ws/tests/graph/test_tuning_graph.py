@@ -1,0 +1,22 @@
+"""Tuning a graph of real nodes by their parameter services."""
+
+from __future__ import annotations
+
+from furuta_analysis.tuning import Plan, SimulatedRig, tune
+from furuta_bringup.demo import tune_graph
+from furuta_bringup.settings import gather, loop
+
+
+def silent(what: str, seconds: float) -> None:
+    """Report to nobody."""
+
+
+def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
+    """In lock-step, paused at every change: the same trials and parameters to the last bit."""
+    settings = gather([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])
+    plan = Plan(search=())
+    plan = plan._replace(seconds=plan.shortest)
+    simulated = loop(settings)
+    expected = tune(SimulatedRig(simulated), simulated.observer, simulated.estimator, plan, silent)
+    assert tune_graph(settings, plan, silent) == expected
+    assert expected.after.amplitude < 0.03
