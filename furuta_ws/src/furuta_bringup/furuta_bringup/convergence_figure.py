@@ -81,12 +81,14 @@ def _real_parts(
         axis.annotate(
             f"{verdict.smallest_real_part:.3g}\nat ω = {verdict.at_omega_rad_s:.3g} rad/s",
             (at, verdict.smallest_real_part),
-            xytext=(8, 8),
+            xytext=(8, 16),
             textcoords="offset points",
+            bbox={"boxstyle": "round", "fc": "white", "ec": "0.8", "alpha": 0.9},
         )
     axis.axhline(0, color="0.5", lw=0.8)
     axis.set_xlim(omega[0], omega[-1])
     axis.set_xlabel("ω [rad/s]")
     axis.set_ylabel("Re G")
-    axis.set_title("shaded: where e = φ violates it")
+    stable = np.isfinite(verdict.smallest_real_part)
+    axis.set_title("shaded: where e = φ violates it" if stable else "G is not stable")
     axis.grid(alpha=0.25)

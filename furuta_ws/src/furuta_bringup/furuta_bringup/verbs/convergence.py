@@ -8,6 +8,7 @@ from typing import Any
 import click
 import numpy as np
 
+from furuta_analysis.closed_loop import Loop
 from furuta_analysis.convergence import (
     Convergence,
     ErrorLoop,
@@ -50,30 +51,32 @@ def command(
     """
     given = analysed(files, assignments, feedback, "lugre")
     made = loop(gather(files, assignments))
-    exact = (
-        made.observer.friction == made.plant.friction and made.controller.model == made.plant.model
-    )
-    gain = made.observer.observer_gain
-    friction = given.law.parameters
+    gain, friction = made.observer.observer_gain, given.law.parameters
     g = error_loop(given.pendulum, given.feedback, friction)
     verdict = convergence(g, gain, friction)
-    error = passive_error(given.pendulum, given.feedback, friction)
+    c = passive_error(given.pendulum, given.feedback, friction)
     other = None
-    if error is not None:
-        other = error_loop_of(given.pendulum, given.feedback, friction, list(error))
+    if c is not None:
+        other = error_loop_of(given.pendulum, given.feedback, friction, c.tolist())
     if out is not None:
         from ..convergence_figure import draw  # noqa: PLC0415 - matplotlib only if wanted
 
         draw(g, other, gain, verdict, out)
     result = {
-        **_result(given, gain, g, verdict, exact),
+        **_result(given, gain, g, verdict, _exact(made)),
         **_friction(given),
-        "passive_error": None if other is None else _passive(error, other, given),
+        "passive_error": None if other is None else _passive(c, other, given),
     }
     if as_json:
         print_json(result)
     else:
         _print(result)
+
+
+def _exact(made: Loop) -> bool:
+    """Whether observer and controller know the plant as it is."""
+    known = made.observer.friction == made.plant.friction
+    return known and made.controller.model == made.plant.model
 
 
 def _result(
@@ -107,10 +110,10 @@ def _friction(given: Analysed) -> dict[str, Any]:
     }
 
 
-def _passive(error: Any, other: ErrorLoop, given: Analysed) -> dict[str, Any]:
+def _passive(c: Any, other: ErrorLoop, given: Analysed) -> dict[str, Any]:
     verdict = convergence(other, 1.0, given.law.parameters)
     return {
-        "c": np.asarray(error).tolist(),
+        "c": np.asarray(c).tolist(),
         "smallest_real_part": verdict.smallest_real_part,
         "at_omega_rad_s": verdict.at_omega_rad_s,
     }
