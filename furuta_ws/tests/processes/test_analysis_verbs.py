@@ -1,4 +1,4 @@
-"""The verbs ``nyquist`` and ``describing-function`` as a user meets them."""
+"""The verbs on transfer functions as a user meets them."""
 
 from __future__ import annotations
 
@@ -72,6 +72,49 @@ def test_parameters_and_feedback_reach_it(furuta: Any) -> None:
     assert "steady rotation" in result["note"]
 
 
+def test_convergence(furuta: Any, tmp_path: Path) -> None:
+    """The paper's K does not satisfy the condition, and why; gains, friction, a picture."""
+    picture = tmp_path / "new" / "g.png"
+    status, out, err = furuta("convergence", "--json", "--out", picture)
+    assert status == 0, err
+    result = json.loads(out)
+    assert picture.read_bytes().startswith(PNG)
+    assert result["satisfied"] is False
+    assert "5.09 1/s in the right half plane" in result["reason"]
+    assert result["K"] == 0.01
+    assert result["L"] == pytest.approx(json.loads(furuta("linearize", "--json")[1])["L"])
+    assert [5.0903, 0.0] in [[round(each, 4) for each in zero] for zero in result["zeros"]]
+    assert result["static_gain"] == pytest.approx(80 / result["L"][0])
+    assert result["smallest_real_part"] == pytest.approx(result["static_gain"])
+    assert result["at_omega_rad_s"] == 0.0
+    assert result["violated_rad_s"][1][1] is None
+    assert result["largest_stable_gain"] == {
+        "positive": 0.0,
+        "negative": pytest.approx(0.03228, abs=1e-5),
+    }
+    assert result["friction_passive"] is False
+    assert result["passive_error"]["smallest_real_part"] > 0.0
+    assert result["exact_model"] is True
+
+
+def test_convergence_takes_feedback_and_parameters(furuta: Any) -> None:
+    """Gain, friction and feedback reach it, a model that is not the plant's is told."""
+    status, out, err = furuta(
+        "convergence",
+        "--json",
+        "--feedback",
+        *("10", "4", "60", "20"),
+        *("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2"),
+    )
+    assert status == 0, err
+    result = json.loads(out)
+    assert (result["K"], result["L"]) == (-0.5, [-10, -4, -60, -20])
+    assert result["static_gain"] == pytest.approx(-8.0)
+    assert result["friction_passive"] is True
+    assert result["exact_model"] is False
+    assert "not the plant's" in result["reason"]
+
+
 @pytest.mark.parametrize("verb", ["nyquist", "describing-function"])
 def test_for_people(furuta: Any, verb: str) -> None:
     """Without --json the same in words."""
@@ -90,7 +133,9 @@ def test_for_people(furuta: Any, verb: str) -> None:
 )
 def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tuple[str]) -> None:
     """Loops without feedback, or without friction, give a picture and no warning."""
-    for verb in ("nyquist", "describing-function"):
+    for verb in ("nyquist", "describing-function", "convergence"):
+        if verb == "convergence":
+            arguments = tuple(each for each in arguments if each not in ("--law", "coulomb"))
         picture = tmp_path / f"{verb}.png"
         status, _, err = furuta(verb, *arguments, "--out", picture)
         assert (status, err) == (0, "")
@@ -104,6 +149,8 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tupl
         (["describing-function", "--feedback", "1", "inf", "1", "1"], "four finite numbers"),
         (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "its own feedbacks"),
         (["describing-function", "--set", "sigma0=-1"], "sigma0 must be"),
+        (["convergence", "--feedback", "1", "1", "1", "nan"], "four finite numbers"),
+        (["convergence", "--set", "observer_gain=1e9"], "observer_gain must be"),
         (["nyquist", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
     ],
 )

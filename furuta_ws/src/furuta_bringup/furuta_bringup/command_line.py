@@ -23,6 +23,7 @@ VERBS = {
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",
     "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
     "describing-function": "Limit cycles that the describing function of friction predicts.",
+    "convergence": "Whether the friction observer meets the passivity condition for convergence.",
     "param": "Read and set parameters of running nodes; print parameter files.",
     "node": "List the running nodes; run one.",
 }

@@ -39,14 +39,16 @@ def ideal_options(function: Function) -> Function:
     function = click.option(
         "--law", type=click.Choice(LAWS), default="lugre", show_default=True, help="Friction law."
     )(function)
-    return click.option(
-        "--feedback",
-        nargs=4,
-        type=float,
-        metavar="L1 L2 L3 L4",
-        help="u = l·x; default: the controller's gain.",
-    )(function)
+    return feedback_option(function)
 
+
+feedback_option = click.option(
+    "--feedback",
+    nargs=4,
+    type=float,
+    metavar="L1 L2 L3 L4",
+    help="u = l·x; default: the controller's gain.",
+)
 
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."

@@ -1,0 +1,75 @@
+r"""Passivity of LuGre friction from v to F, [4] Barabanov and Ortega.
+
+With the bristle's energy S = σ₀z²/2 as storage, ζ = σ₀z sgn v and (5),
+
+.. math::
+    Fv - \dot S = \frac{|v|}{g(v)}
+        \left[ζ^2 - σ_1|v|ζ + (σ_1 + σ_2)|v|g(v)\right]
+
+Since |ζ| never exceeds max g = α₀ + α₁, the bracket is never negative if
+σ₁ max g ≤ (σ₁ + σ₂) min g, that is
+
+.. math::
+    σ_2 α_0 \ge σ_1 α_1
+
+This is necessary too, whatever the storage: a bristle bent slowly to max g, which takes a bounded
+energy, and then moved by x at a high speed V gives back V [σ₁α₁(1 − exp(−σ₀x/α₀))/σ₀ − σ₂x] to
+highest order, for small x a positive multiple of V if the condition fails. Asymmetry scales
+levels of one direction alike and changes nothing.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from furuta_model.lugre import LuGre, symmetric_level
+
+
+class FrictionPassivity(NamedTuple):
+    """Whether friction is passive, the σ₂ [V s/rad] it takes, and |v| [rad/s] up to which it is."""
+
+    passive: bool
+    viscous_needed: float
+    up_to_rad_s: float
+
+
+def friction_passivity(p: LuGre) -> FrictionPassivity:
+    """The condition of the module; up to ``up_to_rad_s`` no bristle within its bound gives energy.
+
+    The speed is infinite where friction is passive.
+    """
+    passive = p.viscous * p.alpha0 >= p.sigma1 * p.alpha1
+    needed = p.sigma1 * p.alpha1 / p.alpha0 if p.alpha0 > 0.0 else np.inf
+    if p.alpha1 == 0.0 or p.sigma1 == 0.0:
+        needed = 0.0
+    return FrictionPassivity(passive, needed, np.inf if passive else _largest_speed(p))
+
+
+def supply_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
+    """The bracket's least value [V²] over |ζ| ≤ max g at speed v [rad/s]."""
+    side = 1.0 + direction * p.asymmetry
+    level, highest = symmetric_level(v, p) * side, (p.alpha0 + p.alpha1) * side
+    worst = min(0.5 * p.sigma1 * abs(v), highest)
+    return worst**2 - p.sigma1 * abs(v) * worst + (p.sigma1 + p.viscous) * abs(v) * level
+
+
+def _largest_speed(p: LuGre) -> float:
+    """Where the margin turns negative: once it has, it stays so, because g falls with |v|."""
+    return min(_edge(p, side) for side in (1.0, -1.0) if 1.0 + side * p.asymmetry > 0.0)
+
+
+def _edge(p: LuGre, direction: float) -> float:
+    high = p.stribeck_velocity
+    while supply_margin(high, p, direction) >= 0.0:
+        high *= 2.0
+        if not np.isfinite(high):
+            return float("inf")
+    low = high
+    while supply_margin(low, p, direction) < 0.0:
+        low *= 0.5
+        if low == 0.0:
+            return 0.0
+    return float(brentq(lambda v: supply_margin(v, p, direction), low, high, rtol=1e-12))
