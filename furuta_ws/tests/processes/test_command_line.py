@@ -38,16 +38,13 @@ def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
     assert status == 0, err
     result = json.loads(out)
     assert result == json.loads((out_dir / "summary.json").read_text().replace("NaN", "null"))
-    none, coulomb, lugre = result["runs"]
-    assert [none["compensation"], coulomb["compensation"], lugre["compensation"]] == [
-        "none",
-        "coulomb",
-        "lugre",
-    ]
+    names = [run["compensation"] for run in result["runs"]]
+    assert names == ["none", "coulomb", "lugre", "tuned"]
     assert {run["samples"] for run in result["runs"]} == {8000}
-    assert 0.45 < none["phi_peak_to_peak_rad"] < 0.54
-    assert coulomb["phi_peak_to_peak_rad"] < 0.25 * none["phi_peak_to_peak_rad"]
-    assert lugre["phi_peak_to_peak_rad"] < 0.25 * none["phi_peak_to_peak_rad"]
+    none, *compensated = (run["phi_peak_to_peak_rad"] for run in result["runs"])
+    assert 0.45 < none < 0.54
+    assert max(compensated) < 0.25 * none
+    assert result["tuned_parameters"]["alpha0"] == pytest.approx(0.21, rel=0.02)
     assert Path(result["figure"]).stat().st_size > 10_000
     assert list(Path(result["bag"]).glob("*.mcap"))
     # A second demo may take the place of the first, but of nothing else.
@@ -116,7 +113,7 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         (["simulate", "--set", "alpha0"], "expected NAME=VALUE"),
         (["simulate", "--set", "sigma_0=1"], "did you mean sigma0"),
         (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
-        (["simulate", "--compensation", "magic"], "one of none, coulomb, lugre"),
+        (["simulate", "--compensation", "magic"], "one of none, coulomb, stiction, lugre"),
         (["simulate", "--set", "plant.sample_time=0.002"], "sample_time must be the same"),
         (["simulate", "--set", "gamma=0.0203544"], "integration steps"),
         (["simulate", "--seconds", "-1"], "--seconds must be"),
