@@ -44,20 +44,21 @@ def advance(
         substeps = ceil(min(turn / LARGEST_STEP, MOST_SUBSTEPS))
     h = dt / substeps
     half = 0.5 * h
-    per_half, per_h = 1.0 / half, 1.0 / h
+    damping_half, damping = lugre.sigma1 / half, lugre.sigma1 / h
     for _ in range(substeps):
         phi, v, theta, w, z = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
 
         end, mean = bristle_after(v, 0.0, z, half, lugre)
-        force = lugre.sigma0 * mean + lugre.sigma1 * ((end - z) * per_half) + lugre.viscous * v
-        v_dot, w_dot = accelerations(v, theta, w, u - force, body)
+        bristle = lugre.sigma0 * mean + damping_half * (end - z)
+        v_dot, w_dot = accelerations(v, theta, w, (u - lugre.viscous * v) - bristle, body)
         v_mid = v + half * v_dot
         w_mid = w + half * w_dot
         theta_mid = theta + half * w
 
         end, mean = bristle_after(v_mid, 0.0, z, h, lugre)
-        force = lugre.sigma0 * mean + lugre.sigma1 * ((end - z) * per_h) + lugre.viscous * v_mid
-        v_dot, w_dot = accelerations(v_mid, theta_mid, w_mid, u - force, body)
+        bristle = lugre.sigma0 * mean + damping * (end - z)
+        torque = (u - lugre.viscous * v_mid) - bristle
+        v_dot, w_dot = accelerations(v_mid, theta_mid, w_mid, torque, body)
         x[PHI] = phi + h * v_mid
         x[PHI_DOT] = v + h * v_dot
         x[THETA] = theta + h * w_mid

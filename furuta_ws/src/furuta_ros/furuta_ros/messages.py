@@ -95,8 +95,10 @@ class JointWriter:
 
     def fill(self, x: Sequence[float] | np.ndarray, effort: float) -> JointState:
         """Write state ``x`` (4 or more) and the arm's effort [V]."""
-        self._position[0], self._position[1] = x[PHI], x[THETA]
-        self._velocity[0], self._velocity[1] = x[PHI_DOT], x[THETA_DOT]
+        # Plain numbers: numpy's own take several times as long to hand over.
+        values = x.tolist() if isinstance(x, np.ndarray) else x
+        self._position[0], self._position[1] = values[PHI], values[THETA]
+        self._velocity[0], self._velocity[1] = values[PHI_DOT], values[THETA_DOT]
         self._effort[0] = effort
         return self.message
 

@@ -20,7 +20,7 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from .lockstep import LockStep
 from .parameters import PlantNodeParameters
 from .realtime import RealTime
-from .rig import Noise, initial_state, measure, move, substeps
+from .rig import Noise, initial_state, measure, mechanics, move, substeps
 
 
 class Plant(FurutaNode[PlantNodeParameters]):
@@ -58,6 +58,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         """Take the new rig between two samples."""
         self._rig = parameters.plant
         self._substeps = substeps(self._rig)
+        self._mechanics = mechanics(self._rig)
         self.on_change()
 
     @property
@@ -89,7 +90,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = move(self.x, command, self._substeps, self._rig)
+            self._torque = move(self.x, command, self._substeps, self._mechanics)
         self.sample += 1
 
     def _on_command(self, message: Float64) -> None:
@@ -109,7 +110,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         """Have all compiled code in memory before time starts."""
         x = initial_state(self._rig)
         measure(x, np.zeros(2), self._rig.sensors, self._measurement)
-        move(x, 0.0, self._substeps, self._rig)
+        move(x, 0.0, self._substeps, self._mechanics)
         friction(x[PHI_DOT], x[BRISTLE], self._rig.friction)
 
 

@@ -14,7 +14,6 @@ from furuta_analysis.oscillation import fell, measure_oscillation
 from furuta_bringup.settings import gather, loop
 from furuta_model.parameters import ParameterError
 
-from ..figure import draw_run
 from ..options import json_option, model_options, print_json
 
 
@@ -81,6 +80,8 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 def _keep(record: Any, out: Path) -> None:
     if out.suffix == ".png":
+        from ..figure import draw_run  # noqa: PLC0415 - slow to load
+
         draw_run(record, out)
         return
     fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
