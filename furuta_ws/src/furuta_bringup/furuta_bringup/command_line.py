@@ -23,6 +23,8 @@ VERBS = {
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",
     "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
     "describing-function": "Limit cycles that the describing function of friction predicts.",
+    "identify": "Models from recordings: bags, CSV tables, simulations.",
+    "bag": "Recorded bags: info, recover, replay, recompute.",
     "param": "Read and set parameters of running nodes; print parameter files.",
     "node": "List the running nodes; run one.",
 }

@@ -20,7 +20,7 @@ from .uncertainty import prior, uncertainty
 from .unknowns import BODY, BY_NAME, FRICTION, LUGRE, PLACE, RIPPLE, SETUP, TIMING, Guess
 
 # Stretch [s] that is short against the unstable pole, and one long against noise.
-SHORT = 0.25
+SHORT = 0.5
 # Stretches [s] over which a swinging pendulum is followed, one after the other: the longer one is,
 # the nearer a start must be.
 LADDERS = ((0.5, 1.5, np.inf), (0.3, 0.6, 1.2, 2.4, np.inf), (0.5, np.inf))
@@ -116,19 +116,26 @@ def _fit_balanced(
     findings: list[str],
     options: Options,
 ) -> Model:
-    """Upright: short stretches, each state at their starts unknown, with the bristle from the first."""
+    """Upright: short stretches, the states at their starts unknown, with the bristle's friction."""
     window = options.window or SHORT
     scale = np.median([noise_of(each) for each in recordings], axis=0)
-    names = [*BODY, "viscous", "coulomb", "asymmetry", "delay", "zero"]
+    names = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
     if guess["lag"] > LAGGING * recordings[0].interval:
         names.append("lag")
     else:
         guess = guess.changed(["lag"], [0.0])
     if all(np.ptp(each.measured[:, PHI]) > TRAVEL for each in recordings):
         names += ["tilt_x", "tilt_y"]
-    guess, _, _ = optimise(recordings, names, guess, 0.4 * window, scale)
+    guess, _, _ = optimise(recordings, names, guess, 0.2 * window, scale)
     names += LUGRE
-    for _ in range(ROUNDS - 1):
+    guess, _, _ = optimise(recordings, names, guess, 0.5 * window, scale)
+    names.append("delay")
+    guess, shooting, vector = optimise(recordings, names, guess, window, scale)
+    error = np.sqrt(uncertainty(shooting, vector, {})[0][-1, -1])
+    if abs(guess["delay"]) < max(3.0 * error, 0.1 * recordings[0].interval):
+        findings.append(f"no delay of the command: {guess['delay'] * 1e3:.3f} ms, taken for none")
+        names.remove("delay")
+        guess = guess.changed(["delay"], [0.0])
         guess, shooting, vector = optimise(recordings, names, guess, window, scale)
     return _model(shooting, vector, window, scale, regression, findings, {})
 
@@ -177,6 +184,10 @@ def _fit_swinging(
         names += RIPPLE
         guess = guess.changed(["ripple_order"], [order])
         guess, shooting, vector = optimise(recordings, names, guess, window, scale, robust=True)
+    told = _told(shooting, vector, [name for name in LUGRE if name not in names])
+    if told:
+        names += told
+        guess, shooting, vector = optimise(recordings, names, guess, window, scale, robust=True)
     model = _model(shooting, vector, window, scale, regression, findings, held)
     return model._replace(covariance=model.covariance + _between(model, starts, held))
 
@@ -209,6 +220,20 @@ def _climb(
     return min(reached, key=lambda each: each.size)
 
 
+def _told(shooting: Shooting, vector: np.ndarray, names: list[str]) -> list[str]:
+    """Those of the unknowns ``names`` that the data know better than their prior."""
+    both = [*shooting.names, *names]
+    wider = Shooting(shooting.parts, both, shooting.guess.changed(shooting.names, vector))
+    slopes = wider.slopes(wider.guess.vector(both))
+    _, spread = prior(both)
+    errors = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes + np.diag(1.0 / spread**2))))
+    return [n for n, e, s in zip(both, errors, spread, strict=True) if n in names and e < TOLD * s]
+
+
+# Part of its prior's spread within which an unknown must be for the data to have told it.
+TOLD = 0.3
+
+
 def _between(model: Model, starts: list[_Start], held: dict[str, float]) -> np.ndarray:
     """How far each recording's own fit is from the common one: what no noise explains."""
     common = np.array([model.guess.values[PLACE[name]] for name in model.names])
@@ -216,7 +241,7 @@ def _between(model: Model, starts: list[_Start], held: dict[str, float]) -> np.n
     if len(starts) > 1:
         for start in starts:
             off = np.array([start.guess.values[PLACE[name]] for name in model.names]) - common
-            off[[model.names.index(name) for name in model.names if name in (*RIPPLE, *held)]] = 0.0
+            off[[name in (*RIPPLE, *LUGRE, *held) for name in model.names]] = 0.0
             spread += np.outer(off, off) / len(starts)
     return spread
 
