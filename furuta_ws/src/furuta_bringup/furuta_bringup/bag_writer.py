@@ -10,6 +10,9 @@ from furuta_model.parameters import ParameterError
 from .bag_metadata import Part, write_metadata
 from .mcap_file import Kind, McapFile
 
+# Bytes that wait at most: a chunk that is damaged is lost whole.
+LARGEST_CHUNK = 2**18
+
 
 class BagWriter:
     """Writes messages into ``path``, which must not exist.
@@ -38,6 +41,8 @@ class BagWriter:
     def add(self, kind: int, time: int, data: bytes) -> None:
         """Take a message of one of the kinds (index), received at ``time`` [ns]."""
         self._file.add(kind, time, data)
+        if self._file.waiting > LARGEST_CHUNK:
+            self.flush()
 
     def flush(self) -> None:
         """Make all that was taken last beyond this process's end."""

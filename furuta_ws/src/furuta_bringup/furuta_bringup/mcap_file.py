@@ -66,13 +66,14 @@ class McapFile:
         self.counts = [0] * len(kinds)
         self.start, self.end = 2**63 - 1, 0
         self._records: list[bytes] = []
-        self._size = 0
+        self.waiting = 0
         self._index: list[array[int]] = [array("Q") for _ in kinds]
         self._chunk_times = [2**64 - 1, 0]
         self._chunk_indexes = RecordBuilder()
         self._index_bytes = b""
         self._chunks = 0
         self._turn = 0
+        self._data_end = 0
         part = path.with_name(path.name + ".new")
         self._file = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
         self._describe(kinds, metadata)
@@ -84,7 +85,7 @@ class McapFile:
     def full(self) -> bool:
         """Whether there is room for no more than what is already waiting."""
         return (
-            self._data_end + 2 * self._size + 2**20 > DATA_ROOM
+            self._data_end + 2 * self.waiting + 2**20 > DATA_ROOM
             or len(self._index_bytes) > SUMMARY_ROOM // 2
         )
 
@@ -93,15 +94,13 @@ class McapFile:
         head = _MESSAGE.pack(5, 22 + len(data), channel + 1, self.counts[channel], time, time)
         index = self._index[channel]
         index.append(time)
-        index.append(self._size)
+        index.append(self.waiting)
         self._records += (head, data)
-        self._size += len(head) + len(data)
+        self.waiting += len(head) + len(data)
         self.counts[channel] += 1
         times = self._chunk_times
-        if time < times[0]:
-            times[0] = time
-        if time > times[1]:
-            times[1] = time
+        times[0] = min(times[0], time)
+        times[1] = max(times[1], time)
 
     def flush(self) -> None:
         """Write what was added; raises :class:`OSError` where that cannot be, the file intact."""
@@ -109,7 +108,9 @@ class McapFile:
             return
         data = b"".join(self._records)
         first, last = self._chunk_times
-        chunk = _CHUNK.pack(6, 40 + len(data), first, last, len(data), zlib.crc32(data), 0, len(data))
+        chunk = _CHUNK.pack(
+            6, 40 + len(data), first, last, len(data), zlib.crc32(data), 0, len(data)
+        )
         start = self._data_end
         length = len(chunk) + len(data)
         offsets, indexes = {}, []
@@ -136,7 +137,7 @@ class McapFile:
         self._index_bytes += self._chunk_indexes.end()
         self._chunks += 1
         self.start, self.end = min(self.start, first), max(self.end, last)
-        self._records, self._size = [], 0
+        self._records, self.waiting = [], 0
         self._index = [array("Q") for _ in self._index]
         self._chunk_times = [2**64 - 1, 0]
         self._summarise()

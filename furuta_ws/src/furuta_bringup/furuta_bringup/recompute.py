@@ -105,7 +105,9 @@ def _value(value: Any) -> Any:
     return tuple(float(each) for each in value.double_array_value)
 
 
-def recomputed(bag: Path, files: tuple[Path, ...], assignments: tuple[str, ...]) -> tuple[Session, Recomputed]:
+def recomputed(
+    bag: Path, files: tuple[Path, ...], assignments: tuple[str, ...]
+) -> tuple[Session, Recomputed]:
     """Compute a session again, with the recorded parameters unless others are given."""
     session = read_session(bag)
     kept = bag / PARAMETERS_FILE

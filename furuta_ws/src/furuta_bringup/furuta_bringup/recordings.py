@@ -179,7 +179,9 @@ def _joints(path: Any, names: list[str], mapping: Mapping) -> tuple[tuple[str, s
         )
     arm = given[0] or rest.pop(0)
     pendulum = given[1] or rest.pop(0)
-    return (arm, pendulum), [f"{Path(path).name}: {arm} taken for the arm, {pendulum} for the pendulum"]
+    return (arm, pendulum), [
+        f"{Path(path).name}: {arm} taken for the arm, {pendulum} for the pendulum"
+    ]
 
 
 def _joint_row(message: Any, names: tuple[str, str], time: float) -> tuple[float, ...]:
@@ -219,7 +221,7 @@ def _read_csv(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     if not names:
         names = [n for n in (mapping.arm, mapping.pendulum) if n in columns]
     (arm, pendulum), findings = _joints(path, names or list(columns), mapping)
-    series = [
+    series: list[str | None] = [
         _angle(path, columns, arm),
         _speed(columns, arm),
         _angle(path, columns, pendulum),
@@ -268,7 +270,9 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
     if not header or not rows:
         raise ParameterError(f"{path}: no table in it")
     return {
-        name: np.array([_cell(path, row, k) for row in rows]) for k, name in enumerate(header) if name
+        name: np.array([_cell(path, row, k) for row in rows])
+        for k, name in enumerate(header)
+        if name
     }
 
 
@@ -295,7 +299,9 @@ def _angle(path: Path, columns: dict[str, np.ndarray], joint: str) -> str:
     if found is None and joint in columns:
         found = joint
     if found is None:
-        raise ParameterError(f"{path}: no column with the angle of {joint}; it has {', '.join(columns)}")
+        raise ParameterError(
+            f"{path}: no column with the angle of {joint}; it has {', '.join(columns)}"
+        )
     return found
 
 
@@ -317,7 +323,9 @@ def _clock(path: Path, columns: dict[str, np.ndarray]) -> str:
     for name in columns:
         if name.lower() in TIMES or name.lower().startswith(("time [", "time(", "t [")):
             return name
-    raise ParameterError(f"{path}: no column with the time, one of {', '.join(TIMES)}; it has {', '.join(columns)}")
+    raise ParameterError(
+        f"{path}: no column with the time, one of {', '.join(TIMES)}; it has {', '.join(columns)}"
+    )
 
 
 def _command_column(path: Path, columns: dict[str, np.ndarray], mapping: Mapping) -> str:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import sqlite3
 import struct
-import zlib
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-import lz4.frame
-import zstandard
 from mcap.data_stream import ReadDataStream
-from mcap.records import Channel, Chunk, Message, Schema
+from mcap.records import Channel, Chunk, McapRecord, Message, Schema
+from mcap.stream_reader import breakup_chunk
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
@@ -36,7 +34,7 @@ class Found(NamedTuple):
     data: bytes
 
 
-class Broken(Exception):
+class BrokenError(Exception):
     """Here the sound part of a file ends, with the reason in words."""
 
 
@@ -59,16 +57,12 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
     parameters = {PARAMETERS_FILE: kept.read_text()} if kept.is_file() else {}
     writer = BagWriter(out, kinds, parameters)
     place = {(kind.topic, kind.type_name): index for index, kind in enumerate(kinds)}
-    messages = waiting = 0
+    messages = 0
     for found in _messages(files, reasons):
         writer.add(place[found.kind.topic, found.kind.type_name], found.time, found.data)
         messages += 1
-        waiting += len(found.data)
-        if waiting > 2**20:
-            writer.flush()
-            waiting = 0
     writer.close()
-    return {"bag": str(out), "messages": messages, "ended_by": reasons}
+    return {"bag": str(out), "messages": messages, "problems": reasons}
 
 
 def _kinds(files: list[Path]) -> list[Kind]:
@@ -82,8 +76,8 @@ def _kinds(files: list[Path]) -> list[Kind]:
 def _messages(files: list[Path], reasons: list[str]) -> Iterator[Found]:
     for file in files:
         try:
-            yield from _of_sqlite(file) if file.suffix == ".db3" else _of_mcap(file)
-        except (Broken, OSError, sqlite3.Error) as error:
+            yield from _of_sqlite(file) if file.suffix == ".db3" else _of_mcap(file, reasons)
+        except (BrokenError, OSError, sqlite3.Error) as error:
             reasons.append(f"{file.name}: {error}")
 
 
@@ -105,37 +99,47 @@ def _of_sqlite(file: Path) -> Iterator[Found]:
         connection.close()
 
 
-def _of_mcap(file: Path) -> Iterator[Found]:
+def _of_mcap(file: Path, reasons: list[str]) -> Iterator[Found]:
     with file.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
-            raise Broken("no MCAP file")
-        yield from _of_records(stream, {}, {})
+            raise BrokenError("no MCAP file")
+        yield from _of_records(stream, {}, {}, reasons)
 
 
 def _of_records(
-    stream: BinaryIO, schemas: dict[int, Schema], channels: dict[int, Channel]
+    stream: BinaryIO,
+    schemas: dict[int, Schema],
+    channels: dict[int, Channel],
+    reasons: list[str] | None = None,
 ) -> Iterator[Found]:
-    """Messages of the records of a file or of a chunk, until there is no more or one is broken."""
+    """Messages of the records of a file or of a chunk, until there is no more or one is broken.
+
+    A broken chunk of a file is left out, for the next may be sound, and its reason noted.
+    """
     while True:
         head = stream.read(_HEAD.size)
         if not head:
             return
         if len(head) < _HEAD.size:
-            raise Broken("ends within a record")
+            raise BrokenError("ends within a record")
         opcode, length = _HEAD.unpack(head)
         if opcode in (0, _DATA_END):
             return
         if length > LONGEST_RECORD:
             if opcode >= 0x80:
                 return
-            raise Broken(f"a record that claims {length} bytes")
+            raise BrokenError(f"a record that claims {length} bytes")
         content = stream.read(length)
         if len(content) < length:
-            raise Broken("ends within a record")
+            raise BrokenError("ends within a record")
         try:
             yield from _of_record(opcode, content, schemas, channels)
+        except BrokenError as broken:
+            if reasons is None:
+                raise
+            reasons.append(f"left out {broken}")
         except (struct.error, ValueError, KeyError, UnicodeDecodeError, EOFError) as error:
-            raise Broken(f"a malformed record ({type(error).__name__})") from None
+            raise BrokenError(f"a malformed record ({type(error).__name__})") from None
 
 
 def _of_record(
@@ -143,36 +147,34 @@ def _of_record(
 ) -> Iterator[Found]:
     stream = ReadDataStream(BytesIO(content))
     if opcode == _SCHEMA:
-        schema = Schema.read(stream)
-        schemas[schema.id] = schema
+        yield from _of_known(Schema.read(stream), schemas, channels)
     elif opcode == _CHANNEL:
-        channel = Channel.read(stream)
-        channels[channel.id] = channel
+        yield from _of_known(Channel.read(stream), schemas, channels)
     elif opcode == _MESSAGE:
-        message = Message.read(stream, len(content))
-        channel = channels[message.channel_id]
+        yield from _of_known(Message.read(stream, len(content)), schemas, channels)
+    elif opcode == _CHUNK:
+        chunk = Chunk.read(stream)
+        if chunk.uncompressed_size > LONGEST_RECORD:
+            raise BrokenError(f"a chunk that claims {chunk.uncompressed_size} bytes")
+        try:
+            records = breakup_chunk(chunk, validate_crc=True)
+        except Exception as error:  # whatever a decompressor raises
+            raise BrokenError(f"a chunk that cannot be read ({error})") from None
+        for record in records:
+            yield from _of_known(record, schemas, channels)
+
+
+def _of_known(
+    record: McapRecord, schemas: dict[int, Schema], channels: dict[int, Channel]
+) -> Iterator[Found]:
+    """A message with its kind; schemas and channels are noted for those that follow."""
+    if isinstance(record, Schema):
+        schemas[record.id] = record
+    elif isinstance(record, Channel):
+        channels[record.id] = record
+    elif isinstance(record, Message):
+        channel = channels[record.channel_id]
         schema = schemas[channel.schema_id]
         qos = channel.metadata.get("offered_qos_profiles", "")
         kind = Kind(channel.topic, schema.name, schema.data.decode(), qos)
-        yield Found(kind, message.log_time, message.data)
-    elif opcode == _CHUNK:
-        chunk = Chunk.read(stream)
-        yield from _of_records(BytesIO(_unpacked(chunk)), schemas, channels)
-
-
-def _unpacked(chunk: Chunk) -> bytes:
-    """A chunk's records; :class:`Broken` where its checksum says they are not what was written."""
-    if chunk.uncompressed_size > LONGEST_RECORD:
-        raise Broken(f"a chunk that claims {chunk.uncompressed_size} bytes")
-    try:
-        if chunk.compression == "zstd":
-            data = zstandard.decompress(chunk.data, max_output_size=chunk.uncompressed_size)
-        elif chunk.compression == "lz4":
-            data = lz4.frame.decompress(chunk.data)
-        else:
-            data = chunk.data
-    except (zstandard.ZstdError, RuntimeError) as error:
-        raise Broken(f"a chunk that cannot be unpacked ({error})") from None
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        raise Broken("a chunk whose checksum is wrong")
-    return data
+        yield Found(kind, record.log_time, record.data)

@@ -108,7 +108,9 @@ class Replay(Node):
         """Return once every topic has a reader."""
         deadline = monotonic() + PATIENCE
         while not stop():
-            alone = [p.topic_name for p in self._channels.values() if not p.get_subscription_count()]
+            alone = [
+                p.topic_name for p in self._channels.values() if not p.get_subscription_count()
+            ]
             if not alone:
                 return
             if monotonic() > deadline:

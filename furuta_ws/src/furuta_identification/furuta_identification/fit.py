@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import PHI, PHI_DOT, THETA
 
 from .momentum import MomentumFit, momentum_fit, speed_lag, with_speeds
 from .preparation import Options, noise_of, prepare
@@ -132,7 +132,7 @@ def _fit_balanced(
     names.append("delay")
     guess, shooting, vector = optimise(recordings, names, guess, window, scale)
     error = np.sqrt(uncertainty(shooting, vector, {})[0][-1, -1])
-    if abs(guess["delay"]) < max(3.0 * error, 0.1 * recordings[0].interval):
+    if abs(guess["delay"]) < max(3.0 * error, 0.5 * recordings[0].interval):
         findings.append(f"no delay of the command: {guess['delay'] * 1e3:.3f} ms, taken for none")
         names.remove("delay")
         guess = guess.changed(["delay"], [0.0])

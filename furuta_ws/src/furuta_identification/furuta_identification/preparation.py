@@ -101,7 +101,9 @@ def oriented(recording: Recording, zero: str) -> tuple[Recording, list[str]]:
     turned = recording.turned(np.pi if found == "hanging" else 0.0, direction, 1.0)
     turns = 2.0 * np.pi * np.round(np.mean(turned.measured[:, THETA]) / (2.0 * np.pi))
     turned.measured[:, THETA] -= turns
-    formula = ("π " if found == "hanging" else "") + ("− " if direction < 0.0 else "+ ") + "measured"
+    formula = (
+        ("π " if found == "hanging" else "") + ("− " if direction < 0.0 else "+ ") + "measured"
+    )
     known = "as given" if zero == found else "found"
     return turned, [f"pendulum angle 0 is {found} ({known}): θ = {formula.removeprefix('+ ')}"]
 
@@ -145,8 +147,8 @@ def _onset(recording: Recording) -> float | None:
 def noise_of(recording: Recording) -> np.ndarray:
     """Size of each channel's noise (4,): what a smooth curve cannot follow, at least a code."""
     scale = np.empty(4)
-    for channel, series in enumerate(recording.measured.T):
-        series = series[np.isfinite(series)]
+    for channel, column in enumerate(recording.measured.T):
+        series = column[np.isfinite(column)]
         if len(series) < 10:
             scale[channel] = 1.0
             continue

@@ -57,7 +57,9 @@ def follow(model: Model, recording: Recording) -> Followed:
     measured there.
     """
     names = [name for name in model.names if name not in ("coulomb",)]
-    shooting = Shooting([stretches(recording, model.window, model.scale, model.guess)], names, model.guess)
+    shooting = Shooting(
+        [stretches(recording, model.window, model.scale, model.guess)], names, model.guess
+    )
     return Followed(recording, shooting.predictions(model.guess.vector(names))[0])
 
 

@@ -11,7 +11,7 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
 from .fit import Model
-from .unknowns import BODY, BY_NAME, LOGARITHMIC, LUGRE
+from .unknowns import BY_NAME, FRICTION, LOGARITHMIC, LUGRE
 
 # Part of the prior's spread, and of the value itself, that an error must be below.
 TOLD_BY_DATA = 0.7
@@ -24,19 +24,12 @@ REASONS = {
     "sigma0": "no motion within the stuck arm's deflection that the sensors resolve",
     "sigma1": "no motion within the stuck arm's deflection that the sensors resolve",
 }
-FRICTION_NAMES = {
-    "coulomb": "coulomb",
-    "viscous": "viscous",
-    "asymmetry": "asymmetry",
-    "pendulum_viscous": "pendulum_viscous",
-    "pendulum_coulomb": "pendulum_coulomb",
-}
 
 
 def undetermined(model: Model) -> dict[str, str]:
     """Unknowns of which the data tell nothing, each with the reason."""
     found = {}
-    for name in (*BY_NAME,):
+    for name in BY_NAME:
         if name in model.names:
             place = model.names.index(name)
             error = float(np.sqrt(model.covariance[place, place]))
@@ -56,7 +49,7 @@ def values(model: Model) -> dict[str, float]:
     guess, body = model.guess, model.guess.body
     return {
         **_of_body(body),
-        **{name: guess[name] for name in FRICTION_NAMES},
+        **{name: guess[name] for name in FRICTION},
         **{name: guess[name] for name in (*LUGRE, "delay", "lag", "zero", "tilt_x", "tilt_y")},
     }
 
@@ -92,7 +85,7 @@ def standard_errors(model: Model) -> dict[str, float]:
 
 
 def summary(model: Model) -> dict[str, Any]:
-    """All of it as one object; null where the data tell nothing, which ``undetermined`` explains."""
+    """All of it as one object; null where the data tell nothing (see ``undetermined``)."""
     number, errors, unknown = values(model), standard_errors(model), undetermined(model)
 
     def told(name: str) -> float | None:
@@ -102,7 +95,7 @@ def summary(model: Model) -> dict[str, Any]:
     dead = {name for name in number if name in unknown or errors[name] == 0.0}
     return {
         **{name: told(name) for name in body},
-        **{name: told(name) for name in FRICTION_NAMES},
+        **{name: told(name) for name in FRICTION},
         "lugre": {"alpha0": told("coulomb"), **{name: told(name) for name in LUGRE}},
         "setup": {name: told(name) for name in ("delay", "lag", "zero", "tilt_x", "tilt_y")},
         "standard_errors": {n: None if n in dead else errors[n] for n in errors},
@@ -131,6 +124,3 @@ def node_parameters(model: Model) -> dict[str, dict[str, Any]]:
         "friction_observer": {"ros__parameters": plain},
         "controller": {"ros__parameters": {"model": body}},
     }
-
-
-__all__ = ["BODY", "node_parameters", "standard_errors", "summary", "undetermined", "values"]

@@ -71,7 +71,7 @@ def model_accelerations(
 
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
-    """Move the state ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V]: exponential midpoint."""
+    """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V]: exponential midpoint rule."""
     turn = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
     if turn > LARGEST_STEP * steps:
         steps = ceil(min(turn / LARGEST_STEP, 1000.0))

@@ -25,8 +25,13 @@ from .unknowns import Guess
 ROUNDS = 2
 # Relative size of the steps by which slopes are taken.
 STEP = 1e-6
+# Largest step of an initial state [rad, rad/s] by which slopes are taken.
+LOCAL_STEP = 1e-5
 # Speeds are not compared this many lags after the start of a stretch, while the lag is unknown.
 UNSETTLED = 2.0
+# How many sizes of its noise a state at a start may be off by: it is measured with the very noise
+# that is fitted next, so that measurement must hardly count.
+LOOSE = 30.0
 # Friction [V] that the bristle may carry at the start of a stretch where none is known yet.
 SMALLEST_LEVEL = 0.01
 
@@ -69,7 +74,7 @@ def stretches(recording: Recording, window: float, noise: np.ndarray, guess: Gue
     initial[:, BRISTLE] = bristle[starts]
     spread = np.zeros((count, PLANT_STATES))
     if count > 1:
-        spread[:, :RIGID_STATES] = 3.0 * noise
+        spread[:, :RIGID_STATES] = LOOSE * noise
         level = max(guess["coulomb"] + guess["alpha1"], SMALLEST_LEVEL)
         spread[:, BRISTLE] = 0.5 * level / guess["sigma0"]
     return Stretches(recording, starts, initial, spread, noise)
@@ -165,7 +170,7 @@ class Shooting:
         part = self.parts[i]
         columns = np.empty((len(base), PLANT_STATES))
         for state in range(PLANT_STATES):
-            step = 1e-3 * part.spread[0, state]
+            step = min(LOCAL_STEP, 1e-3 * part.spread[0, state])
             moved = self._initial[i].copy()
             moved[:, state] += step
             columns[:, state] = (self._residuals(i, vector, moved) - base) / step

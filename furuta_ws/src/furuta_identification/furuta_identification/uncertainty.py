@@ -84,7 +84,9 @@ def _wave_slopes(
             guess = shooting.guess.changed(names, (order, *wave))
             moved = Shooting(shooting.parts, _without(shooting.names, names), guess)
             values = _of(shooting, vector, moved.names)
-            columns.append((moved.residuals(values) - _reference(shooting, vector, residuals)) / WAVE)
+            columns.append(
+                (moved.residuals(values) - _reference(shooting, vector, residuals)) / WAVE
+            )
     waves = np.array(columns).T
     size: float = np.sqrt(left / float(np.sum(waves**2)))
     return size * waves
@@ -124,7 +126,9 @@ def _with_held(
     for name, spread in held.items():
         step = 0.01 * spread
         value = shooting.guess[name]
-        moved = Shooting(shooting.parts, shooting.names, shooting.guess.changed([name], [value + step]))
+        moved = Shooting(
+            shooting.parts, shooting.names, shooting.guess.changed([name], [value + step])
+        )
         slope = (moved.residuals(vector) - shooting.residuals(vector)) / step
         shift = -gain @ slope * spread
         n = len(covariance)

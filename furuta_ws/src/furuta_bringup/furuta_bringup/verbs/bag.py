@@ -10,7 +10,10 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from furuta_bringup.bag import open_bag
+from furuta_bringup.recompute import compare, draw_difference, recomputed
 from furuta_bringup.recorder import PARAMETERS_FILE
+from furuta_bringup.recovery import recover as mend
+from furuta_bringup.replay import Replay, Wishes
 from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.spinning import Stop
@@ -34,8 +37,12 @@ def info(bag: Path, as_json: bool) -> None:
         result: dict[str, Any] = {
             "messages": reader.message_count,
             "start_s": reader.start_time / NANOSECONDS if reader.message_count else None,
-            "duration_s": max(0, reader.duration - 1) / NANOSECONDS if reader.message_count else 0.0,
-            "topics": {c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in reader.connections},
+            "duration_s": max(0, reader.duration - 1) / NANOSECONDS
+            if reader.message_count
+            else 0.0,
+            "topics": {
+                c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in reader.connections
+            },
             "parameters": str(bag / PARAMETERS_FILE) if (bag / PARAMETERS_FILE).is_file() else None,
         }
     if as_json:
@@ -54,17 +61,15 @@ def info(bag: Path, as_json: bool) -> None:
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
     """Read what can be read of BAG into a new bag; BAG itself stays as it is."""
-    from furuta_bringup.recovery import recover as mend
-
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
-    result = mend(bag, out or bag.with_name(f"{bag.stem}_recovered"))
+    result: dict[str, Any] = mend(bag, out or bag.with_name(f"{bag.stem}_recovered"))
     if as_json:
         print_json(result)
         return
     print(f"{result['messages']} messages in {result['bag']}")
-    for reason in result["ended_by"]:  # type: ignore[attr-defined]
-        print(f"ended by: {reason}")
+    for problem in result["problems"]:
+        print(f"problem: {problem}")
 
 
 @command.command()
@@ -85,8 +90,6 @@ def replay(
     as_json: bool,
 ) -> None:
     """Publish what is in BAG, with its own timing."""
-    from furuta_bringup.replay import Replay, Wishes
-
     if not 0.0 <= rate <= 1e6:
         raise ParameterError(f"--rate must be 0 to 1e6, given {rate:g}")
     pairs = [tuple(each.split(":=")) for each in remap]
@@ -124,8 +127,6 @@ def recompute(
     With the parameters recorded in it, or with others: what would this tuning have commanded?
     The measurements stay as they were; the pendulum does not answer.
     """
-    from furuta_bringup.recompute import compare, draw_difference, recomputed
-
     session, again = recomputed(bag, files, assignments)
     result = compare(session, again)
     if out is not None:

@@ -24,7 +24,9 @@ FIRST_SECONDS = 3.0
 
 
 @click.command()
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH...")
+@click.argument(
+    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH..."
+)
 @click.option("--arm", help="Joint that is the arm.")
 @click.option("--pendulum", help="Joint that is the pendulum.")
 @click.option("--command", "command_name", help="Topic or column of the command; or: effort.")
@@ -46,7 +48,10 @@ FIRST_SECONDS = 3.0
 )
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw residuals.")
 @click.option(
-    "--write", type=click.Path(path_type=Path), metavar="FILE.yaml", help="Parameter file for the nodes."
+    "--write",
+    type=click.Path(path_type=Path),
+    metavar="FILE.yaml",
+    help="Parameter file for the nodes.",
 )
 @json_option
 def command(
@@ -119,7 +124,9 @@ def _fits(each: Followed) -> dict[str, float]:
 
 
 def _parameter_file(model: Model, result: dict[str, Any]) -> str:
-    said = [f"# {name}: not told by the data: {why}" for name, why in result["undetermined"].items()]
+    said = [
+        f"# {name}: not told by the data: {why}" for name, why in result["undetermined"].items()
+    ]
     head = ["# Identified; load with --params.", *said]
     return "\n".join(head) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
 
@@ -135,7 +142,8 @@ def _print(result: dict[str, Any]) -> None:
         print(f"{name:26} not told by the data: {why}")
     for kind in ("fit", "held_out"):
         for recording, fits in result[kind].items():
-            said = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in fits.items() if v == v)
+            known = {n: v for n, v in fits.items() if not np.isnan(v)}
+            said = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
             print(f"{kind.replace('_', '-')} {recording}: {said}")
     for finding in result["findings"]:
         print(f"found: {finding}")
