@@ -238,9 +238,9 @@ def _read_csv(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     if not len(time):
         raise ParameterError(f"{path}: no row with time and both angles")
     measured = np.full((len(time), 4), np.nan)
-    for channel, name in enumerate(series):
-        if name:
-            measured[:, channel] = columns[name][rows]
+    for channel, column in enumerate(series):
+        if column:
+            measured[:, channel] = columns[column][rows]
     command = _command_column(path, columns, mapping)
     given = np.isfinite(columns[command]) & np.isfinite(columns[clock])
     findings.append(f"{path.name}: command from column {command}, times from {states_clock}")
