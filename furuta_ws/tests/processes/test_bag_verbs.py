@@ -9,6 +9,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+import numpy as np
 import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
@@ -89,8 +90,6 @@ def test_identify_a_foreign_table(furuta: Any, tmp_path: Path) -> None:
     series = tmp_path / "run.npz"
     furuta("simulate", "--ideal-sensors", "--seconds", "8", "--out", series)
     table = tmp_path / "log.csv"
-    import numpy as np
-
     with np.load(series) as file, table.open("w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(
@@ -136,7 +135,7 @@ def test_bad_recordings_are_one_line(furuta: Any, tmp_path: Path, bag: Path) -> 
     for arguments, reason in (
         (["identify", tmp_path / "none.csv"], "no recording"),
         (["identify", empty], "no readable bag"),
-        (["identify", words], "say which joint is which"),
+        (["identify", words], "no column with the time"),
         (["identify", states], "sensor_msgs/msg/JointState"),
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),

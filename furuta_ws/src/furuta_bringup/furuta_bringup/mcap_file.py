@@ -7,9 +7,9 @@ that takes no disk space until it is filled (a sparse file):
     header | chunks …  (room) | summary A | summary B | footer
 
 A turn writes a chunk into the room and a new summary over the one not in use; nothing of that
-counts until the footer, 20 bytes in one block, is pointed at the new summary. Each summary ends
-in a record of no known kind that spans what lies between it and the footer, which readers skip
-as the format says. ``close`` puts summary and footer behind the last chunk and cuts the rest off,
+counts until the footer, 20 bytes in one block, is pointed at the new summary. Records of a kind
+of our own, which readers skip as the format says, span the room and what lies between a summary
+and the footer. ``close`` puts summary and footer behind the last chunk and cuts the rest off,
 which leaves an ordinary file.
 """
 
@@ -37,7 +37,7 @@ from mcap.records import (
 
 MAGIC = b"\x89MCAP0\r\n"
 # Room for data and for a summary [bytes]; a file that has filled either is followed by another.
-DATA_ROOM = 256 * 2**20
+DATA_ROOM = 64 * 2**20
 SUMMARY_ROOM = 2**20
 # Footer record and the magic behind it [bytes].
 FOOTER = 9 + 20 + len(MAGIC)
@@ -121,7 +121,7 @@ class McapFile:
                 offsets[channel + 1] = position
                 indexes += [_INDEX.pack(7, 6 + len(entries), channel + 1, len(entries)), entries]
                 position += 15 + len(entries)
-        self._write(start, b"".join((chunk, data, *indexes)))
+        self._write(start, b"".join((chunk, data, *indexes, _gap(position))))
         self._data_end = position
         ChunkIndex(
             chunk_length=length,
@@ -183,8 +183,8 @@ class McapFile:
             self._described += builder.end()
             start += record
         self._metadata = len(metadata)
-        self._write(0, start)
         self._data_end = len(start)
+        self._write(0, start + _gap(len(start)))
 
     def _summary(self) -> bytes:
         builder = RecordBuilder()
@@ -217,6 +217,11 @@ class McapFile:
         while view:
             written = os.pwrite(self._file, view, at)
             view, at = view[written:], at + written
+
+
+def _gap(start: int) -> bytes:
+    """Head of the record that fills the room from ``start`` to the summaries."""
+    return _HEAD.pack(GAP, DATA_ROOM - start - _HEAD.size)
 
 
 def _footer(summary: int) -> bytes:

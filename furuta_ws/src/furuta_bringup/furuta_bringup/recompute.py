@@ -11,6 +11,8 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.serialization import deserialize_message
 
 from furuta_analysis.recomputation import Recomputed, recompute
 from furuta_model.parameters import ParameterError
@@ -56,12 +58,15 @@ def read_session(bag: Path) -> Session:
         chosen = [c for c in reader.connections if c.topic.rpartition("/")[2] in wanted]
         for connection, _, data in reader.messages(chosen):
             name = connection.topic.rpartition("/")[2]
+            if name == PARAMETER_EVENTS.name.strip("/"):
+                # As ROS reads it: its padding is more than other readers bear.
+                event = deserialize_message(bytes(data), ParameterEvent)
+                given = {each.name: _value(each.value) for each in event.changed_parameters}
+                changes.append((len(rows), event.node.strip("/"), given))
+                continue
             message: Any = reader.deserialize(data, connection.msgtype)
             if name in floats:
                 floats[name].append(message.data)
-            elif name == PARAMETER_EVENTS.name.strip("/"):
-                given = {each.name: _value(each.value) for each in message.changed_parameters}
-                changes.append((len(rows), message.node.strip("/"), given))
             else:
                 stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
                 x = [0.0] * RIGID_STATES

@@ -27,7 +27,10 @@ class Truth(NamedTuple):
     zero: float = 0.05
 
 
-def swing(kind: str, truth: Truth = Truth(), seconds: float = 4.0, seed: int = 0) -> Recording:
+TRUTH = Truth()
+
+
+def swing(kind: str, truth: Truth = TRUTH, seconds: float = 4.0, seed: int = 0) -> Recording:
     """A hanging pendulum's log at 500 Hz with jitter, angles from a turned encoder, noise.
 
     ``kind`` is sine (2 V, 1 Hz) or step (4 V held and logged once a second, the first one lost).
