@@ -16,8 +16,9 @@ from furuta_identification.record import Recording
 from furuta_identification.report import node_parameters, standard_errors, summary, undetermined
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
-from furuta_sim.parameters import Plant, Sensors
-from furuta_sim.rig import Noise, drive, measure
+from furuta_model.sensors import Sensors
+from furuta_sim.parameters import Plant
+from furuta_sim.rig import NOISE_CHANNELS, drive, measure
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
 
@@ -25,12 +26,12 @@ PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
 def balanced(seconds: float, ideal: bool, seed: int = 0) -> Recording:
     """A closed-loop log of the simulated rig: what its sensors said, what its drive gave."""
     plant = Plant(friction=LuGre(asymmetry=0.1), sensors=Sensors(ideal=ideal), seed=seed)
-    estimator = EstimatorParameters(method="passthrough" if ideal else "lowpass")
+    estimator = EstimatorParameters(sensors=Sensors(ideal=ideal))
     run = simulate(Loop(plant=plant, estimator=estimator), seconds)
-    noise = Noise(seed)
+    noise = np.random.default_rng(seed).standard_normal((len(run.command), NOISE_CHANNELS))
     measured = np.empty((len(run.command), 4))
-    for row, x in zip(measured, run.state, strict=True):
-        measure(x, noise(), plant.sensors, row)
+    for row, x, each in zip(measured, run.state, noise, strict=True):
+        measure(x, each, plant.sensors, row)
     command = np.array([drive(u, plant.actuator) for u in run.command])
     return Recording("balanced", run.time, measured, run.time, command)
 

@@ -42,7 +42,6 @@ EXECUTABLES = [
 ROS_MODULES = {"rclpy", "rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "furuta_ros"}
 # Needed by one option of one verb, and not known to rosdep.
 OPTIONAL = {"distributed"}
-PURE = ["furuta_model", "furuta_analysis"]
 PURE = ["furuta_model", "furuta_analysis", "furuta_identification"]
 
 

@@ -6,20 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.controller import MEMORY as CONTROLLER_MEMORY
 from furuta_control.controller import StateFeedback, control, state_feedback
-from furuta_control.estimator import MEMORY as ESTIMATOR_MEMORY
-from furuta_control.estimator import LowPass, estimate_state, sample_filter
-from furuta_friction.compensators import MEMORY as OBSERVER_MEMORY
+from furuta_control.estimator import Estimator, estimate_state, estimator
 from furuta_friction.compensators import Compensator, compensator, estimate_friction
 from furuta_model.compiled import compiled
-from furuta_model.state import RIGID_STATES
+from furuta_model.state import SIGNALS
 
-from .closed_loop import Loop
+from .closed_loop import Loop, Memory, fresh_memory
 
 
 class Recomputed(NamedTuple):
-    """What the nodes make of measurements: estimate (n, 4), friction estimate and command (n,)."""
+    """What the nodes make of measurements: estimate (n, 5), friction estimate and command (n,)."""
 
     estimate: np.ndarray
     friction_estimate: np.ndarray
@@ -27,20 +24,20 @@ class Recomputed(NamedTuple):
 
 
 def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recomputed:
-    """Run ``measurement`` (n, 4) through the loop's members, the plant apart.
+    """Run ``measurement`` (n, 5) through the loop's members, the plant apart.
 
     ``changes`` says from which sample on which parameters are in force, the first from 0.
     Memories stay through a change, as the nodes' do.
     """
     n = len(measurement)
-    result = Recomputed(np.empty((n, RIGID_STATES)), np.empty(n), np.empty(n))
-    memories = (np.zeros(ESTIMATOR_MEMORY), np.zeros(OBSERVER_MEMORY), np.zeros(CONTROLLER_MEMORY))
+    result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
+    memory = fresh_memory()
     ends = [start for start, _ in changes[1:]] + [n]
     for (start, loop), end in zip(changes, ends, strict=True):
         _run(
             measurement[start:end],
-            *memories,
-            sample_filter(loop.estimator),
+            memory,
+            estimator(loop.estimator),
             compensator(loop.observer),
             state_feedback(loop.controller),
             Recomputed(*(series[start:end] for series in result)),
@@ -51,17 +48,15 @@ def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recom
 @compiled
 def _run(
     measurement: np.ndarray,
-    filter_memory: np.ndarray,
-    observer_memory: np.ndarray,
-    controller_memory: np.ndarray,
-    filter_: LowPass,
+    memory: Memory,
+    estimation: Estimator,
     observer: Compensator,
     feedback: StateFeedback,
     result: Recomputed,
 ) -> None:
     for k in range(len(measurement)):
         estimate = result.estimate[k]
-        estimate_state(filter_memory, measurement[k], filter_, estimate)
-        friction = estimate_friction(observer_memory, estimate, observer)
+        estimate_state(memory.estimator, measurement[k], estimation, estimate)
+        friction = estimate_friction(memory.observer, estimate, observer)
         result.friction_estimate[k] = friction
-        result.command[k] = control(controller_memory, estimate, friction, feedback)
+        result.command[k] = control(memory.controller, estimate, friction, feedback)

@@ -95,9 +95,9 @@ def run_demo(
     ``progress`` is told the pendulum's time now and then.
     """
     person = Node("person")
-    chosen = _in_lockstep(settings)
-    recorder = Recorder(bag, stamped=True, parameters=settings_file(chosen))
-    graph = Graph(chosen, [recorder, person])
+    settings = _in_lockstep(settings)
+    recorder = Recorder(bag, stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [recorder, person])
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         operator = Operator(person, graph.executor)

@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message
 
 from furuta_analysis.recomputation import Recomputed, recompute
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
+from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
@@ -36,7 +36,7 @@ SERIES = (
 class Session(NamedTuple):
     """What a bag holds of the graph, one row a measurement.
 
-    ``time`` (n,) [s], ``measurement`` (n, 4); ``recorded`` what the nodes made of it, NaN where
+    ``time`` (n,) [s], ``measurement`` (n, 5); ``recorded`` what the nodes made of it, NaN where
     nothing was recorded; ``changes``: (sample, node, {parameter: value}) of parameters set.
     """
 
@@ -69,9 +69,10 @@ def read_session(bag: Path) -> Session:
                 floats[name].append(message.data)
             else:
                 stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
-                x = [0.0] * RIGID_STATES
+                x = [0.0] * SIGNALS
                 x[PHI], x[THETA] = message.position
                 x[PHI_DOT], x[THETA_DOT] = message.velocity
+                x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
                 if name == MEASUREMENT.name and stamp not in stamps:
                     stamps[stamp] = len(rows)
                     rows.append((stamp / NANOSECONDS, *x))
@@ -81,7 +82,7 @@ def read_session(bag: Path) -> Session:
         raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to compute from")
     table = np.array(rows)
     n = len(table)
-    estimates = np.full((n, RIGID_STATES), np.nan)
+    estimates = np.full((n, SIGNALS), np.nan)
     for stamp, x in estimate.items():
         if stamp in stamps:
             estimates[stamps[stamp]] = x

@@ -12,7 +12,7 @@ import yaml
 
 from furuta_identification.record import Recording
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_sim.parameters import Actuator
 from furuta_sim.rig import drive
@@ -54,7 +54,7 @@ def _read_npz(path: Path) -> tuple[Recording, list[str]]:
             time, measured, command = series["time"], series["estimate"], series["command"]
     except (KeyError, ValueError, OSError):
         raise ParameterError(f"{path} is no file of `furuta simulate --out`") from None
-    measured = np.array(measured)
+    measured = np.array(measured[:, :RIGID_STATES])
     recording = Recording(path.name, time, measured, time, command)
     if "drive" in series:
         high, bits = series["drive"]
