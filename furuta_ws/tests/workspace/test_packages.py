@@ -28,7 +28,7 @@ LAYERS = [
     {"furuta_model"},
     {"furuta_ros"},
     {"furuta_sim", "furuta_control", "furuta_friction", "furuta_hw"},
-    {"furuta_analysis"},
+    {"furuta_analysis", "furuta_identification"},
     {"furuta_bringup"},
 ]
 EXECUTABLES = [
@@ -42,7 +42,7 @@ EXECUTABLES = [
 ROS_MODULES = {"rclpy", "rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "furuta_ros"}
 # Needed by one option of one verb, and not known to rosdep.
 OPTIONAL = {"distributed"}
-PURE = ["furuta_model", "furuta_analysis"]
+PURE = ["furuta_model", "furuta_analysis", "furuta_identification"]
 
 
 def imports(file: Path) -> set[str]:
@@ -99,6 +99,7 @@ def test_manifest_lists_what_is_imported(package: str) -> None:
         "rich": "python3-rich",
         "matplotlib": "python3-matplotlib",
         "rosbags": "python3-rosbags-pip",
+        "mcap": "python3-mcap-pip",
     }
     manifest = ET.parse(SOURCES / package / "package.xml").getroot()
     declared_keys = {e.text for tag in ("depend", "exec_depend") for e in manifest.findall(tag)}

@@ -2,16 +2,57 @@
 
 from __future__ import annotations
 
+import sqlite3
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from rosbags.highlevel import AnyReader
+from rosbags.highlevel.anyreader import AnyReaderError
+from rosbags.rosbag2 import ReaderError
 from rosbags.typesys import Stores, get_typestore
 
+from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
+
+
+@contextmanager
+def open_bag(path: Path) -> Iterator[AnyReader]:
+    """A reader of a bag of any origin; what is wrong with it is said in one line."""
+    if not path.exists():
+        raise ParameterError(f"no bag {path}")
+    try:
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+            yield reader
+    except ParameterError:
+        raise
+    except UNREADABLE as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ParameterError(
+            f"{path} is no readable bag: {reason} (`furuta bag recover` mends what it can)"
+        ) from None
+
+
+# What reading a bag that is not one, or not a whole one, ends in.
+UNREADABLE = (
+    AnyReaderError,
+    ReaderError,
+    OSError,
+    EOFError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AssertionError,
+    struct.error,
+    sqlite3.Error,
+    zlib.error,
+)
 
 
 class Recording(NamedTuple):

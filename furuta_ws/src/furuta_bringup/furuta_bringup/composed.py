@@ -13,6 +13,7 @@ from furuta_ros.spinning import Stop, spin_until
 from furuta_sim.realtime import RealTime
 
 from .graph import Graph
+from .parameter_files import settings_file
 from .recorder import Recorder
 from .settings import Settings
 
@@ -34,7 +35,8 @@ def run_composed(
     try:
         others = []
         if record is not None:
-            others.append(Recorder(record, settings["plant"].get("clock") == "lockstep"))
+            stamped = settings["plant"].get("clock") == "lockstep"
+            others.append(Recorder(record, stamped, parameters=settings_file(settings)))
         graph = Graph(settings, others)
         try:
             stop = Stop()

@@ -22,6 +22,7 @@ from furuta_model.parameters import ParameterError
 from .bag import Recording
 from .graph import Graph
 from .operator import Operator
+from .parameter_files import settings_file
 from .recorder import Recorder
 from .running_rig import Estimates, RunningRig
 from .settings import Settings
@@ -94,8 +95,9 @@ def run_demo(
     ``progress`` is told the pendulum's time now and then.
     """
     person = Node("person")
-    recorder = Recorder(bag, stamped=True)
-    graph = Graph(_in_lockstep(settings), [recorder, person])
+    settings = _in_lockstep(settings)
+    recorder = Recorder(bag, stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [recorder, person])
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         operator = Operator(person, graph.executor)

@@ -5,9 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from furuta_model.parameters import Declared, declared
+import yaml
 
-from .settings import NODES
+from furuta_model.parameters import Declared, build, declared, values
+
+from .settings import NODES, Settings
+
+
+def settings_file(settings: Settings) -> str:
+    """A ROS parameter file with every value of these settings, defaults included."""
+    return yaml.safe_dump(
+        {
+            node: {"ros__parameters": values(build(group, settings[node]))}
+            for node, group in NODES.items()
+        },
+        sort_keys=False,
+    )
 
 
 def parameter_file(node: str) -> str:

@@ -1,74 +1,92 @@
-"""Node ``recorder``: the graph's topics into a rosbag2 bag."""
+"""Node ``recorder``: topics into a bag that survives whatever happens to this process."""
 
 from __future__ import annotations
 
 import struct
 from collections import deque
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from threading import Event, Thread
+from time import monotonic
+from typing import Any
 
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
-from rosbags.interfaces import (
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rclpy.serialization import serialize_message
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
-from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import QOS, TOPICS, Topic, deep
 
-# Seconds between two turns of the writing thread, and messages it may lag behind.
+from .bag_writer import BagWriter
+from .mcap_file import Kind
+
+# Seconds between two turns of the writing thread, and between two times that it makes them last.
 TURN = 0.02
+LASTING = 0.25
+# Messages that the thread may lag behind.
 LONGEST_QUEUE = 100_000
 # Messages that may wait for this node while others of its executor run.
 RECEIVE_DEPTH = 10_000
+PARAMETER_EVENTS = Topic("/parameter_events", ParameterEvent)
+PARAMETERS_FILE = "parameters.yaml"
 
 
 class Recorder(Node):
-    """Writes all topics of the graph as they are, undecoded, to ``path``.
+    """Writes topics as they are, undecoded, to ``path``.
 
-    Messages are written by a thread of their own: one write can take longer than many samples.
-    With ``stamped`` a message is filed under the newest time stamp seen, which makes the bag of
-    a lock-step run repeatable; otherwise under the time of its arrival.
+    A thread of its own writes: one write can take longer than many samples. What was received
+    is safe after ``LASTING`` seconds. With ``stamped`` a message is filed under the newest time
+    stamp seen, which makes the bag of a lock-step run repeatable; otherwise under the time of
+    its arrival. Where writing fails, on a full disk say, recording ends with a message and the
+    graph runs on; the bag holds what came before.
+
+    ``parameters`` (a ROS parameter file's text) is kept with the bag, and every change of a
+    parameter is recorded from the topic /parameter_events.
     """
 
-    def __init__(self, path: Path, stamped: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        stamped: bool = False,
+        topics: Iterable[Topic] = TOPICS,
+        parameters: str = "",
+    ) -> None:
         super().__init__("recorder")
-        if path.exists():
-            raise ParameterError(f"{path} exists already; name another directory for the bag")
-        path.parent.mkdir(parents=True, exist_ok=True)
         self._stamped = stamped
         self._stamp = 0
+        self.failure: str | None = None
         self._queue: deque[tuple[int, int, bytes]] = deque()
-        self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
-        self._writer.open()
-        types = get_typestore(Stores.ROS2_JAZZY)
-        self._connections = [
-            self._writer.add_connection(
-                self.resolve_topic_name(topic.name),
-                _type_name(topic),
-                typestore=types,
-                offered_qos_profiles=[_OFFERED],
-            )
-            for topic in TOPICS
-        ]
-        for index, topic in enumerate(TOPICS):
+        chosen = [*topics, PARAMETER_EVENTS]
+        kept = {PARAMETERS_FILE: parameters} if parameters else {}
+        self._writer = BagWriter(path, self._kinds(chosen), kept)
+        for index, topic in enumerate(chosen[:-1]):
             self._subscribe(index, topic)
+        self._subscribe_to_parameters(len(chosen) - 1)
         self._stop = Event()
         self._thread = Thread(target=self._write, name="recorder")
         self._thread.start()
+
+    def _kinds(self, topics: Sequence[Topic]) -> list[Kind]:
+        types = get_typestore(Stores.ROS2_JAZZY)
+        return [
+            Kind(
+                self.resolve_topic_name(topic.name),
+                name,
+                types.generate_msgdef(name, ros_version=2)[0],
+                _QOS,
+            )
+            for topic in topics
+            for name in [_type_name(topic)]
+        ]
 
     def _subscribe(self, index: int, topic: Topic) -> None:
         stamped = self._stamped and topic.type is JointState
 
         def receive(data: bytes) -> None:
+            if self.failure is not None:
+                return
             if stamped:
                 seconds, nanoseconds = struct.unpack_from("<iI", data, 4)
                 self._stamp = seconds * NANOSECONDS + nanoseconds
@@ -79,18 +97,39 @@ class Recorder(Node):
 
         self.create_subscription(topic.type, topic.name, receive, deep(RECEIVE_DEPTH), raw=True)
 
+    def _subscribe_to_parameters(self, index: int) -> None:
+        """Keep changes of parameters; their declaration at a node's start is none."""
+
+        def receive(event: ParameterEvent) -> None:
+            if event.changed_parameters and self.failure is None:
+                now = self.get_clock().now().nanoseconds
+                time = self._stamp if self._stamped else now
+                self._queue.append((index, time, serialize_message(event)))
+
+        self.create_subscription(
+            ParameterEvent, PARAMETER_EVENTS.name, receive, deep(RECEIVE_DEPTH)
+        )
+
     def _write(self) -> None:
-        queue, writer, connections = self._queue, self._writer, self._connections
-        while not (self._stop.wait(TURN) and not queue):
-            for _ in range(len(queue)):
-                index, time, data = queue.popleft()
-                writer.write(connections[index], time, data)
+        queue, writer = self._queue, self._writer
+        lasting = monotonic()
+        try:
+            while not (self._stop.wait(TURN) and not queue):
+                for _ in range(len(queue)):
+                    writer.add(*queue.popleft())
+                if monotonic() - lasting >= LASTING:
+                    writer.flush()
+                    lasting = monotonic()
+            writer.close()
+        except OSError as error:
+            self.failure = f"{writer.path}: {error.strerror}"
+            queue.clear()
+            self.get_logger().error(f"recording ended: {self.failure}; what came before is kept")
 
     def close(self) -> None:
         """Write what is left and finish the bag."""
         self._stop.set()
         self._thread.join()
-        self._writer.close()
 
     def destroy_node(self) -> None:
         """Finish the bag with the node."""
@@ -99,20 +138,15 @@ class Recorder(Node):
         super().destroy_node()
 
 
-def _type_name(topic: Topic) -> str:
+def _type_name(topic: Any) -> str:
     package, _, _ = topic.type.__module__.partition(".")
     return f"{package}/msg/{topic.type.__name__}"
 
 
-_UNLIMITED = QosTime(2147483647, 4294967295)
-_OFFERED = Qos(
-    QosHistory.KEEP_LAST,
-    QOS.depth,
-    QosReliability.RELIABLE,
-    QosDurability.VOLATILE,
-    _UNLIMITED,
-    _UNLIMITED,
-    QosLiveliness.AUTOMATIC,
-    _UNLIMITED,
-    False,
+# As rosbag2 writes a profile: enumerations by number (keep last, reliable, volatile, automatic).
+_UNLIMITED = "{sec: 2147483647, nsec: 4294967295}"
+_QOS = (
+    f"- history: 1\n  depth: {QOS.depth}\n  reliability: 1\n  durability: 2\n"
+    f"  deadline: {_UNLIMITED}\n  lifespan: {_UNLIMITED}\n  liveliness: 1\n"
+    f"  liveliness_lease_duration: {_UNLIMITED}\n  avoid_ros_namespace_conventions: false"
 )

@@ -60,6 +60,11 @@ def _assigned(settings: Settings, assignments: Iterable[str]) -> Settings:
     return settings
 
 
+def merged(under: Settings, over: Settings) -> Settings:
+    """Two settings in one, the second over the first."""
+    return {node: under[node] | over[node] for node in NODES}
+
+
 def _check_sample_times(settings: Settings) -> None:
     made: dict[str, Any] = {node: build(group, settings[node]) for node, group in NODES.items()}
     times = {

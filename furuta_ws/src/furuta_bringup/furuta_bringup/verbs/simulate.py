@@ -60,7 +60,7 @@ def command(
     wall = perf_counter() - began
     result = _result(record, wall)
     if out is not None:
-        _keep(record, out)
+        _keep(record, out, loop(settings).plant.actuator)
     if as_json:
         print_json(result)
     else:
@@ -78,11 +78,11 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
     }
 
 
-def _keep(record: Any, out: Path) -> None:
+def _keep(record: Any, out: Path, actuator: Any) -> None:
     if out.suffix == ".png":
         from ..figure import draw_run  # noqa: PLC0415 - slow to load
 
         draw_run(record, out)
         return
     fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
-    np.savez_compressed(out, time=record.time, **fields)
+    np.savez_compressed(out, time=record.time, drive=np.array(actuator), **fields)

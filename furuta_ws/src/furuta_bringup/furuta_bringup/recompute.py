@@ -1,0 +1,171 @@
+"""A recorded session computed again: the same numbers, or what another tuning would have made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.serialization import deserialize_message
+
+from furuta_analysis.recomputation import Recomputed, recompute
+from furuta_model.parameters import ParameterError
+from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
+from furuta_ros.messages import NANOSECONDS
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
+
+from .bag import open_bag
+from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
+from .settings import Settings, gather, loop, merged, read_file
+
+SERIES = (
+    ("arm speed [rad/s]", "estimate", PHI_DOT),
+    ("pendulum θ [rad]", "estimate", THETA),
+    ("pendulum speed [rad/s]", "estimate", THETA_DOT),
+    ("friction estimate [V]", "friction_estimate", None),
+    ("command [V]", "command", None),
+)
+
+
+class Session(NamedTuple):
+    """What a bag holds of the graph, one row a measurement.
+
+    ``time`` (n,) [s], ``measurement`` (n, 5); ``recorded`` what the nodes made of it, NaN where
+    nothing was recorded; ``changes``: (sample, node, {parameter: value}) of parameters set.
+    """
+
+    time: np.ndarray
+    measurement: np.ndarray
+    recorded: Recomputed
+    changes: list[tuple[int, str, dict[str, Any]]]
+
+
+def read_session(bag: Path) -> Session:
+    """Read a bag of the graph, sample by sample."""
+    rows: list[tuple[float, ...]] = []
+    stamps: dict[int, int] = {}
+    estimate: dict[int, list[float]] = {}
+    floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
+    changes: list[tuple[int, str, dict[str, Any]]] = []
+    with open_bag(bag) as reader:
+        wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
+        chosen = [c for c in reader.connections if c.topic.rpartition("/")[2] in wanted]
+        for connection, _, data in reader.messages(chosen):
+            name = connection.topic.rpartition("/")[2]
+            if name == PARAMETER_EVENTS.name.strip("/"):
+                # As ROS reads it: its padding is more than other readers bear.
+                event = deserialize_message(bytes(data), ParameterEvent)
+                given = {each.name: _value(each.value) for each in event.changed_parameters}
+                changes.append((len(rows), event.node.strip("/"), given))
+                continue
+            message: Any = reader.deserialize(data, connection.msgtype)
+            if name in floats:
+                floats[name].append(message.data)
+            else:
+                stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
+                x = [0.0] * SIGNALS
+                x[PHI], x[THETA] = message.position
+                x[PHI_DOT], x[THETA_DOT] = message.velocity
+                x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
+                if name == MEASUREMENT.name and stamp not in stamps:
+                    stamps[stamp] = len(rows)
+                    rows.append((stamp / NANOSECONDS, *x))
+                elif name == JOINT_STATES.name:
+                    estimate[stamp] = x
+    if not rows:
+        raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to compute from")
+    table = np.array(rows)
+    n = len(table)
+    estimates = np.full((n, SIGNALS), np.nan)
+    for stamp, x in estimate.items():
+        if stamp in stamps:
+            estimates[stamps[stamp]] = x
+    recorded = Recomputed(
+        estimates, _filled(floats[FRICTION_ESTIMATE.name], n), _filled(floats[COMMAND.name], n)
+    )
+    return Session(table[:, 0] - table[0, 0], table[:, 1:], recorded, changes)
+
+
+def _filled(series: list[float], n: int) -> np.ndarray:
+    """One value a sample; those that came after the last measurement go, missing ones are NaN."""
+    filled = np.full(n, np.nan)
+    filled[: min(n, len(series))] = series[:n]
+    return filled
+
+
+# Fields of a parameter's value by its type (rcl_interfaces/ParameterType).
+_VALUES = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value"}
+
+
+def _value(value: Any) -> Any:
+    if value.type == 0:
+        return ()
+    if value.type in _VALUES:
+        return getattr(value, _VALUES[value.type])
+    return tuple(float(each) for each in value.double_array_value)
+
+
+def recomputed(
+    bag: Path, files: tuple[Path, ...], assignments: tuple[str, ...]
+) -> tuple[Session, Recomputed]:
+    """Compute a session again, with the recorded parameters unless others are given."""
+    session = read_session(bag)
+    kept = bag / PARAMETERS_FILE
+    base = read_file(kept) if kept.is_file() else gather([], [])
+    # Recorded parameters of a later version may lack what this one has; defaults fill in.
+    own = gather(files, assignments)
+    parameters = [(0, loop(merged(base, own)))]
+    for sample, node, given in session.changes:
+        if node in base:
+            base = merged(base, _only(base, node, given))
+            parameters.append((sample, loop(merged(base, own))))
+    return session, recompute(session.measurement, parameters)
+
+
+def _only(settings: Settings, node: str, given: dict[str, Any]) -> Settings:
+    return {each: (given if each == node else {}) for each in settings}
+
+
+def compare(session: Session, again: Recomputed) -> dict[str, Any]:
+    """Largest and mean square difference of each series where something was recorded."""
+    result: dict[str, Any] = {"samples": len(session.time), "identical": True}
+    for name in Recomputed._fields:
+        old, new = getattr(session.recorded, name), getattr(again, name)
+        here = np.isfinite(old)
+        difference = (new - old)[here]
+        same = bool(np.array_equal(new[here], old[here]))
+        result["identical"] &= same
+        result[name] = {
+            "identical": same,
+            "compared": int(np.sum(here)),
+            "largest_difference": float(np.max(np.abs(difference), initial=0.0)),
+            "rms_difference": float(np.sqrt(np.mean(difference**2))) if len(difference) else 0.0,
+        }
+    return result
+
+
+def draw_difference(session: Session, again: Recomputed, path: Path) -> None:
+    """Each series recorded and computed again."""
+    figure, axes = plt.subplots(
+        len(SERIES), 1, sharex=True, figsize=(10, 2 * len(SERIES)), layout="constrained"
+    )
+    for axis, (label, name, channel) in zip(axes, SERIES, strict=True):
+        old, new = getattr(session.recorded, name), getattr(again, name)
+        if channel is not None:
+            old, new = old[:, channel], new[:, channel]
+        axis.plot(session.time, old, lw=1.4, label="recorded")
+        axis.plot(session.time, new, lw=0.8, label="computed again")
+        axis.set_ylabel(label)
+        axis.grid(alpha=0.3)
+        axis.margins(x=0)
+    axes[0].legend(loc="upper right")
+    axes[-1].set_xlabel("time [s]")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=100)
+    plt.close(figure)

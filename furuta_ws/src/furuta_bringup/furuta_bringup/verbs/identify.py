@@ -1,0 +1,152 @@
+"""``furuta identify``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import yaml
+
+from furuta_bringup.recordings import Mapping, read
+from furuta_identification.fit import Model, identify
+from furuta_identification.preparation import ZEROS, Options
+from furuta_identification.quality import Followed, follow, held_out
+from furuta_identification.report import node_parameters, summary
+from furuta_model.parameters import ParameterError
+
+from ..options import json_option, print_json
+from ..residual_figure import draw_residuals
+
+# Fit over the first seconds, beside that over the whole.
+FIRST_SECONDS = 3.0
+
+
+@click.command()
+@click.argument(
+    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH..."
+)
+@click.option("--arm", help="Joint that is the arm.")
+@click.option("--pendulum", help="Joint that is the pendulum.")
+@click.option("--command", "command_name", help="Topic or column of the command; or: effort.")
+@click.option("--states", help="Topic of the joints' states.")
+@click.option(
+    "--zero",
+    type=click.Choice(ZEROS),
+    default="auto",
+    show_default=True,
+    help="Where the pendulum's angle is 0.",
+)
+@click.option("--window", type=float, help="Stretch that is run freely [s]; default: all, or 0.5.")
+@click.option(
+    "--validate",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="PATH",
+    help="Recording to try the model on that it is not fitted to; repeatable.",
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw residuals.")
+@click.option(
+    "--write",
+    type=click.Path(path_type=Path),
+    metavar="FILE.yaml",
+    help="Parameter file for the nodes.",
+)
+@json_option
+def command(
+    paths: tuple[Path, ...],
+    arm: str | None,
+    pendulum: str | None,
+    command_name: str | None,
+    states: str | None,
+    zero: str,
+    window: float | None,
+    validate: tuple[Path, ...],
+    out: Path | None,
+    write: Path | None,
+    as_json: bool,
+) -> None:
+    """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
+
+    Several recordings of one rig are fitted together. What the data cannot tell is said instead
+    of a number.
+    """
+    if window is not None and not 0.05 <= window <= 1e4:
+        raise ParameterError(f"--window must be 0.05 to 10000 s, given {window:g}")
+    mapping = Mapping(arm, pendulum, command_name, states)
+    options = Options(zero, window)
+    recordings, findings = [], []
+    for path in paths:
+        recording, found = read(path, mapping)
+        recordings.append(recording)
+        findings += found
+    model = identify(recordings, options)
+    followed = [follow(model, each) for each in model.recordings]
+    others = []
+    for path in validate:
+        recording, found = read(path, mapping)
+        other, more = held_out(model, recording, options)
+        others.append(other)
+        findings += found + more
+    result = _result(model, followed, others, findings)
+    if out is not None:
+        draw_residuals([*followed, *others], out)
+        result["figure"] = str(out)
+    if write is not None:
+        write.write_text(_parameter_file(model, result))
+        result["parameter_file"] = str(write)
+    if as_json:
+        print_json(result)
+    else:
+        _print(result)
+
+
+def _result(
+    model: Model, followed: list[Followed], others: list[Followed], findings: list[str]
+) -> dict[str, Any]:
+    result = summary(model)
+    result["findings"] = findings + result["findings"]
+    result["fit"] = {each.recording.name: _fits(each) for each in followed}
+    result["held_out"] = {each.recording.name: _fits(each) for each in others}
+    result["regression"] = {
+        name: value
+        for name, value in model.regression._asdict().items()
+        if name != "standard_errors"
+    }
+    return result
+
+
+def _fits(each: Followed) -> dict[str, float]:
+    fits = {name.replace(" ", "_"): value for name, value in each.fits().items()}
+    first = each.fits(FIRST_SECONDS)["pendulum angle"]
+    return {**fits, "pendulum_angle_first_3_s": first}
+
+
+def _parameter_file(model: Model, result: dict[str, Any]) -> str:
+    said = [
+        f"# {name}: not told by the data: {why}" for name, why in result["undetermined"].items()
+    ]
+    head = ["# Identified; load with --params.", *said]
+    return "\n".join(head) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
+
+
+def _print(result: dict[str, Any]) -> None:
+    errors = result["standard_errors"]
+    for group in (result, result["lugre"], result["setup"]):
+        for name, value in group.items():
+            if isinstance(value, (float, np.floating)) and name in errors:
+                error = errors[name]
+                print(f"{name:26} {value:12.6g}" + (f"  ± {error:.2g}" if error else ""))
+    for name, why in result["undetermined"].items():
+        print(f"{name:26} not told by the data: {why}")
+    for kind in ("fit", "held_out"):
+        for recording, fits in result[kind].items():
+            known = {n: v for n, v in fits.items() if not np.isnan(v)}
+            said = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
+            print(f"{kind.replace('_', '-')} {recording}: {said}")
+    for finding in result["findings"]:
+        print(f"found: {finding}")
+    for name in ("figure", "parameter_file"):
+        if name in result:
+            print(f"{name.replace('_', ' ')}: {result[name]}")

@@ -1,0 +1,1 @@
+"""Models of the Furuta pendulum from recordings."""

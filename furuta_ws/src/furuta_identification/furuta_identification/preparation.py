@@ -1,0 +1,164 @@
+"""What must be known of a recording before anything is fitted: orientation, zero, missing command.
+
+Nothing here is assumed in silence: each function returns what it found in words.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+
+from .momentum import ratios, speed_lag, with_speeds
+from .record import Recording
+
+# Part of the largest arm speed, and speed [rad/s], beyond which the arm moves.
+MOVING = 0.03
+SLOWEST = 0.05
+# Samples in a row that make a motion.
+SAMPLES = 5
+# Time [s] before the first command that motion must begin for that command to be the second.
+EARLY = 0.02
+# Interval [s] between commands that are set and held rather than streamed.
+HELD = 0.1
+LONGEST_GAP = 10.0
+ZEROS = ("auto", "upright", "hanging")
+
+
+class Options(NamedTuple):
+    """What the user says: the pendulum's ``zero`` (auto, upright, hanging), stretch [s] or None."""
+
+    zero: str = "auto"
+    window: float | None = None
+
+
+def prepare(recording: Recording, options: Options) -> tuple[Recording, list[str]]:
+    """Clean, turn upright, complete; and what was found on the way."""
+    recording, findings = checked(recording)
+    recording, more = with_first_command(recording)
+    findings += more
+    recording, more = oriented(recording, options.zero)
+    return recording, [f"{recording.name}: {each}" for each in findings + more]
+
+
+def checked(recording: Recording) -> tuple[Recording, list[str]]:
+    """The recording without unusable samples; :class:`ParameterError` where too little is left."""
+    time, measured = recording.time, recording.measured
+    findings = []
+    for angle, what in ((PHI, "arm"), (THETA, "pendulum")):
+        if not np.any(np.isfinite(measured[:, angle])):
+            raise ParameterError(f"{recording.name}: no angle of the {what}")
+    usable = np.isfinite(measured[:, PHI]) & np.isfinite(measured[:, THETA]) & np.isfinite(time)
+    usable[1:] &= np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > 0.0
+    if np.sum(usable) < 100:
+        raise ParameterError(
+            f"{recording.name}: {np.sum(usable)} usable samples of {len(time)}, at least 100 needed"
+        )
+    if not np.all(usable):
+        findings.append(
+            f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time went back)"
+        )
+    recording = recording._replace(time=time[usable], measured=measured[usable].copy())
+    if not len(recording.command):
+        raise ParameterError(
+            f"{recording.name}: no command in it; name its topic or column with --command"
+        )
+    for speed in (PHI_DOT, THETA_DOT):
+        # A speed that is missing now and then is bridged; one that never comes stays NaN.
+        here = np.isfinite(recording.measured[:, speed])
+        if np.any(here) and not np.all(here):
+            recording.measured[~here, speed] = np.interp(
+                recording.time[~here], recording.time[here], recording.measured[here, speed]
+            )
+    gap = float(np.max(np.diff(recording.time)))
+    if gap > LONGEST_GAP * recording.interval:
+        findings.append(
+            f"dropout of {gap:.3f} s; the usual interval is {recording.interval * 1e3:.2f} ms"
+        )
+    for angle in (PHI, THETA):
+        recording.measured[:, angle] = np.unwrap(recording.measured[:, angle])
+    return recording, findings
+
+
+def oriented(recording: Recording, zero: str) -> tuple[Recording, list[str]]:
+    """The recording with θ = 0 upright and θ̇ > 0 the way (1) counts it.
+
+    The pendulum's equation tells both: with the wrong zero gravity has the wrong sign, with the
+    wrong direction the coupling.
+    """
+    speeds = with_speeds(recording, speed_lag(recording))
+    inertia, coupling = ratios(speeds)
+    found = "upright" if inertia > 0.0 else "hanging"
+    if zero not in ("auto", found):
+        raise ParameterError(
+            f"{recording.name}: the pendulum's zero is given as {zero}, but it moves as if its "
+            f"zero were {found}"
+        )
+    direction = -1.0 if coupling < 0.0 else 1.0
+    turned = recording.turned(np.pi if found == "hanging" else 0.0, direction, 1.0)
+    turns = 2.0 * np.pi * np.round(np.mean(turned.measured[:, THETA]) / (2.0 * np.pi))
+    turned.measured[:, THETA] -= turns
+    formula = (
+        ("π " if found == "hanging" else "") + ("− " if direction < 0.0 else "+ ") + "measured"
+    )
+    known = "as given" if zero == found else "found"
+    return turned, [f"pendulum angle 0 is {found} ({known}): θ = {formula.removeprefix('+ ')}"]
+
+
+def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
+    """Adds a first command that the log lacks: the arm moves before there is any."""
+    onset = _onset(recording)
+    first = recording.command_time[0]
+    if onset is None or onset >= first - EARLY or recording.command[0] == 0.0:
+        return recording, []
+    if onset <= recording.time[SAMPLES]:
+        kept = recording.between(first, np.inf)
+        if len(kept.time) < 100:
+            raise ParameterError(f"{recording.name}: next to nothing after the first command")
+        return kept, [f"in motion from the start, commands only after {first:.3f} s: began there"]
+    intervals = np.diff(recording.command_time)
+    start, why = onset, "when the arm begins to move"
+    if len(intervals) and np.median(intervals) > HELD:
+        period = float(np.median(intervals))
+        candidate = first - period * max(1, round((first - onset) / period))
+        if abs(candidate - onset) < 0.05:
+            start, why = candidate, f"one interval of {period:.3f} s earlier"
+    return recording._replace(
+        command_time=np.append(start, recording.command_time),
+        command=np.append(recording.command[0], recording.command),
+    ), [
+        f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
+        f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been set {why}, "
+        f"at {start:.3f} s"
+    ]
+
+
+def _onset(recording: Recording) -> float | None:
+    """When the arm begins to move [s], if it ever does."""
+    speed = np.abs(with_speeds(recording, 0.0).measured[:, PHI_DOT])
+    moving = speed > max(SLOWEST, MOVING * float(np.max(speed)))
+    run = np.convolve(moving, np.ones(SAMPLES), "valid") == SAMPLES
+    return float(recording.time[np.argmax(run)]) if np.any(run) else None
+
+
+def noise_of(recording: Recording) -> np.ndarray:
+    """Size of each channel's noise (4,): what a smooth curve cannot follow, at least a code."""
+    scale = np.empty(4)
+    for channel, column in enumerate(recording.measured.T):
+        series = column[np.isfinite(column)]
+        if len(series) < 10:
+            scale[channel] = 1.0
+            continue
+        steps = np.abs(np.diff(series))
+        code = float(np.min(steps[steps > 1e-12], initial=np.inf))
+        quantised = code / np.sqrt(12.0) if np.isfinite(code) else 0.0
+        rough = float(np.sqrt(np.mean(np.diff(series, n=3) ** 2) / 20.0))
+        scale[channel] = max(quantised, rough, SMALLEST_NOISE[channel])
+    return scale
+
+
+# Nothing is measured better than this [rad, rad/s, rad, rad/s].
+SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)

@@ -1,0 +1,58 @@
+"""A recording to identify from: what was measured, what was commanded, each with its own times."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+
+CHANNELS = ("arm angle", "arm speed", "pendulum angle", "pendulum speed")
+UNITS = ("rad", "rad/s", "rad", "rad/s")
+
+
+class Recording(NamedTuple):
+    """Series of one recording.
+
+    ``time`` (n,) [s], increasing but not necessarily even; ``measured`` (n, 4) of x = (φ, φ̇, θ,
+    θ̇), NaN where there is nothing; ``command_time`` (m,) [s] and ``command`` (m,) [V], each
+    held until the next, 0 V before the first.
+    """
+
+    name: str
+    time: np.ndarray
+    measured: np.ndarray
+    command_time: np.ndarray
+    command: np.ndarray
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def interval(self) -> float:
+        """The usual time between two samples [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    def between(self, start: float, end: float) -> Recording:
+        """The samples with start ≤ time < end; commands are kept, for they hold on."""
+        chosen = (self.time >= start) & (self.time < end)
+        return self._replace(time=self.time[chosen], measured=self.measured[chosen])
+
+    def turned(self, zero: float, pendulum: float, arm: float) -> Recording:
+        """The same in other coordinates: θ = pendulum·measured + zero [rad], φ = arm·measured."""
+        measured = self.measured.copy()
+        measured[:, THETA] = pendulum * measured[:, THETA] + zero
+        measured[:, THETA_DOT] *= pendulum
+        measured[:, PHI] *= arm
+        measured[:, PHI_DOT] *= arm
+        return self._replace(measured=measured)
+
+    def commanded_at(self, time: np.ndarray) -> np.ndarray:
+        """The command in force at each time [V]."""
+        if not len(self.command):
+            return np.zeros(len(time))
+        index = np.searchsorted(self.command_time, time + 1e-9, side="right") - 1
+        return np.where(index >= 0, self.command[np.maximum(index, 0)], 0.0)

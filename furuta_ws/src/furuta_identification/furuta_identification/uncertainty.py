@@ -1,0 +1,141 @@
+"""How well the unknowns are known: noise, what the model leaves, and what it had to assume."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_model.state import PHI
+
+from .preparation import noise_of
+from .shooting import Shooting
+from .unknowns import BY_NAME
+
+# Length [s] within which residuals may go together in any way.
+BLOCK = 0.5
+# Waves a turn that an unmodelled torque may have.
+ORDERS = range(2, 43)
+# Size [V] of the waves by which slopes are taken.
+WAVE = 1e-4
+
+
+def prior(names: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Prior mean and spread of the unknowns, as the optimiser has them."""
+    return (
+        np.array([BY_NAME[name].mean for name in names]),
+        np.array([BY_NAME[name].spread for name in names]),
+    )
+
+
+def uncertainty(
+    shooting: Shooting, vector: np.ndarray, held: dict[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance of the unknowns, then of those ``held`` (value: its spread); and information.
+
+    The information is what the data alone say. The covariance has three parts: the scatter of
+    the residuals over blocks of time with the prior's (a sandwich); what residuals beyond the
+    sensors' noise could have shifted, were they a torque that waves over the arm's turn; and what
+    an assumed value could have, were it wrong by its spread.
+    """
+    slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
+    information = slopes.T @ slopes
+    _, spread = prior(shooting.names)
+    own = np.diag(1.0 / spread**2)
+    inverse = np.linalg.pinv(information + own)
+    covariance = inverse @ (_scatter(shooting, slopes, residuals) + own) @ inverse
+    waves = _wave_slopes(shooting, vector, residuals)
+    if waves is not None:
+        shifts = inverse @ slopes.T @ waves
+        covariance += shifts @ shifts.T
+    return _with_held(shooting, vector, held, covariance, information, inverse @ slopes.T)
+
+
+def _scatter(shooting: Shooting, slopes: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    total = np.zeros((slopes.shape[1], slopes.shape[1]))
+    first = 0
+    for part in shooting.parts:
+        n = len(part.recording.time)
+        blocks = ((part.recording.time - part.recording.time[0]) // BLOCK).astype(int)
+        score = slopes[first : first + 4 * n] * residuals[first : first + 4 * n, None]
+        score = score.reshape(n, 4, -1).sum(axis=1)
+        sums = np.array([np.bincount(blocks, column) for column in score.T])
+        total += sums @ sums.T
+        first += 4 * n + 5 * len(part.starts)
+    return total
+
+
+def _wave_slopes(
+    shooting: Shooting, vector: np.ndarray, residuals: np.ndarray
+) -> np.ndarray | None:
+    """Residuals' slopes by waves of the torque, as large as what is left beyond noise; or None."""
+    if all(len(part.starts) > 1 for part in shooting.parts):
+        return None
+    noise = sum(
+        len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
+        for part in shooting.parts
+    )
+    left = float(residuals @ residuals) - noise
+    turns = max(np.ptp(part.recording.measured[:, PHI]) for part in shooting.parts)
+    if left <= 0.0 or turns == 0.0:
+        return None
+    names = ["ripple_order", "ripple_cos", "ripple_sin"]
+    columns = []
+    for order in ORDERS:
+        for wave in ((WAVE, 0.0), (0.0, WAVE)):
+            guess = shooting.guess.changed(names, (order, *wave))
+            moved = Shooting(shooting.parts, _without(shooting.names, names), guess)
+            values = _of(shooting, vector, moved.names)
+            columns.append(
+                (moved.residuals(values) - _reference(shooting, vector, residuals)) / WAVE
+            )
+    waves = np.array(columns).T
+    size: float = np.sqrt(left / float(np.sum(waves**2)))
+    return size * waves
+
+
+def _reference(shooting: Shooting, vector: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    """Residuals without the fitted ripple, from which the waves' effects are counted."""
+    if "ripple_cos" not in shooting.names:
+        return residuals
+    return shooting.residuals(
+        np.array(
+            [
+                0.0 if name in ("ripple_cos", "ripple_sin") else value
+                for name, value in zip(shooting.names, vector, strict=True)
+            ]
+        )
+    )
+
+
+def _without(names: list[str], taken: list[str]) -> list[str]:
+    return [name for name in names if name not in taken]
+
+
+def _of(shooting: Shooting, vector: np.ndarray, names: list[str]) -> np.ndarray:
+    return np.array([vector[shooting.names.index(name)] for name in names])
+
+
+def _with_held(
+    shooting: Shooting,
+    vector: np.ndarray,
+    held: dict[str, float],
+    covariance: np.ndarray,
+    information: np.ndarray,
+    gain: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Both matrices enlarged by values that were assumed, and what they shift when wrong."""
+    for name, spread in held.items():
+        step = 0.01 * spread
+        value = shooting.guess[name]
+        moved = Shooting(
+            shooting.parts, shooting.names, shooting.guess.changed([name], [value + step])
+        )
+        slope = (moved.residuals(vector) - shooting.residuals(vector)) / step
+        shift = -gain @ slope * spread
+        n = len(covariance)
+        covariance = np.pad(covariance, ((0, 1), (0, 1)))
+        information = np.pad(information, ((0, 1), (0, 1)))
+        covariance[:n, :n] += np.outer(shift[:n], shift[:n])
+        covariance[n, :n] = covariance[:n, n] = shift[:n] * spread
+        covariance[n, n] = spread**2
+        gain = np.vstack((gain, np.zeros(gain.shape[1])))
+    return covariance, information

@@ -1,0 +1,53 @@
+"""A recorded lock-step session computed again: the same bits, or what another tuning makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from rclpy.node import Node
+
+from furuta_bringup.graph import Graph
+from furuta_bringup.operator import Operator
+from furuta_bringup.parameter_files import settings_file
+from furuta_bringup.recompute import compare, draw_difference, recomputed
+from furuta_bringup.recorder import Recorder
+from furuta_bringup.settings import gather
+
+
+@pytest.fixture
+def bag(ros: None, tmp_path: Path) -> Path:
+    """Two seconds without compensation, then one with LuGre."""
+    settings = gather([], ["controller.omega1=8", "plant.seed=3"])
+    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
+    person = Node("person")
+    recorder = Recorder(tmp_path / "bag", stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [recorder, person])
+    operator = Operator(person, graph.executor)
+    operator.set("plant", run_until=2.0)
+    graph.run_until(2.0)
+    operator.set("friction_observer", compensation="lugre", alpha0=0.2)
+    operator.set("plant", run_until=3.0)
+    graph.run_until(3.0)
+    graph.close()
+    return tmp_path / "bag"
+
+
+def test_bit_identical_with_what_was_recorded(bag: Path) -> None:
+    """Recorded parameters and their changes on the way are in the bag."""
+    result = compare(*recomputed(bag, (), ()))
+    assert result["samples"] == 3000
+    assert result["identical"]
+    assert result["command"]["compared"] == 3000
+
+
+def test_another_tuning_differs_where_it_acts(bag: Path, tmp_path: Path) -> None:
+    """Another level changes the friction estimate and the command, not the state estimate."""
+    session, again = recomputed(bag, (), ("friction_observer.alpha0=0.1",))
+    result = compare(session, again)
+    assert result["estimate"]["identical"]
+    assert not result["command"]["identical"]
+    assert 0.05 < result["friction_estimate"]["largest_difference"] < 0.15
+    assert (session.recorded.command[:2000] == again.command[:2000]).all()
+    draw_difference(session, again, tmp_path / "difference.png")
+    assert (tmp_path / "difference.png").stat().st_size > 10_000

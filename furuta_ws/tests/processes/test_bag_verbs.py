@@ -1,0 +1,150 @@
+"""Recording, replaying and identifying as a user does."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: Any) -> Path:
+    return Path(tmp_path_factory.mktemp("bags")) / "bag"
+
+
+@pytest.fixture(autouse=True)
+def recorded(furuta: Any, bag: Path) -> None:
+    """A lock-step bag that the tests of this file share."""
+    if not bag.exists():
+        status, _, err = furuta(
+            "run", "--lockstep", "--seconds", "2", "--record", bag, "--set", "compensation=lugre"
+        )
+        assert status == 0, err
+
+
+def test_info(furuta: Any, bag: Path) -> None:
+    """What is in the bag, its parameters beside it."""
+    result = json.loads(furuta("bag", "info", bag, "--json")[1])
+    assert result["messages"] == 10_000
+    assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
+    assert Path(result["parameters"]).is_file()
+
+
+def test_recompute(furuta: Any, bag: Path) -> None:
+    """Bit-identical with the recorded parameters."""
+    result = json.loads(furuta("bag", "recompute", bag, "--json")[1])
+    assert result["identical"]
+    assert result["samples"] == 2000
+
+
+def test_replay_chosen_and_renamed(bench: Any, processes: Any, bag: Path) -> None:
+    """Chosen topics, one under another name, in their order and at their rate."""
+    renamed: list[Any] = []
+    bench.probe.create_subscription(JOINT_STATES.type, "renamed", renamed.append, deep(10_000))
+    kept = bench.collect(MEASUREMENT)
+    command = ("bag", "replay", bag, "--topic", "measurement", "--topic", "joint_states")
+    began = monotonic()
+    process = processes.furuta(
+        *command, "--remap", "joint_states:=renamed", "--wait", "--rate", "4"
+    )
+    bench.spin(lambda: len(kept) == 2000 and len(renamed) == 2000, 60.0)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 0, err
+    assert out.startswith("4000 messages")
+    assert monotonic() - began > 2.0 / 4
+    stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in renamed]
+    assert stamps == sorted(stamps)
+
+
+def test_a_killed_recording_reads(furuta: Any, processes: Any, tmp_path: Path) -> None:
+    """SIGKILL in the middle of a real-time recording."""
+    bag = tmp_path / "killed"
+    process = processes.furuta("run", "--record", bag)
+    deadline = monotonic() + 60
+    while not (bag / "metadata.yaml").exists() or "message_count: 0" in _head(bag):
+        assert monotonic() < deadline
+        sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    status, out, err = furuta("bag", "info", bag, "--json")
+    assert status == 0, err
+    assert json.loads(out)["messages"] > 0
+
+
+def _head(bag: Path) -> str:
+    return "\n".join((bag / "metadata.yaml").read_text().splitlines()[:6])
+
+
+def test_identify_a_foreign_table(furuta: Any, tmp_path: Path) -> None:
+    """A table with other names, hanging zero and commands in rows of their own."""
+    series = tmp_path / "run.npz"
+    furuta("simulate", "--ideal-sensors", "--seconds", "8", "--out", series)
+    table = tmp_path / "log.csv"
+    with np.load(series) as file, table.open("w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(
+            [
+                "__time",
+                "/js/rotor/position",
+                "/js/rotor/velocity",
+                "/js/link/position",
+                "/js/link/velocity",
+                "/drive/data.0",
+            ]
+        )
+        for t, (phi, v, theta, w), u in zip(
+            file["time"], file["estimate"], file["command"], strict=True
+        ):
+            writer.writerow([t, phi, v, np.pi - theta, -w, ""])
+            writer.writerow([t, "", "", "", "", u])
+    file_out = tmp_path / "rig.yaml"
+    status, out, err = furuta(
+        "identify", table, "--arm", "rotor", "--pendulum", "link", "--command", "/drive",
+        "--zero", "hanging", "--write", file_out, "--out", tmp_path / "residuals.png", "--json",
+    )  # fmt: skip
+    assert status == 0, err
+    result = json.loads(out)
+    assert result["a43"] == pytest.approx(33, rel=0.05)
+    assert result["coulomb"] == pytest.approx(0.21, rel=0.05)
+    assert result["fit"]["log.csv"]["arm_speed"] > 90
+    assert (tmp_path / "residuals.png").stat().st_size > 10_000
+    status, _, err = furuta("simulate", "--seconds", "1", "--params", file_out)
+    assert status == 0, err
+
+
+def test_bad_recordings_are_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
+    """What is missing, said in one line."""
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    words = tmp_path / "words.csv"
+    words.write_text("just,words\nand,more\n")
+    states = tmp_path / "states"
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    with Writer(states, version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        writer.add_connection("/x", "std_msgs/msg/Float64", typestore=types)
+    for arguments, reason in (
+        (["identify", tmp_path / "none.csv"], "no recording"),
+        (["identify", empty], "no readable bag"),
+        (["identify", words], "no column with the time"),
+        (["identify", states], "sensor_msgs/msg/JointState"),
+        (["identify", bag, "--arm", "elbow"], "no joint elbow"),
+        (["identify", bag, "--command", "nothing"], "no command nothing"),
+        (["bag", "info", empty], "no readable bag"),
+        (["bag", "recover", empty], "nothing to recover"),
+        (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
+        (["bag", "recompute", states], "nothing to compute from"),
+    ):
+        status, out, err = furuta(*arguments)
+        assert (status, out) == (1, ""), arguments
+        assert reason in err
+        assert len(err.strip().splitlines()) == 1
