@@ -1,1 +1,1 @@
-"""Bridge to a real rig. Not built yet."""
+"""Bridge to a real rig: calibration, wire protocol, safety, the bridge node, and an emulated rig."""

@@ -1,0 +1,252 @@
+"""A rig: its model, the calibration of its channels, its line and its limits; and rig files.
+
+The defaults are the paper's rig, Section 4. In a rig file the model stands in one of three forms:
+``model`` (α, β, γ, δ), ``linear`` (the four identified numbers of (3)) or ``physical``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import yaml
+
+from furuta_model.linear import from_linear
+from furuta_model.lugre import LuGre
+from furuta_model.parameters import About, ParameterError, build, declared
+from furuta_model.pendulum import FurutaPendulum
+
+from .codes import Channel, converter, encoder
+from .physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
+
+_SIGN = About("+1 or -1: which way codes count", "", -1, 1)
+_ZERO = About("code at zero", "codes", -1e9, 1e9)
+_BITS = About("bits of the converter", "", 2, 16)
+_COUNTS = About("counts per turn of the encoder", "", 1, 2**24)
+
+
+class Arm(NamedTuple):
+    """The encoder of the arm angle φ, positive in the direction that a positive voltage drives."""
+
+    counts_per_turn: Annotated[int, _COUNTS] = 250
+    sign: Annotated[int, _SIGN] = 1
+    zero: Annotated[float, _ZERO] = 0.0
+
+    @property
+    def channel(self) -> Channel:
+        """Codes ↔ φ [rad]."""
+        return encoder(self.counts_per_turn, self.sign, self.zero)
+
+
+class Speed(NamedTuple):
+    """Where the arm speed comes from: a tachometer, or the encoder's counts."""
+
+    sensor: Annotated[
+        str,
+        About(
+            "tachometer: AD converter; encoder: filtered difference of the arm's counts",
+            choices=("tachometer", "encoder"),
+        ),
+    ] = "tachometer"
+    range: Annotated[float, About("tachometer at full scale", "rad/s", 1e-3, 1e4)] = 10.0
+    bits: Annotated[int, _BITS] = 12
+    sign: Annotated[int, _SIGN] = 1
+    zero: Annotated[float, _ZERO] = 0.0
+    bandwidth: Annotated[float, About("of the difference's low-pass", "rad/s", 0.1, 1e5)] = 200.0
+
+    @property
+    def channel(self) -> Channel:
+        """Codes ↔ φ̇ [rad/s]."""
+        return converter(self.range, self.bits, self.sign, self.zero)
+
+
+class Pendulum(NamedTuple):
+    """The sensor of the pendulum angle θ, zero upright."""
+
+    sensor: Annotated[
+        str, About("potentiometer: AD converter; encoder", choices=("potentiometer", "encoder"))
+    ] = "potentiometer"
+    range: Annotated[float, About("potentiometer at full scale", "rad", 1e-3, 2 * pi)] = pi / 4
+    bits: Annotated[int, _BITS] = 12
+    counts_per_turn: Annotated[int, _COUNTS] = 4096
+    sign: Annotated[int, _SIGN] = 1
+    zero: Annotated[float, _ZERO] = 0.0
+
+    @property
+    def channel(self) -> Channel:
+        """Codes ↔ θ [rad]."""
+        if self.sensor == "encoder":
+            return encoder(self.counts_per_turn, self.sign, self.zero)
+        return converter(self.range, self.bits, self.sign, self.zero)
+
+
+class Drive(NamedTuple):
+    """The DA converter of the drive."""
+
+    range: Annotated[float, About("voltage at full scale", "V", 1e-3, 1e3)] = 10.0
+    bits: Annotated[int, _BITS] = 12
+    sign: Annotated[int, _SIGN] = 1
+    zero: Annotated[float, _ZERO] = 0.0
+
+    @property
+    def channel(self) -> Channel:
+        """Codes ↔ u [V]."""
+        return converter(self.range, self.bits, self.sign, self.zero)
+
+
+class Line(NamedTuple):
+    """The serial line and the time that the rig keeps."""
+
+    baud: Annotated[int, About("bits per second", "1/s", 1200, 12_000_000)] = 1_000_000
+    sample_time: Annotated[float, About("time between samples", "s", 1e-4, 0.1)] = 0.001
+    watchdog: Annotated[
+        float, About("without a fresh drive frame the rig goes to 0 V", "s", 1e-3, 1.0)
+    ] = 0.05
+
+
+class Limits(NamedTuple):
+    """What the bridge lets through, and where it stops."""
+
+    voltage: Annotated[float, About("largest voltage", "V", 0.0, 1e3)] = 10.0
+    slew_rate: Annotated[float, About("largest change of the voltage", "V/s", 1.0, 1e7)] = 1000.0
+    pendulum_angle: Annotated[float, About("stop beyond this |θ|", "rad", 0.01, pi)] = 0.75
+    arm_angle: Annotated[float, About("stop beyond this |φ|", "rad", 0.01, 1e6)] = 2 * pi
+    arm_speed: Annotated[float, About("stop beyond this |φ̇|", "rad/s", 0.1, 1e6)] = 9.9
+    command_age: Annotated[float, About("stop without command for", "s", 1e-3, 10.0)] = 0.05
+    measurement_age: Annotated[float, About("stop without measurement for", "s", 1e-3, 10.0)] = 0.05
+    bad_frames: Annotated[
+        float, About("stop at this part of frames lost or corrupt, over a second", "", 1e-4, 1.0)
+    ] = 0.1
+    disagreement: Annotated[
+        float, About("stop where encoder and tachometer differ by, over a second", "rad", 1e-3, 1e3)
+    ] = 0.5
+
+
+class Rig(NamedTuple):
+    """A rig, whole."""
+
+    model: FurutaPendulum = FurutaPendulum()
+    friction: LuGre = LuGre()
+    arm: Arm = Arm()
+    speed: Speed = Speed()
+    pendulum: Pendulum = Pendulum()
+    drive: Drive = Drive()
+    line: Line = Line()
+    limits: Limits = Limits()
+
+    def check(self) -> None:
+        """Refuse a sign that is none, and a watchdog shorter than two samples."""
+        for name in ("arm", "speed", "pendulum", "drive"):
+            if getattr(self, name).sign not in (-1, 1):
+                raise ParameterError(f"{name}.sign must be 1 or -1, given 0")
+        if not 2 <= self.watchdog_samples <= 0xFFFF:
+            raise ParameterError(
+                f"line.watchdog must be 2 to 65535 samples, given {self.watchdog_samples}"
+            )
+
+    @property
+    def watchdog_samples(self) -> int:
+        """The rig's watchdog in samples."""
+        return round(self.line.watchdog / self.line.sample_time)
+
+    @property
+    def period_us(self) -> int:
+        """The sample time as the protocol has it [µs]."""
+        return round(self.line.sample_time * 1e6)
+
+
+class Linear(NamedTuple):
+    """The identified numbers of the linear model (3)."""
+
+    a23: Annotated[float, About("φ̈ per θ", "1/s²", high=0.0)] = -11.0
+    a43: Annotated[float, About("θ̈ per θ", "1/s²", low=0.0)] = 33.0
+    b21: Annotated[float, About("φ̈ per u", "rad/(V s²)", low=0.0)] = 45.0
+    b41: Annotated[float, About("θ̈ per u", "rad/(V s²)", high=0.0)] = -29.0
+
+
+# Sections of a rig file that are text for people.
+PROSE = ("name", "sources", "notes")
+
+
+def load_rig(file: Path) -> Rig:
+    """Read a rig file. Raises :class:`ParameterError` with one line for anything wrong."""
+    try:
+        content = yaml.safe_load(file.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a text file"
+        raise ParameterError(f"cannot read rig file {file}: {reason}") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}" if mark else ""
+        raise ParameterError(f"rig file {file} is not YAML{where}") from None
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"rig file {file} must map sections to values")
+    try:
+        return _rig(content)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+
+
+def _rig(content: Mapping[str, Any]) -> Rig:
+    given: dict[str, Any] = {}
+    forms = [form for form in ("model", "linear", "physical") if form in content]
+    if len(forms) > 1:
+        raise ParameterError(f"give one of model, linear, physical, not {' and '.join(forms)}")
+    for section, values in content.items():
+        if section in PROSE:
+            continue
+        if not isinstance(values, Mapping):
+            raise ParameterError(f"{section} must map names to values")
+        given |= {f"{section}.{name}": _number(value) for name, value in values.items()}
+    given = _normalised(given)
+    known = [each.name for each in declared(Rig)]
+    unknown = sorted(str(name) for name in given if name not in known)
+    if unknown:
+        raise ParameterError(f"unknown: {', '.join(unknown)}")
+    return build(Rig, given)
+
+
+def _number(value: Any) -> Any:
+    """The value, where text like 1e-5 is a number, which YAML 1.1 denies."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def _normalised(given: dict[str, Any]) -> dict[str, Any]:
+    """The model's other two forms brought to the first; what is given explicitly stands."""
+    linear = _section(given, Linear, "linear")
+    if linear is not None:
+        if linear.b41 == 0.0:
+            raise ParameterError("linear.b41 must be below 0")
+        given = _model(from_linear(*linear)) | given
+    physical = _section(given, Physical, "physical")
+    if physical is not None:
+        friction = {"friction.viscous": normalised_viscous(physical)}
+        if physical.friction_torque > 0.0:
+            friction["friction.alpha0"] = normalised_coulomb(physical)
+        given = _model(normalised_model(physical)) | friction | given
+    return {name: v for name, v in given.items() if name.partition(".")[0] not in _FORMS}
+
+
+_FORMS = ("linear", "physical")
+
+
+def _model(model: FurutaPendulum) -> dict[str, Any]:
+    return {f"model.{name}": value for name, value in model._asdict().items()}
+
+
+def _section(given: dict[str, Any], group: type[Any], name: str) -> Any:
+    """The group from the section of that name, None where there is none."""
+    prefix = f"{name}."
+    values = {n: v for n, v in given.items() if n.startswith(prefix)}
+    if not values:
+        return None
+    known = {each.name for each in declared(group, prefix)}
+    unknown = sorted(set(values) - known)
+    if unknown:
+        raise ParameterError(f"unknown: {', '.join(unknown)}")
+    return build(group, values, prefix)
