@@ -26,6 +26,7 @@ class Firmware:
         self.answered = 0
         self.code = zero
         self.fault = False
+        self.driven = 0  # drive frames obeyed
 
     @property
     def armed(self) -> bool:
@@ -98,10 +99,12 @@ class Firmware:
             self.answered, self.code = message.sample, self._zero
             return True
         if isinstance(message, frames.Drive):
-            fresh = self._fresh(message.sample) and newer(message.sample, self.answered)
+            # The newest sample may be answered again, which feeds no watchdog; an older one not.
+            fresh = self._fresh(message.sample) and not newer(self.answered, message.sample)
             if not (self.armed and fresh and self._low <= message.code <= self._high):
                 return False
             self.answered, self.code = message.sample, message.code
+            self.driven += 1
             return True
         return False
 
