@@ -13,11 +13,13 @@ import yaml
 from furuta_analysis.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import SEEING, ObserverParameters
+from furuta_hw.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
 
 NODES: dict[str, type[NamedTuple]] = {
     "plant": PlantNodeParameters,
+    "hardware_bridge": BridgeParameters,
     "estimator": EstimatorParameters,
     "friction_observer": ObserverParameters,
     "controller": ControllerParameters,
