@@ -17,6 +17,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
 from furuta_model.parameters import ParameterError
+from furuta_model.state import EFFORT
 from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
@@ -179,7 +180,7 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._writer.stamp(
             self._timeline.stamp(sensors.sample, self.get_clock().now().nanoseconds)
         )
-        self._publisher.publish(self._writer.fill(x))
+        self._publisher.publish(self._writer.fill(x, x[EFFORT]))
 
     def _on_command(self, message: Float64) -> None:
         volts = self.guard.command(monotonic(), message.data)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import Actuator, InitialState, Plant
-from furuta_sim.parameters import Sensors as NoiseOf
 from furuta_sim.rig import Noise, initial_state, move, substeps
 
 from .codes import wrapped
@@ -22,12 +21,7 @@ def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> P
     return Plant(
         model=rig.model,
         friction=rig.friction,
-        sensors=NoiseOf(
-            tachometer_noise=abs(rig.speed.channel.per_code),
-            potentiometer_noise=abs(rig.pendulum.channel.per_code)
-            if rig.pendulum.sensor == "potentiometer"
-            else 0.0,
-        ),
+        sensors=rig.sensors,
         actuator=Actuator(rig.drive.range, 0),  # its codes are whole already
         initial=initial or InitialState(),
         sample_time=rig.line.sample_time,
@@ -88,9 +82,12 @@ class EmulatedRig:
             self._stuck = arm = arm if self._stuck is None else self._stuck
         else:
             self._stuck = None
-        speed = self._speed.to_code(x[PHI_DOT] + sensors.tachometer_noise * noise[0])
-        theta = wrapped(x[THETA]) + sensors.potentiometer_noise * noise[1]
+        speed, theta = 0, wrapped(x[THETA])
+        if self._rig.speed.sensor == "tachometer":
+            speed = self._speed.to_code(x[PHI_DOT] + sensors.tachometer_noise * noise[0])
+        if self._rig.pendulum.sensor == "potentiometer":
+            theta += sensors.potentiometer_noise * noise[1]
         pendulum = self._pendulum.to_code(theta)
         if self.faults.potentiometer_rail:
             pendulum = self._pendulum.high
-        return arm, 0 if self._rig.speed.sensor == "encoder" else speed, pendulum
+        return arm, speed, pendulum

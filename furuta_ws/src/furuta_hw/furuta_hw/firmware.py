@@ -52,6 +52,7 @@ class Firmware:
     def sample(self, arm: int, speed: int, pendulum: int) -> bytes:
         """One sample with these codes: watchdog, then what goes out to the host."""
         self.number = (self.number + 1) % 2**32
+        applied = self.code
         self._watch()
         out, self._outbox = self._outbox, b""
         if self.session is None:
@@ -66,7 +67,7 @@ class Firmware:
                 arm,
                 speed,
                 pendulum,
-                self.code,
+                applied,
             )
         )
 

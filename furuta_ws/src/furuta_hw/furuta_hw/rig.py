@@ -7,7 +7,7 @@ The defaults are the paper's rig, Section 4. In a rig file the model stands in o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -17,6 +17,7 @@ from furuta_model.linear import from_linear
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import About, ParameterError, build, declared
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
 
 from .codes import Channel, converter, encoder
 from .physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
@@ -145,6 +146,28 @@ class Rig(NamedTuple):
             raise ParameterError(
                 f"line.watchdog must be 2 to 65535 samples, given {self.watchdog_samples}"
             )
+
+    @property
+    def sensors(self) -> Sensors:
+        """What estimator and simulator need to know: noise of one code on analogue channels.
+
+        A speed differenced from counts is as good as a count over the low-pass's time; an
+        encoder on the pendulum is a fine potentiometer.
+        """
+        arm, speed, pendulum = self.arm, self.speed, self.pendulum
+        tachometer, potentiometer = speed.sensor == "tachometer", pendulum.sensor != "encoder"
+        count = abs(pendulum.channel.per_code)
+        return Sensors(
+            encoder_counts=arm.counts_per_turn,
+            tachometer_range=speed.range if tachometer else self.limits.arm_speed,
+            tachometer_bits=speed.bits if tachometer else 0,
+            tachometer_noise=abs(speed.channel.per_code)
+            if tachometer
+            else 0.5 * speed.bandwidth * abs(arm.channel.per_code),
+            potentiometer_range=pendulum.range if potentiometer else pi,
+            potentiometer_bits=pendulum.bits if potentiometer else 0,
+            potentiometer_noise=count if potentiometer else count / sqrt(12.0),
+        )
 
     @property
     def watchdog_samples(self) -> int:

@@ -39,7 +39,7 @@ class Guard:
         self._drift = 0.0
 
     def measured(self, now: float, x: np.ndarray, at_rail: bool, status: int, steps: int) -> None:
-        """Take a measurement ``x`` (4,), ``steps`` samples after the last, and the rig's status."""
+        """Take a measurement ``x`` (4 or more), ``steps`` samples after the last, and the rig's status."""
         self._age(steps)
         if self._x is not None and steps:
             self._drift += x[PHI] - self._x[PHI] - x[PHI_DOT] * self._dt * steps

@@ -6,7 +6,7 @@ from math import exp, nan
 
 import numpy as np
 
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA
 
 from .codes import wrapped
 from .frames import Sensors
@@ -17,22 +17,24 @@ SLEW = 200e-6
 
 
 class Sensing:
-    """Turns codes into x (4,), NaN where the rig has no sensor (θ̇)."""
+    """Turns codes into a measurement (5,): x, NaN where the rig has no sensor (θ̇), and the
+    torque applied up to the sample [V].
+    """
 
     def __init__(self, rig: Rig) -> None:
         self._arm, self._speed = rig.arm.channel, rig.speed.channel
-        self._pendulum = rig.pendulum.channel
+        self._pendulum, self._drive = rig.pendulum.channel, rig.drive.channel
         self._tachometer = rig.speed.sensor == "tachometer"
         self._potentiometer = rig.pendulum.sensor == "potentiometer"
         self._decay = rig.speed.bandwidth * rig.line.sample_time
         self._dt = rig.line.sample_time
         self._last: Sensors | None = None
-        self.x = np.array((0.0, 0.0, 0.0, nan))
+        self.x = np.array((0.0, 0.0, 0.0, nan, 0.0))
         self.steps = 0
         self.at_rail = False
 
     def take(self, codes: Sensors) -> np.ndarray:
-        """The measurement (4,), overwritten by the next; ``steps`` samples after the last."""
+        """The measurement (5,), overwritten by the next; ``steps`` samples after the last."""
         last, self._last = self._last, codes
         self.steps = (codes.sample - last.sample) % 2**32 if last else 0
         phi = self._arm.to_si(codes.arm)
@@ -44,10 +46,10 @@ class Sensing:
             self.x[PHI_DOT] += share * (difference - self.x[PHI_DOT])
         self.x[PHI] = phi
         self.x[THETA] = wrapped(self._pendulum.to_si(codes.pendulum))
-        self.x[THETA_DOT] = nan
-        self.at_rail = self._tachometer and self._speed.at_rail(codes.speed)
-        if self._potentiometer:
-            self.at_rail = self.at_rail or self._pendulum.at_rail(codes.pendulum)
+        self.x[EFFORT] = self._drive.to_si(codes.drive)
+        self.at_rail = (self._tachometer and self._speed.at_rail(codes.speed)) or (
+            self._potentiometer and self._pendulum.at_rail(codes.pendulum)
+        )
         return self.x
 
 
