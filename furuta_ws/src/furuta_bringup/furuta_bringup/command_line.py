@@ -24,6 +24,7 @@ VERBS = {
     "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
     "describing-function": "Limit cycles that the describing function of friction predicts.",
     "convergence": "Whether the friction observer meets the passivity condition for convergence.",
+    "hw": "A real rig: check the line, read, zeros, signs, friction, arm; emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",
     "node": "List the running nodes; run one.",
 }

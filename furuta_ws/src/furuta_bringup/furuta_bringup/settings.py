@@ -32,12 +32,14 @@ ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 Settings = dict[str, dict[str, Any]]
 
 
-def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
-    """Settings from parameter files, then assignments, later ones over earlier ones.
+def gather(
+    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+) -> Settings:
+    """Settings from ``base``, parameter files, assignments, later ones over earlier ones.
 
     Raises :class:`ParameterError` for anything that names no parameter or is not allowed.
     """
-    settings: Settings = {node: {} for node in NODES}
+    settings: Settings = {node: dict((base or {}).get(node, {})) for node in NODES}
     for file in files:
         for node, given in read_file(file).items():
             settings[node] |= given

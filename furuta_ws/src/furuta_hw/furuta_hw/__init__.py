@@ -1,1 +1,1 @@
-"""Bridge to a real rig: calibration, wire protocol, safety, the bridge node, and an emulated rig."""
+"""Bridge to a real rig: calibration, wire protocol, safety, node, and a rig in software."""

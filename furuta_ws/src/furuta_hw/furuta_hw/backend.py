@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from time import monotonic, sleep
 from typing import Protocol
 
 import serial
 
 from .emulated import EmulatedRig
+from .errors import LineError
 from .rig import Rig
 
 # Longest wait for bytes, and for room to write them [s].
@@ -15,10 +17,6 @@ READ_TIMEOUT = 0.05
 WRITE_TIMEOUT = 0.02
 # The name of the port that is no port.
 MOCK = "mock"
-
-
-class LineError(RuntimeError):
-    """The line to the rig cannot be opened, or broke, with the reason in words."""
 
 
 class Backend(Protocol):
@@ -97,5 +95,6 @@ def open_backend(port: str, rig: Rig) -> Backend:
 
 
 def _reason(error: Exception) -> str:
-    """The errno's words without pyserial's own."""
-    return getattr(error, "strerror", None) or str(error)
+    """The system's words rather than pyserial's, which repeat the port."""
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else str(error)

@@ -21,11 +21,11 @@ from furuta_model.state import EFFORT
 from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
-from furuta_ros.topics import COMMAND, MEASUREMENT
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 
-from .backend import LineError
 from .connection import Connection
 from .diagnostics_node import diagnostics
+from .errors import LineError
 from .frames import ARMED, Sensors
 from .parameters import BridgeParameters
 from .rig import Rig, load_rig
@@ -65,6 +65,7 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._publisher = self.publish_on(MEASUREMENT)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.subscribe_to(COMMAND, self._on_command)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
         self._autostart()
 
@@ -177,9 +178,7 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if sensors.status & ARMED and not self.guard.armed:
             self._send_stop()
         self.samples += 1
-        self._writer.stamp(
-            self._timeline.stamp(sensors.sample, self.get_clock().now().nanoseconds)
-        )
+        self._writer.stamp(self._timeline.stamp(sensors.sample, self.get_clock().now().nanoseconds))
         self._publisher.publish(self._writer.fill(x, x[EFFORT]))
 
     def _on_command(self, message: Float64) -> None:
@@ -192,6 +191,10 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
                 self._break(error)
         if not isfinite(message.data):
             raise RefusedError(f"data is {message.data}, must be finite")
+
+    def _on_estimate(self, message: Float64) -> None:
+        """The controller would go on without its observer; a real rig is driven by a whole loop."""
+        self.guard.estimated(monotonic())
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         if not request.data:

@@ -12,6 +12,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 
 from .codes import wrapped
+from .errors import NotStillError
 from .frames import Sensors
 from .rig import Rig
 from .session import Experiment
@@ -32,10 +33,6 @@ RATE = 0.05  # [V/s] of the ramps
 REPEATS = 3
 
 
-class NotStillError(RuntimeError):
-    """A zero was asked for while something moved."""
-
-
 class Statistics(NamedTuple):
     """Mean and peak-to-peak of each sensor's codes over a while, and the mean measurement."""
 
@@ -52,7 +49,8 @@ def statistics(samples: Sequence[Sensors]) -> Statistics:
     """Of the codes of all ``samples``."""
     codes = np.array([(s.arm, s.speed, s.pendulum) for s in samples])
     means, spreads = codes.mean(axis=0), np.ptp(codes, axis=0)
-    return Statistics(*(float(m) for m in means), *(int(s) for s in spreads), len(samples))
+    (arm, speed, pendulum), (a, s, p) = map(float, means), map(int, spreads)
+    return Statistics(arm, speed, pendulum, a, s, p, len(samples))
 
 
 def zeros(samples: Sequence[Sensors], rig: Rig, hanging: bool) -> dict[str, float]:
@@ -65,9 +63,7 @@ def zeros(samples: Sequence[Sensors], rig: Rig, hanging: bool) -> dict[str, floa
     for name, spread in (("arm", found.arm_spread), ("pendulum", found.pendulum_spread)):
         if spread > STILL:
             raise NotStillError(f"the {name} moves: its code varied by {spread}; hold it still")
-    if rig.pendulum.sensor == "potentiometer" and (
-        rig.pendulum.channel.at_rail(round(pendulum))
-    ):
+    if rig.pendulum.sensor == "potentiometer" and (rig.pendulum.channel.at_rail(round(pendulum))):
         raise NotStillError("the pendulum's sensor is at the end of its range")
     if hanging:
         pendulum += pi / rig.pendulum.channel.per_code
@@ -145,7 +141,9 @@ def measure_friction(rig: Rig, travel: float, rate: float = RATE) -> Experiment[
     """
     room = max(SPEEDS) * (SETTLING + _swing(rig)) * 1.2
     if travel < room:
-        raise ParameterError(f"travel must be at least {room:.2f} rad for this rig, given {travel:g}")
+        raise ParameterError(
+            f"travel must be at least {room:.2f} rad for this rig, given {travel:g}"
+        )
     stiction: dict[int, list[float]] = {1: [], -1: []}
     slides: list[tuple[int, float, float]] = []
     yield 0.0
@@ -160,12 +158,15 @@ def measure_friction(rig: Rig, travel: float, rate: float = RATE) -> Experiment[
     # |u| = level of the direction + viscous |v|
     rows = np.array([(d > 0, d < 0, abs(v)) for d, v, _ in slides], dtype=float)
     level = np.linalg.lstsq(rows, np.array([abs(u) for _, _, u in slides]), rcond=None)[0]
+    viscous = float(max(level[2], 0.0))
+    # Seen at MOVING, SMOOTHING later than it was so.
+    extra = viscous * MOVING + rate * SMOOTHING
     return FrictionLevels(
         float(level[0]),
         float(level[1]),
-        float(np.median(stiction[1])),
-        float(np.median(stiction[-1])),
-        float(max(level[2], 0.0)),
+        float(np.median(stiction[1])) - extra,
+        float(np.median(stiction[-1])) - extra,
+        viscous,
     )
 
 

@@ -6,7 +6,8 @@ from collections import deque
 from collections.abc import Callable
 from threading import Thread
 
-from .backend import Backend, LineError, open_backend
+from .backend import Backend, open_backend
+from .errors import LineError
 from .frames import Sensors
 from .host import Host
 from .rig import Rig

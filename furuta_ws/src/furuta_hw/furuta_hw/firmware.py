@@ -86,34 +86,37 @@ class Firmware:
     def _obey(self, message: Message) -> bool:
         """Do what the message says; False if it is not for now."""
         if isinstance(message, frames.Hello):
-            self._begin(message)
-            return True
-        if self.session is None or getattr(message, "session", None) != self.session:
+            return self._begin(message)
+        if self.session is None or message.session != self.session:
             return False
         if isinstance(message, frames.Stop):
             self._disarm()
             return True
         if isinstance(message, frames.Arm):
-            if self.fault or not self._fresh(message.sample):
-                return False
-            self._status = ARMED
-            self.answered, self.code = message.sample, self._zero
-            return True
-        if isinstance(message, frames.Drive):
-            # The newest sample may be answered again, which feeds no watchdog; an older one not.
-            fresh = self._fresh(message.sample) and not newer(self.answered, message.sample)
-            if not (self.armed and fresh and self._low <= message.code <= self._high):
-                return False
-            self.answered, self.code = message.sample, message.code
-            self.driven += 1
-            return True
-        return False
+            return self._arm(message)
+        return isinstance(message, frames.Drive) and self._drive(message)
+
+    def _arm(self, arm: frames.Arm) -> bool:
+        if self.fault or not self._fresh(arm.sample):
+            return False
+        self._status = ARMED
+        self.answered, self.code = arm.sample, self._zero
+        return True
+
+    def _drive(self, drive: frames.Drive) -> bool:
+        # The newest sample may be answered again, which feeds no watchdog; an older one not.
+        fresh = self._fresh(drive.sample) and not newer(self.answered, drive.sample)
+        if not (self.armed and fresh and self._low <= drive.code <= self._high):
+            return False
+        self.answered, self.code = drive.sample, drive.code
+        self.driven += 1
+        return True
 
     def _fresh(self, sample: int) -> bool:
         """Whether a frame answers a sample within the watchdog's time."""
         return (self.number - sample) % 2**32 < self.watchdog
 
-    def _begin(self, hello: frames.Hello) -> None:
+    def _begin(self, hello: frames.Hello) -> bool:
         self._disarm()
         self._status = 0
         self._reader.corrupt = self._foreign = 0
@@ -124,3 +127,4 @@ class Firmware:
         self._outbox += encode(
             frames.Welcome(frames.VERSION, hello.session, self.period_us, self.watchdog)
         )
+        return True

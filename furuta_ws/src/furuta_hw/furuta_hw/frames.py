@@ -59,8 +59,8 @@ class Sensors(NamedTuple):
     """Rig → host, every sample: what the rig reads, and what it does.
 
     ``status`` is a sum of the bits below, ``answered`` the sample of the newest drive frame
-    obeyed, ``discarded`` the frames thrown away since Hello (mod 65536), ``drive`` the code that was
-    in force up to this sample.
+    obeyed, ``discarded`` the frames thrown away since Hello (mod 65536), ``drive`` the code in
+    force up to this sample.
     """
 
     session: int

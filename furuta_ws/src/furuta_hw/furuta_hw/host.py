@@ -6,7 +6,8 @@ from secrets import randbits
 from time import monotonic
 
 from . import frames
-from .backend import Backend, LineError
+from .backend import Backend
+from .errors import LineError
 from .frames import FrameReader, Sensors, Welcome, encode, newer
 from .rig import Rig
 
@@ -89,9 +90,8 @@ class Host:
                 self.foreign += 1
             elif isinstance(message, Welcome):
                 self._welcome = message
-            elif isinstance(message, Sensors) and self._welcome is not None:
-                if self._count(message):
-                    samples.append(message)
+            elif isinstance(message, Sensors) and self._welcome and self._count(message):
+                samples.append(message)
         return samples
 
     def _count(self, sensors: Sensors) -> bool:

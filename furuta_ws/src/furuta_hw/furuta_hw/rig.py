@@ -116,6 +116,9 @@ class Limits(NamedTuple):
     arm_angle: Annotated[float, About("stop beyond this |φ|", "rad", 0.01, 1e6)] = 2 * pi
     arm_speed: Annotated[float, About("stop beyond this |φ̇|", "rad/s", 0.1, 1e6)] = 9.9
     command_age: Annotated[float, About("stop without command for", "s", 1e-3, 10.0)] = 0.05
+    estimate_age: Annotated[
+        float, About("stop without friction estimate for", "s", 1e-3, 1e9)
+    ] = 0.03
     measurement_age: Annotated[float, About("stop without measurement for", "s", 1e-3, 10.0)] = 0.05
     bad_frames: Annotated[
         float, About("stop at this part of frames lost or corrupt, over a second", "", 1e-4, 1.0)
@@ -268,8 +271,7 @@ def _section(given: dict[str, Any], group: type[Any], name: str) -> Any:
     values = {n: v for n, v in given.items() if n.startswith(prefix)}
     if not values:
         return None
-    known = {each.name for each in declared(group, prefix)}
-    unknown = sorted(set(values) - known)
+    unknown = sorted(set(values) - {prefix + name for name in group._fields})
     if unknown:
         raise ParameterError(f"unknown: {', '.join(unknown)}")
     return build(group, values, prefix)

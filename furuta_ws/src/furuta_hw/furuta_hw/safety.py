@@ -30,7 +30,7 @@ class Guard:
         self.reason = "not armed yet"
         self.stops = 0
         self.voltage = 0.0
-        self._command_at = self._measured_at = self._armed_at = -inf
+        self._command_at = self._estimate_at = self._measured_at = self._armed_at = -inf
         self._obeyed = False  # the rig has said that it is armed
         self._status = 0
         self._x: np.ndarray | None = None
@@ -39,7 +39,7 @@ class Guard:
         self._drift = 0.0
 
     def measured(self, now: float, x: np.ndarray, at_rail: bool, status: int, steps: int) -> None:
-        """Take a measurement ``x`` (4 or more), ``steps`` samples after the last, and the rig's status."""
+        """Take a measurement ``x`` (4 or more), ``steps`` samples after the last, and a status."""
         self._age(steps)
         if self._x is not None and steps:
             self._drift += x[PHI] - self._x[PHI] - x[PHI_DOT] * self._dt * steps
@@ -51,6 +51,10 @@ class Guard:
     def line(self, bad: int) -> None:
         """Take note of frames lost or corrupt, on either way."""
         self._bad += bad
+
+    def estimated(self, now: float) -> None:
+        """Take note of a friction estimate: whoever makes them is alive."""
+        self._estimate_at = now
 
     def command(self, now: float, u: float) -> float | None:
         """The voltage [V] to apply for the command ``u`` [V]; None while the rig is not driven."""
@@ -96,12 +100,21 @@ class Guard:
 
     def _trouble(self, now: float) -> str:
         """What is wrong, "" for nothing."""
-        limits, x = self.limits, self._x
-        if x is None or now - self._measured_at > limits.measurement_age:
+        return self._stale(now) or self._sensed() or self._reported()
+
+    def _stale(self, now: float) -> str:
+        limits = self.limits
+        if self._x is None or now - self._measured_at > limits.measurement_age:
             return f"no measurement for {limits.measurement_age:g} s"
         if now - self._command_at > limits.command_age:
             return f"no command for {limits.command_age:g} s"
-        if not isfinite(x[PHI] + x[PHI_DOT] + x[THETA]):
+        if now - self._estimate_at > limits.estimate_age:
+            return f"no friction estimate for {limits.estimate_age:g} s"
+        return ""
+
+    def _sensed(self) -> str:
+        limits, x = self.limits, self._x
+        if x is None or not isfinite(x[PHI] + x[PHI_DOT] + x[THETA]):
             return "measurement is not finite"
         if self._at_rail:
             return "a sensor is at the end of its range"
@@ -114,11 +127,12 @@ class Guard:
                 return f"{name} {value:.3f} {unit} is beyond {limit:g} {unit}"
         if abs(self._drift) > limits.disagreement:
             return f"encoder and speed disagree by {self._drift:.3f} rad"
-        if self._bad * self._dt / WINDOW > limits.bad_frames:
-            return f"more than {limits.bad_frames:.0%} of the frames are lost or corrupt"
-        if self._status & FAULT:
-            return "the rig reports a fault"
         return ""
+
+    def _reported(self) -> str:
+        if self._bad * self._dt / WINDOW > self.limits.bad_frames:
+            return f"more than {self.limits.bad_frames:.0%} of the frames are lost or corrupt"
+        return "the rig reports a fault" if self._status & FAULT else ""
 
     def _disobedience(self, now: float) -> str:
         """Whether the rig, armed by us, is not or no longer armed."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from math import pi
+from math import inf, pi
 from time import monotonic
 from typing import TypeVar
 
 import numpy as np
 
-from .backend import LineError, open_backend
+from .backend import open_backend
+from .errors import LineError, StoppedError
 from .frames import Sensors
 from .host import Host
 from .rig import Rig
@@ -23,10 +24,6 @@ SILENCE = 0.5
 Result = TypeVar("Result")
 # What drives a rig: it is sent measurements (5,) and yields voltages [V].
 Experiment = Generator[float, np.ndarray, Result]
-
-
-class StoppedError(RuntimeError):
-    """The guard stopped an experiment, with its reason."""
 
 
 class Session:
@@ -71,7 +68,8 @@ class Session:
         samples = self.samples()
         first = next(samples)
         rig = self.rig._replace(arm=self.rig.arm._replace(zero=float(first.arm)))
-        limits = rig.limits._replace(voltage=voltage, arm_angle=travel, pendulum_angle=pi)
+        limits = rig.limits._replace(voltage=voltage, arm_angle=travel, pendulum_angle=pi, estimate_age=inf
+        )
         guard, sensing, channel = (
             Guard(limits, rig.line.sample_time),
             Sensing(rig),
@@ -98,9 +96,7 @@ class Session:
             self.host.stop()
         raise AssertionError("samples() never ends")
 
-    def _arm(
-        self, guard: Guard, now: float, x: np.ndarray, sensors: Sensors, steps: int
-    ) -> None:
+    def _arm(self, guard: Guard, now: float, x: np.ndarray, sensors: Sensors, steps: int) -> None:
         if guard.stops:
             raise StoppedError(guard.reason)
         guard.measured(now, x, False, sensors.status, steps)
