@@ -7,7 +7,9 @@ import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from functools import partial
+from math import inf
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,7 @@ from furuta_hw.monitor import ask
 
 TIMEOUT = 120.0
 GRACE = 10.0
+LOOK = 0.05
 
 
 class Processes:
@@ -70,6 +73,7 @@ class EmulatedRig:
             executable("furuta_hw", "rig_emulator"),
             *("--link", self.port, "--monitor", self._monitor, *arguments),
         )
+        self._looked_at = -inf
         assert self.process.stdout is not None
         assert self.process.stdout.readline().startswith("port: ")
 
@@ -81,8 +85,10 @@ class EmulatedRig:
 
     @property
     def status(self) -> dict[str, Any]:
-        """What it does now."""
-        return self.ask("status")
+        """What it does, not older than ``LOOK``: who looks all the time keeps it from its work."""
+        if monotonic() - self._looked_at > LOOK:
+            self._status, self._looked_at = self.ask("status"), monotonic()
+        return self._status
 
     def trace(self, path: Path) -> dict[str, np.ndarray]:
         """All it has done, column by column."""

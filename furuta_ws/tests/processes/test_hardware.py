@@ -9,17 +9,17 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic_ns
+from time import monotonic, monotonic_ns
 from typing import Any
 
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 from testbench import Bench
 
 from furuta_analysis.closed_loop import simulate
-from furuta_analysis.oscillation import measure_oscillation
 from furuta_bringup.processes import HARDWARE
 from furuta_bringup.settings import gather, loop
 from furuta_control.controller_node import Controller
@@ -28,11 +28,11 @@ from furuta_friction.friction_observer_node import FrictionObserver
 from furuta_hw.bridge_node import HardwareBridge
 from furuta_hw.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
-from rclpy.parameter import Parameter
 
 RIG = Rig()
 PERIOD = 1_000_000
 WATCHDOG = RIG.watchdog_samples * PERIOD
+SETTLING = 500  # samples between putting the pendulum up and letting it go
 # Rounds of kills; more of them on demand, for they take their time.
 ROUNDS = int(os.environ.get("FURUTA_KILL_ROUNDS", "1"))
 VICTIMS = ("hardware_bridge", "controller", "estimator", "friction_observer")
@@ -40,9 +40,9 @@ VICTIMS = ("hardware_bridge", "controller", "estimator", "friction_observer")
 
 @contextmanager
 def load() -> Iterator[None]:
-    """Every core busy."""
+    """Every core busy, with what gives way to a loop but does not go away."""
     burners = [
-        subprocess.Popen([sys.executable, "-c", "while True: pass"])
+        subprocess.Popen([sys.executable, "-c", "import os; os.nice(5)\nwhile True: pass"])
         for _ in range(os.cpu_count() or 1)
     ]
     try:
@@ -63,8 +63,8 @@ class Person:
     def arm(self, armed: bool = True) -> tuple[bool, str]:
         """Ask the bridge once; it may not be there."""
         future = self._client.call_async(SetBool.Request(data=armed))
-        end = monotonic_ns() + 2_000_000_000
-        self._bench.spin(lambda: future.done() or monotonic_ns() > end)
+        end = monotonic() + 2.0
+        self._bench.spin(lambda: future.done() or monotonic() > end)
         if not future.done():
             return False, "no answer"
         return future.result().success, future.result().message
@@ -74,20 +74,25 @@ class Person:
 
         A stall of the machine may stop it meanwhile, as it must: then again.
         """
-        begun = None
+        end = monotonic() + 90.0
+        while not self._balanced(samples):
+            assert monotonic() < end, "the rig was never driven for so long"
 
-        def balanced() -> bool:
-            nonlocal begun
-            status = self._rig.status
-            if not status["armed"]:
-                self._rig.ask("hold")
-                self.arm()
-                begun = self._rig.status["driven"]
-                return False
-            upright = abs(status["state"][2]) < 0.2
-            return upright and begun is not None and status["driven"] > begun + samples
+    def _balanced(self, samples: int) -> bool:
+        """Hold and wait as a person would, until filters have settled; then one attempt."""
+        rig, held = self._rig, self._rig.ask("hold")
+        self._bench.spin(lambda: rig.status["sample"] > held["sample"] + SETTLING)
+        if not self.arm()[0]:
+            return False
+        begun, end = held["driven"], monotonic() + 3.0 + 0.003 * samples
 
-        self._bench.spin(balanced, timeout=90.0)
+        def over() -> bool:
+            stopped = rig.status["driven"] > begun and not rig.status["armed"]
+            return stopped or rig.status["driven"] > begun + samples or monotonic() > end
+
+        self._bench.spin(over, timeout=90.0)
+        upright = abs(rig.status["state"][2]) < 0.2
+        return bool(rig.status["armed"] and rig.status["driven"] > begun + samples and upright)
 
 
 def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float) -> Any:
@@ -123,7 +128,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     bench.spin(lambda: len(commands) > 100)
     trace = rig.trace(tmp_path / "trace.npz")
     armed = np.flatnonzero(trace["armed"])
-    first = armed[0] + 5
+    first = armed[0] + 100  # after the slew limit has let go of the first command
     sent = {round(m.header.stamp.sec * 1e9) + m.header.stamp.nanosec: m for m in measurements}
     assert len(sent) == len(measurements)
     applied = np.array([m.effort[0] for m in measurements])
@@ -144,17 +149,17 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench, emulate: Any, tmp_path: Path, compensation: str
 ) -> None:
-    """Arm's travel over 20 s of the rig's time, in windows of 5 s, within 10 % of the simulation."""
+    """Arm's travel in windows of 5 s of the rig's time, within 10 % of the simulation."""
     rig = emulate("--lockstep")
     bridge = composed(bench, rig, compensation, **PATIENT)
     person = Person(bench, rig)
     person.balance(100)
     begun = rig.status["sample"]
-    bench.spin(lambda: bridge.samples % 1000 == 0 and rig.status["sample"] > begun + 30_000, 120.0)
+    bench.spin(lambda: bridge.samples % 1000 == 0 and rig.status["sample"] > begun + 16_000, 120.0)
     trace = rig.trace(tmp_path / "trace.npz")
     assert bridge.guard.stops == 0
-    phi = trace["phi"][trace["armed"] > 0][10_000:30_000]
-    got = np.median([np.ptp(window) for window in np.split(phi, 4)])
+    phi = trace["phi"][trace["armed"] > 0][5_000:15_000]
+    got = np.median([np.ptp(window) for window in np.split(phi, 2)])
     record = simulate(loop(gather([], [f"compensation={compensation}"])), 30.0)
     windows = np.split(record.state[10_000:, 0], 4)
     assert got == pytest.approx(np.median([np.ptp(window) for window in windows]), rel=0.1)
@@ -164,7 +169,7 @@ def test_real_time_stabilises(bench: Bench, emulate: Any) -> None:
     """At 1 kHz the pendulum stands, and nearly every sample is answered."""
     rig = emulate()
     composed(bench, rig)
-    Person(bench, rig).balance(3000)
+    Person(bench, rig).balance(2000)
     assert abs(rig.status["state"][2]) < 0.2
 
 
@@ -180,7 +185,7 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
     with load():
         for _ in range(ROUNDS):
             for name in VICTIMS:
-                person.balance()
+                person.balance(100)
                 running[name].send_signal(signal.SIGKILL)
                 running[name].wait()
                 dead = monotonic_ns()
@@ -190,75 +195,68 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
                 assert np.any(trace["volts"][~after][-2000:] != 0.0), name
                 assert np.all(trace["volts"][after] == 0.0), name
                 running[name] = processes.node(name, *start[name])
-        person.balance()
+        person.balance(100)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_bridge_ends_cleanly(
-    bench: Bench, processes: Any, emulate: Any, number: signal.Signals
-) -> None:
-    """Status 0, no traceback, rig disarmed by the bridge itself and not by its watchdog."""
+def test_bridge_ends_cleanly(bench: Bench, processes: Any, emulate: Any) -> None:
+    """SIGINT, SIGTERM: status 0, no traceback, 0 V by the bridge itself, not by the watchdog."""
     rig = emulate()
-    running = {
-        name: processes.node(
-            name, *((f"port:={rig.port}", "autostart:=active") if "bridge" in name else ())
-        )
-        for name in HARDWARE
-    }
-    Person(bench, rig).balance(100)
-    running["hardware_bridge"].send_signal(number)
-    _, err = running["hardware_bridge"].communicate(timeout=30.0)
-    assert running["hardware_bridge"].returncode == 0, err
-    assert "Traceback" not in err
-    bench.spin(lambda: not rig.status["armed"])
-    assert rig.status["volts"] == 0.0
+    bench.add(Estimator())
+    bench.add(FrictionObserver())
+    bench.add(Controller())
+    person = Person(bench, rig)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        bridge = processes.node("hardware_bridge", f"port:={rig.port}", "autostart:=active")
+        person.balance(100)
+        bridge.send_signal(number)
+        bench.spin(lambda bridge=bridge: bridge.poll() is not None)
+        _, err = bridge.communicate(timeout=30.0)
+        assert bridge.returncode == 0, err
+        assert "Traceback" not in err
+        bench.spin(lambda: not rig.status["armed"])
+        assert (rig.status["volts"], rig.status["tripped"]) == (0.0, False)
 
 
-@pytest.mark.parametrize(
-    ("fault", "reason"),
-    [
-        ({"lost": 0.6}, "lost or corrupt"),
-        ({"corrupt": 0.6}, "lost or corrupt"),
-        ({"silent": True}, "no measurement"),
-        ({"late": 200}, ""),
-        ({"potentiometer_rail": True}, "end of its range"),
-        ({"encoder_stuck": True}, ""),
-        ({"rig_fault": True}, ""),
-    ],
-    ids=lambda each: next(iter(each)) if isinstance(each, dict) else "",
-)
-def test_faults_stop_it_once_with_a_reason(
-    bench: Bench, emulate: Any, fault: dict[str, Any], reason: str
-) -> None:
+FAULTS: list[tuple[dict[str, Any], str]] = [
+    ({"lost": 0.6}, "lost or corrupt"),
+    ({"corrupt": 0.6}, "lost or corrupt"),
+    ({"silent": True}, "no measurement"),
+    ({"late": 200}, ""),
+    ({"potentiometer_rail": True}, "end of its range"),
+    ({"encoder_stuck": True}, ""),
+    ({"rig_fault": True}, "the rig reports a fault"),
+]
+
+
+def test_faults_stop_it_once_with_a_reason(bench: Bench, emulate: Any) -> None:
     """0 V on both sides, one edge, the reason on /diagnostics; it runs again when re-armed."""
     rig = emulate()
     bridge = composed(bench, rig, disagreement=0.05)
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
     person = Person(bench, rig)
-    person.balance(200)
-    rig.ask("faults", **fault)
-    stops = bridge.guard.stops
-    bench.spin(lambda: bridge.guard.stops > stops and not rig.status["armed"])
-    assert rig.status["volts"] == 0.0
-    said = bridge.guard.reason
-    if reason:
+    for fault, reason in FAULTS:
+        person.balance(100)
+        statuses.clear()
+        stops = bridge.guard.stops
+        rig.ask("faults", **fault)
+        bench.spin(lambda stops=stops: bridge.guard.stops > stops and not rig.status["armed"])
+        assert rig.status["volts"] == 0.0
+        said = bridge.guard.reason
         assert reason in said
-    bench.spin(lambda: any(said == each.status[0].message for each in statuses))
-    stopped = bridge.guard.stops
-    bench.settle(0.2)
-    assert bridge.guard.stops == stopped
-    assert bridge.guard.reason == said
-    assert rig.status["volts"] == 0.0
-    rig.ask("faults", **{name: type(value)() for name, value in fault.items()})
-    person.balance(200)
+        bench.spin(lambda said=said: any(said == each.status[0].message for each in statuses))
+        bench.settle(0.2)
+        assert (bridge.guard.stops, bridge.guard.reason) == (stops + 1, said)
+        assert rig.status["volts"] == 0.0
+        rig.ask("faults", **{name: type(value)() for name, value in fault.items()})
+    person.balance(100)
 
 
 def test_small_faults_are_borne(bench: Bench, emulate: Any) -> None:
     """One frame in fifty lost, repeated or corrupt each: counted, and the pendulum stands."""
     rig = emulate("--fault", "lost=0.02", "--fault", "repeated=0.02", "--fault", "corrupt=0.02")
     bridge = composed(bench, rig, bad_frames=0.3)
-    Person(bench, rig).balance(1500)
+    Person(bench, rig).balance(1000)
     host = bridge.connection.host
     assert min(host.lost, host.corrupt, host.repeated, host.refused) > 5
 

@@ -27,9 +27,9 @@ class Rig:
 
     def measure(self, at_rail: bool = False, status: int = ARMED, steps: int = 1) -> None:
         self.now += steps * DT
-        if self.observed:
-            self.guard.estimated(self.now)
         self.guard.measured(self.now, self.x, at_rail, status, steps)
+        if self.observed:
+            self.guard.estimated()
 
     def sample(self, u: float = 0.0, **given: int) -> float | None:
         self.measure(**given)
@@ -116,7 +116,7 @@ def test_a_missing_observer_stops() -> None:
     """Commands alone do not do: the loop is whole, or at 0 V."""
     rig = armed(estimate_age=0.03)
     rig.observed = False
-    assert [rig.sample() for _ in range(29)] == [0.0] * 29
+    assert [rig.sample() for _ in range(30)] == [0.0] * 30
     rig.measure()
     assert rig.sample() is None
     assert "no friction estimate for 0.03 s" in rig.guard.reason

@@ -194,7 +194,7 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
     def _on_estimate(self, message: Float64) -> None:
         """The controller would go on without its observer; a real rig is driven by a whole loop."""
-        self.guard.estimated(monotonic())
+        self.guard.estimated()
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         if not request.data:

@@ -15,6 +15,7 @@ import signal
 import sys
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic_ns, sleep
 from typing import Any
@@ -32,6 +33,8 @@ from .trace import Trace
 
 # Later than this by [ns] the process was suspended, not late: the rig's time stood still too.
 SUSPENDED = 1_000_000_000
+# Of the real-time scheduler; any will do before those without.
+PRIORITY = 10
 # Longest wait for the answer to a sample in lock-step [s].
 PATIENCE = 1.0
 
@@ -78,6 +81,7 @@ class Emulator:
         (self._lockstep if lockstep else self._realtime)(stop)
 
     def _realtime(self, stop: Callable[[], bool]) -> None:
+        _take_priority()
         due = monotonic_ns() + self._period
         while not stop():
             sleep(max(0, due - monotonic_ns()) * 1e-9)
@@ -170,6 +174,12 @@ def _initial(assignments: list[str]) -> InitialState:
         if name not in known:
             raise ParameterError(f"no state {name}; states are {', '.join(known)}")
     return build(InitialState, given)
+
+
+def _take_priority() -> None:
+    """Run before others where the system permits: no load of the host slows a rig."""
+    with suppress(PermissionError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
 
 
 def _stop() -> Callable[[], bool]:

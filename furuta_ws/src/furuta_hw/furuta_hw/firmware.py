@@ -75,6 +75,7 @@ class Firmware:
         if self.armed and (self.number - self.answered) % 2**32 >= self.watchdog:
             self._disarm()
             self._status |= WATCHDOG
+        self._status &= ~FAULT
         if self.fault:
             self._disarm()
             self._status |= FAULT

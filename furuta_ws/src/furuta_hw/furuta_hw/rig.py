@@ -115,9 +115,11 @@ class Limits(NamedTuple):
     pendulum_angle: Annotated[float, About("stop beyond this |θ|", "rad", 0.01, pi)] = 0.75
     arm_angle: Annotated[float, About("stop beyond this |φ|", "rad", 0.01, 1e6)] = 2 * pi
     arm_speed: Annotated[float, About("stop beyond this |φ̇|", "rad/s", 0.1, 1e6)] = 9.9
-    command_age: Annotated[float, About("stop without command for", "s", 1e-3, 10.0)] = 0.05
+    command_age: Annotated[
+        float, About("stop when a measurement has no command for", "s", 1e-3, 10.0)
+    ] = 0.05
     estimate_age: Annotated[
-        float, About("stop without friction estimate for", "s", 1e-3, 1e9)
+        float, About("stop when a measurement has no friction estimate for", "s", 1e-3, 1e9)
     ] = 0.03
     measurement_age: Annotated[float, About("stop without measurement for", "s", 1e-3, 10.0)] = 0.05
     bad_frames: Annotated[

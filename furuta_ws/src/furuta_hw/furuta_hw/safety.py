@@ -30,7 +30,9 @@ class Guard:
         self.reason = "not armed yet"
         self.stops = 0
         self.voltage = 0.0
-        self._command_at = self._estimate_at = self._measured_at = self._armed_at = -inf
+        self._measured_at = self._armed_at = -inf
+        # When the first measurement came that has no command, no friction estimate, since.
+        self._command_asked = self._estimate_asked = inf
         self._obeyed = False  # the rig has said that it is armed
         self._status = 0
         self._x: np.ndarray | None = None
@@ -45,6 +47,8 @@ class Guard:
             self._drift += x[PHI] - self._x[PHI] - x[PHI_DOT] * self._dt * steps
         self._x = x.copy()
         self._measured_at, self._at_rail, self._status = now, at_rail, status
+        self._command_asked = min(self._command_asked, now)
+        self._estimate_asked = min(self._estimate_asked, now)
         self._obeyed = self._obeyed or bool(status & ARMED)
         self.check(now)
 
@@ -52,17 +56,17 @@ class Guard:
         """Take note of frames lost or corrupt, on either way."""
         self._bad += bad
 
-    def estimated(self, now: float) -> None:
+    def estimated(self) -> None:
         """Take note of a friction estimate: whoever makes them is alive."""
-        self._estimate_at = now
+        self._estimate_asked = inf
 
     def command(self, now: float, u: float) -> float | None:
         """The voltage [V] to apply for the command ``u`` [V]; None while the rig is not driven."""
         if not isfinite(u):
             self.stop(f"command is {u}")
             return None
-        self._command_at = now
         self.check(now)
+        self._command_asked = inf
         if not self.armed:
             return None
         u = min(max(u, -self.limits.voltage), self.limits.voltage)
@@ -96,6 +100,7 @@ class Guard:
     def forget(self) -> None:
         """Begin anew with a new line: no measurement yet."""
         self._measured_at, self._x, self._status = -inf, None, 0
+        self._command_asked = self._estimate_asked = inf
         self._bad = self._drift = 0.0
 
     def _trouble(self, now: float) -> str:
@@ -106,9 +111,9 @@ class Guard:
         limits = self.limits
         if self._x is None or now - self._measured_at > limits.measurement_age:
             return f"no measurement for {limits.measurement_age:g} s"
-        if now - self._command_at > limits.command_age:
+        if now - self._command_asked > limits.command_age:
             return f"no command for {limits.command_age:g} s"
-        if now - self._estimate_at > limits.estimate_age:
+        if now - self._estimate_asked > limits.estimate_age:
             return f"no friction estimate for {limits.estimate_age:g} s"
         return ""
 

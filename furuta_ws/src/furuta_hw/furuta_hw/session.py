@@ -68,7 +68,8 @@ class Session:
         samples = self.samples()
         first = next(samples)
         rig = self.rig._replace(arm=self.rig.arm._replace(zero=float(first.arm)))
-        limits = rig.limits._replace(voltage=voltage, arm_angle=travel, pendulum_angle=pi, estimate_age=inf
+        limits = rig.limits._replace(
+            voltage=voltage, arm_angle=travel, pendulum_angle=pi, estimate_age=inf
         )
         guard, sensing, channel = (
             Guard(limits, rig.line.sample_time),
