@@ -149,17 +149,17 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench, emulate: Any, tmp_path: Path, compensation: str
 ) -> None:
-    """Arm's travel in windows of 5 s of the rig's time, within 10 % of the simulation."""
+    """Arm's travel over 5 s of the rig's time, within 10 % of what the simulation has on the mean."""
     rig = emulate("--lockstep")
     bridge = composed(bench, rig, compensation, **PATIENT)
     person = Person(bench, rig)
     person.balance(100)
     begun = rig.status["sample"]
-    bench.spin(lambda: bridge.samples % 1000 == 0 and rig.status["sample"] > begun + 16_000, 120.0)
+    bench.spin(lambda: bridge.samples % 1000 == 0 and rig.status["sample"] > begun + 11_000, 120.0)
     trace = rig.trace(tmp_path / "trace.npz")
     assert bridge.guard.stops == 0
-    phi = trace["phi"][trace["armed"] > 0][5_000:15_000]
-    got = np.median([np.ptp(window) for window in np.split(phi, 2)])
+    phi = trace["phi"][trace["armed"] > 0][5_000:10_000]
+    got = np.ptp(phi)
     record = simulate(loop(gather([], [f"compensation={compensation}"])), 30.0)
     windows = np.split(record.state[10_000:, 0], 4)
     assert got == pytest.approx(np.median([np.ptp(window) for window in windows]), rel=0.1)

@@ -55,8 +55,9 @@ class Session:
         while left > 0:
             for sensors in self.host.receive(self._backend.read()):
                 heard = monotonic()
-                left -= 1
-                yield sensors
+                if left > 0:
+                    left -= 1
+                    yield sensors
             if monotonic() - heard > SILENCE:
                 raise LineError(f"no sample for {SILENCE:g} s")
 
