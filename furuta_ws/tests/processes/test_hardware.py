@@ -149,7 +149,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench, emulate: Any, tmp_path: Path, compensation: str
 ) -> None:
-    """Arm's travel over 5 s of the rig's time, within 10 % of what the simulation has on the mean."""
+    """Arm's travel over 5 s of the rig's time, within 10 % of the simulation's median."""
     rig = emulate("--lockstep")
     bridge = composed(bench, rig, compensation, **PATIENT)
     person = Person(bench, rig)

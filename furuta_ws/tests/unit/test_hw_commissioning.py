@@ -13,8 +13,8 @@ from furuta_hw.errors import NotStillError
 from furuta_hw.faults import Faults
 from furuta_hw.frames import FrameReader, Sensors
 from furuta_hw.rig import Arm, Pendulum, Rig, Speed
-from furuta_hw.session import Experiment
 from furuta_hw.sensing import Sensing
+from furuta_hw.session import Experiment
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_sim.parameters import InitialState
@@ -26,6 +26,7 @@ class Driven(EmulatedRig):
     """A rig whose drive is set from here, without a line."""
 
     def step(self, volts: float) -> Sensors:
+        """One sample at this voltage."""
         self.held = False
         firmware = self.firmware
         firmware.session, firmware.watchdog, firmware.answered = 0, 2, firmware.number

@@ -136,7 +136,7 @@ def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> N
     """What is wrong, with the file's name."""
     file = tmp_path / "rig.yaml"
     file.write_text(text)
-    with pytest.raises(ParameterError, match="rig.yaml") as caught:
+    with pytest.raises(ParameterError, match=r"rig\.yaml") as caught:
         load_rig(file)
     assert reason in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -26,12 +26,14 @@ class Rig:
         self.guard.command(self.now, 0.0)
 
     def measure(self, at_rail: bool = False, status: int = ARMED, steps: int = 1) -> None:
+        """A measurement, with the observer's answer."""
         self.now += steps * DT
         self.guard.measured(self.now, self.x, at_rail, status, steps)
         if self.observed:
             self.guard.estimated()
 
     def sample(self, u: float = 0.0, **given: int) -> float | None:
+        """A measurement and a command."""
         self.measure(**given)
         return self.guard.command(self.now, u)
 

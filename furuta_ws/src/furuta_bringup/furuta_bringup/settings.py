@@ -19,10 +19,10 @@ from furuta_sim.parameters import PlantNodeParameters
 
 NODES: dict[str, type[NamedTuple]] = {
     "plant": PlantNodeParameters,
-    "hardware_bridge": BridgeParameters,
     "estimator": EstimatorParameters,
     "friction_observer": ObserverParameters,
     "controller": ControllerParameters,
+    "hardware_bridge": BridgeParameters,
 }
 EVERY_NODE = "/**"
 # Parameters that every ROS node has; they are not the loop's.

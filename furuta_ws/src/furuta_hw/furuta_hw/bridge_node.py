@@ -251,6 +251,8 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._reconnect_at = monotonic() + RECONNECT
 
     def _watch(self) -> None:
+        if not self._timers_of_state:
+            return  # released while this call was under way
         self._take()
         self.guard.check(monotonic())
         self._tell()
