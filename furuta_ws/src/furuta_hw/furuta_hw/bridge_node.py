@@ -160,11 +160,11 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if self.connection is None:
             return
         try:
-            sensors = self.connection.take()
+            samples = self.connection.take()
         except LineError as error:
             self._break(error)
             return
-        if sensors is not None:
+        for sensors in samples:
             self._measure(self.connection, sensors)
 
     def _measure(self, connection: Connection, sensors: Sensors) -> None:

@@ -15,6 +15,8 @@ from .sensing import Sensing
 
 # Longest wait for the rig's answer at the start [s].
 TIMEOUT = 3.0
+# Samples that came late are passed on, for filters count on them; more than this are history.
+MOST = 20
 
 
 class Connection:
@@ -28,7 +30,7 @@ class Connection:
         self._backend: Backend = open_backend(port, rig)
         self.host = Host(self._backend, rig)
         self.sensing = Sensing(rig)
-        self.skipped = 0  # samples that came in one go with newer ones
+        self.skipped = 0  # samples that came in one go with so many newer ones
         self._arrived = arrived
         self._inbox: deque[bytes] = deque()
         self._error: LineError | None = None
@@ -53,17 +55,15 @@ class Connection:
                 self._inbox.append(data)
                 self._arrived()
 
-    def take(self) -> Sensors | None:
-        """The newest sample that has come since the last call; raises the line's error."""
-        newest = None
+    def take(self) -> list[Sensors]:
+        """The samples since the last call, in order, :data:`MOST` at most; or the line's error."""
+        samples: list[Sensors] = []
         while self._inbox:
-            samples = self.host.receive(self._inbox.popleft())
-            if samples:
-                self.skipped += len(samples) - (newest is None)
-                newest = samples[-1]
-        if self._error is not None and newest is None:
+            samples += self.host.receive(self._inbox.popleft())
+        if self._error is not None and not samples:
             raise self._error
-        return newest
+        self.skipped += max(0, len(samples) - MOST)
+        return samples[-MOST:]
 
     def close(self) -> None:
         """End the thread and free the port."""
