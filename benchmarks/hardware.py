@@ -3,7 +3,7 @@
     tools/in_environment python benchmarks/hardware.py [SECONDS]
 
 Prints one JSON object: the arm's travel in windows of 5 s (median) and RMS for each compensation on
-either, their ratios, how many samples the rig had answered before the next one, and how often it stopped:
+either, their ratios, how many samples the rig had answered before the next one, and why it stopped:
 a machine that stalls for longer than the limits is a reason, and the run goes on after it.
 """
 
