@@ -266,10 +266,15 @@ def test_small_faults_are_borne(bench: Bench, emulate: Any) -> None:
 def test_a_line_that_breaks_comes_back(
     bench: Bench, processes: Any, emulate: Any, tmp_path: Path
 ) -> None:
-    """The rig is unplugged and plugged in again: stopped, then reading, then armed by hand."""
+    """The rig is switched off and on, or unplugged: stopped, then reading, then armed by hand."""
     rig = emulate()
     bridge = composed(bench, rig)
-    Person(bench, rig).balance(200)
+    Person(bench, rig).balance(100)
+    rig.ask("reboot")
+    bench.spin(lambda: not bridge.guard.armed)
+    samples = bridge.samples
+    bench.spin(lambda: bridge.samples > samples + 100)
+    Person(bench, rig).balance(100)
     rig.process.kill()
     rig.process.wait()
     bench.spin(lambda: bridge.connection is None and not bridge.guard.armed)

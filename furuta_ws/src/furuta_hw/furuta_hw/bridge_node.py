@@ -34,7 +34,7 @@ from .sensing import Timeline
 
 WATCH = 0.005  # [s] between looks at the age of commands and measurements
 DIAGNOSE = 1.0  # [s] between diagnostics when nothing happens
-RECONNECT = 1.0  # [s] between attempts to open a line that broke
+RECONNECT = 1.0  # [s] between attempts to open a line that broke, or to wake a silent rig
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
@@ -134,10 +134,15 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
     def _connect(self) -> None:
         self.connection = Connection(self.parameters.port, self.rig, self._arrived)
-        self._timeline = Timeline(round(self.rig.line.sample_time * NANOSECONDS))
         self._drive = self.rig.drive.channel
         self._bad = 0
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin a new session: nothing of the last one is of use."""
+        self._timeline = Timeline(round(self.rig.line.sample_time * NANOSECONDS))
         self.guard.forget()
+        self._reconnect_at = monotonic() + RECONNECT
 
     def _release(self) -> None:
         self._stop("the bridge ends")
@@ -178,6 +183,7 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if sensors.status & ARMED and not self.guard.armed:
             self._send_stop()
         self.samples += 1
+        self._reconnect_at = monotonic() + RECONNECT
         self._writer.stamp(self._timeline.stamp(sensors.sample, self.get_clock().now().nanoseconds))
         self._publisher.publish(self._writer.fill(x, x[EFFORT]))
 
@@ -256,11 +262,16 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._take()
         self.guard.check(monotonic())
         self._tell()
-        if self.connection is None and monotonic() > self._reconnect_at:
+        if monotonic() > self._reconnect_at:
             self._reconnect()
 
     def _reconnect(self) -> None:
+        """Open a line that broke, or ask a silent rig anew; whichever, it is armed by hand."""
         try:
+            if self.connection is not None:
+                self.connection.begin_anew()
+                self._forget()
+                return
             self._connect()
             self.trouble = ""
             self.get_logger().info("the line is back")

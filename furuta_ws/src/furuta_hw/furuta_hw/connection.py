@@ -29,6 +29,7 @@ class Connection:
     def __init__(self, port: str, rig: Rig, arrived: Callable[[], None]) -> None:
         self._backend: Backend = open_backend(port, rig)
         self.host = Host(self._backend, rig)
+        self._rig = rig
         self.sensing = Sensing(rig)
         self.skipped = 0  # samples that came in one go with so many newer ones
         self._arrived = arrived
@@ -64,6 +65,11 @@ class Connection:
             raise self._error
         self.skipped += max(0, len(samples) - MOST)
         return samples[-MOST:]
+
+    def begin_anew(self) -> None:
+        """Ask a rig that has fallen silent, or was switched off and on, for a new session."""
+        self.sensing = Sensing(self._rig)
+        self.host.hello()
 
     def close(self) -> None:
         """End the thread and free the port."""

@@ -117,7 +117,7 @@ class Emulator:
         return out
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Answer an observer: status, faults NAME=VALUE, hold, save path."""
+        """Answer an observer: status, faults NAME=VALUE, hold, reboot, save path."""
         do = request.pop("do", None)
         if do == "status":
             return self._status()
@@ -127,9 +127,12 @@ class Emulator:
         if do == "hold":
             self.rig.hold()
             return self._status()
+        if do == "reboot":
+            self.rig.firmware.reboot()
+            return self._status()
         if do == "save":
             return {"rows": self.trace.save(Path(request["path"]))}
-        raise ValueError(f"do must be one of status, faults, hold, save, given {do!r}")
+        raise ValueError(f"do must be one of status, faults, hold, reboot, save, given {do!r}")
 
     def _status(self) -> dict[str, Any]:
         rig = self.rig

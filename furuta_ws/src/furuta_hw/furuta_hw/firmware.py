@@ -43,6 +43,11 @@ class Firmware:
         """Frames thrown away since the session began: corrupt, foreign, stale or repeated."""
         return self._reader.corrupt + self._foreign
 
+    def reboot(self) -> None:
+        """As after power-on: no session, 0 V."""
+        self._disarm()
+        self.session, self._status = None, 0
+
     def receive(self, data: bytes) -> None:
         """Take bytes from the host."""
         for message in self._reader.feed(data):
