@@ -15,7 +15,8 @@ from furuta_bringup.settings import gather, loop
 from furuta_hw.codes import converter, encoder, wrapped
 from furuta_hw.frames import Sensors
 from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
-from furuta_hw.rig import Rig, Speed, load_rig
+from furuta_hw.rig import Rig, Speed
+from furuta_hw.rig_file import load_rig
 from furuta_hw.sensing import SLEW, Sensing, Timeline
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import accelerations

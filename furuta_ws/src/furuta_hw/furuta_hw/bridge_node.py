@@ -28,7 +28,8 @@ from .diagnostics_node import diagnostics
 from .errors import LineError
 from .frames import ARMED, Sensors
 from .parameters import BridgeParameters
-from .rig import Rig, load_rig
+from .rig import Rig
+from .rig_file import load_rig
 from .safety import Guard
 from .sensing import Timeline
 

@@ -28,7 +28,8 @@ from furuta_sim.parameters import InitialState
 from .emulated import EmulatedRig, simulated
 from .faults import Faults, with_faults
 from .monitor import serve
-from .rig import Rig, load_rig
+from .rig import Rig
+from .rig_file import load_rig
 from .trace import Trace
 
 # Later than this by [ns] the process was suspended, not late: the rig's time stood still too.
