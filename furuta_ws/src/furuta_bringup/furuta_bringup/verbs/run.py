@@ -86,9 +86,7 @@ def command(
     run_composed(settings, record, seconds, scheduling, timing)
 
 
-def _on_a_rig(
-    bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool
-) -> None:
+def _on_a_rig(bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool) -> None:
     """Let the bridge start by itself, on this port and rig."""
     bridge |= {"autostart": "inactive" if read_only else "active", "read_only": read_only}
     bridge |= ({"port": port} if port else {}) | ({"rig": str(rig_file(rig))} if rig else {})
