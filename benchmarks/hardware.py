@@ -1,6 +1,6 @@
 """The graph on a rig in software over a pseudo-terminal, in real time, beside the simulated plant.
 
-    tools/in_environment python benchmarks/hardware.py [SECONDS]
+    tools/in_environment python benchmarks/hardware.py [SECONDS] [--lockstep]
 
 Prints one JSON object: the arm's travel in windows of 5 s (median) and RMS for each compensation on
 either, their ratios, how many samples the rig had answered before the next one, and why it stopped:
@@ -27,6 +27,7 @@ from furuta_bringup.settings import gather, loop
 from furuta_hw.monitor import ask
 
 SECONDS = 60.0
+PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}
 WINDOW = 5000  # samples
 SETTLED = 5000  # samples after which a run counts
 
@@ -38,17 +39,32 @@ def spin(graph: HardwareGraph, seconds: float) -> None:
         graph.executor.spin_once(timeout_sec=0.05)
 
 
-def run(compensation: str, seconds: float) -> dict[str, Any]:
-    """Drive the rig for ``seconds``, armed again after every stop."""
+def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
+    """Drive the rig for ``seconds``, armed again after every stop.
+
+    In lock-step the rig waits for every answer: stalls of the machine are none of the loop.
+    """
     with tempfile.TemporaryDirectory() as directory:
         port, monitor = Path(directory) / "port", Path(directory) / "monitor"
         rig = subprocess.Popen(
-            [executable("furuta_hw", "rig_emulator"), "--link", port, "--monitor", monitor],
+            [
+                executable("furuta_hw", "rig_emulator"),
+                *("--link", port, "--monitor", monitor),
+                *(("--lockstep",) if lockstep else ()),
+            ],
             stdout=subprocess.PIPE,
         )
         assert rig.stdout is not None
         rig.stdout.readline()
-        settings = gather([], [f"compensation={compensation}", f"port={port}", "autostart=active"])
+        file = Path(directory) / "rig.yaml"
+        file.write_text(f"limits: {PATIENT if lockstep else {}}")
+        settings = gather(
+            [],
+            [
+                *(f"compensation={compensation}", f"port={port}"),
+                *(f"hardware_bridge.rig={file}", "autostart=active"),
+            ],
+        )
         graph = HardwareGraph(settings)
         reasons: list[str] = []
         end = monotonic() + seconds
@@ -106,11 +122,13 @@ def simulated(compensation: str, seconds: float) -> dict[str, Any]:
 
 def main() -> None:
     """Both compensations, one after the other."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else SECONDS
+    lockstep = "--lockstep" in sys.argv
+    given = [each for each in sys.argv[1:] if not each.startswith("--")]
+    seconds = float(given[0]) if given else SECONDS
     result = {}
     for compensation in ("none", "lugre"):
         rclpy.init(args=[])
-        rig = run(compensation, seconds)
+        rig = run(compensation, seconds, lockstep)
         rclpy.shutdown()
         expected = simulated(compensation, 505.0)
         ratios = {

@@ -12,9 +12,8 @@ from .emulated import EmulatedRig
 from .errors import LineError
 from .rig import Rig
 
-# Longest wait for bytes, and for room to write them [s].
+# Longest wait for bytes [s].
 READ_TIMEOUT = 0.05
-WRITE_TIMEOUT = 0.02
 # The name of the port that is no port.
 MOCK = "mock"
 
@@ -37,9 +36,7 @@ class SerialBackend:
 
     def __init__(self, port: str, baud: int) -> None:
         try:
-            self._port = serial.Serial(
-                port, baud, timeout=READ_TIMEOUT, write_timeout=WRITE_TIMEOUT, exclusive=True
-            )
+            self._port = serial.Serial(port, baud, timeout=READ_TIMEOUT, exclusive=True)
             self._port.reset_input_buffer()
         except (serial.SerialException, OSError, ValueError) as error:
             raise LineError(f"cannot open {port}: {_reason(error)}") from None
@@ -52,11 +49,13 @@ class SerialBackend:
             raise LineError(f"the line broke: {_reason(error)}") from None
 
     def write(self, data: bytes) -> None:
-        """Send."""
+        """Send without waiting: a line that has no room for a frame is none to drive by."""
         try:
-            self._port.write(data)
-        except (serial.SerialException, OSError, TypeError) as error:
+            sent = os.write(self._port.fileno(), data)
+        except (serial.SerialException, OSError) as error:
             raise LineError(f"the line takes nothing: {_reason(error)}") from None
+        if sent < len(data):
+            raise LineError("the line takes nothing: no room")
 
     def close(self) -> None:
         """Free the port."""
