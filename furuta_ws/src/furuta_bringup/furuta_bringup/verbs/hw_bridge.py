@@ -19,39 +19,53 @@ from furuta_ros.spinning import executor_of
 BRIDGE = "hardware_bridge"
 # Longest wait for the bridge, and for its answer, which may wait for the rig [s].
 TIMEOUT = 10.0
+ATTEMPTS = 5
+# Each with the state that it leads to.
 TRANSITIONS = {
-    "configure": Transition.TRANSITION_CONFIGURE,
-    "activate": Transition.TRANSITION_ACTIVATE,
-    "deactivate": Transition.TRANSITION_DEACTIVATE,
-    "cleanup": Transition.TRANSITION_CLEANUP,
+    "configure": (Transition.TRANSITION_CONFIGURE, "inactive"),
+    "activate": (Transition.TRANSITION_ACTIVATE, "active"),
+    "deactivate": (Transition.TRANSITION_DEACTIVATE, "inactive"),
+    "cleanup": (Transition.TRANSITION_CLEANUP, "unconfigured"),
 }
 
 
+class Caller:
+    """Calls services of the bridge."""
+
+    def __init__(self) -> None:
+        self._node = Node("furuta_hw")
+        self._executor = executor_of([self._node])
+
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """Ask until there is an answer: the first one can pass before both sides are known.
+
+        To ask twice comes to the same as once.
+        """
+        client = self._node.create_client(kind, f"{BRIDGE}/{service}")
+        if not client.wait_for_service(TIMEOUT):
+            raise ServiceError(f"no node {BRIDGE} answers (waited {TIMEOUT:g} s)")
+        for _ in range(ATTEMPTS):
+            future = client.call_async(request)
+            self._executor.spin_until_future_complete(future, timeout_sec=TIMEOUT / ATTEMPTS)
+            if future.done():
+                return future.result()
+        raise ServiceError(f"{BRIDGE} did not answer within {TIMEOUT:g} s")
+
+
 @contextmanager
-def _node() -> Iterator[Node]:
+def _caller() -> Iterator[Caller]:
     rclpy.init(args=[])
     try:
-        yield Node("furuta_hw")
+        yield Caller()
     finally:
         rclpy.try_shutdown()
-
-
-def _call(node: Node, kind: Any, service: str, request: Any) -> Any:
-    client = node.create_client(kind, f"{BRIDGE}/{service}")
-    if not client.wait_for_service(TIMEOUT):
-        raise ServiceError(f"no node {BRIDGE} answers (waited {TIMEOUT:g} s)")
-    future = client.call_async(request)
-    executor_of([node]).spin_until_future_complete(future, timeout_sec=TIMEOUT)
-    if not future.done():
-        raise ServiceError(f"{BRIDGE} did not answer within {TIMEOUT:g} s")
-    return future.result()
 
 
 @click.command()
 def arm() -> None:
     """Arm the bridge: from now on commands drive the rig."""
-    with _node() as node:
-        answer = _call(node, SetBool, "arm", SetBool.Request(data=True))
+    with _caller() as caller:
+        answer = caller.call(SetBool, "arm", SetBool.Request(data=True))
     if not answer.success:
         raise ServiceError(f"not armed: {answer.message}")
 
@@ -59,17 +73,20 @@ def arm() -> None:
 @click.command()
 def disarm() -> None:
     """Disarm the bridge: 0 V."""
-    with _node() as node:
-        _call(node, SetBool, "arm", SetBool.Request(data=False))
+    with _caller() as caller:
+        caller.call(SetBool, "arm", SetBool.Request(data=False))
 
 
 @click.command()
 @click.argument("transition", required=False, type=click.Choice(list(TRANSITIONS)))
 def state(transition: str | None) -> None:
     """Print the state of the managed bridge, after a TRANSITION if one is given."""
-    with _node() as node:
+    with _caller() as caller:
         if transition:
-            request = ChangeState.Request(transition=Transition(id=TRANSITIONS[transition]))
-            if not _call(node, ChangeState, "change_state", request).success:
-                raise ServiceError(f"{BRIDGE} did not {transition}; its log says why")
-        print(_call(node, GetState, "get_state", GetState.Request()).current_state.label)
+            number, goal = TRANSITIONS[transition]
+            request = ChangeState.Request(transition=Transition(id=number))
+            done = caller.call(ChangeState, "change_state", request).success
+        now = caller.call(GetState, "get_state", GetState.Request()).current_state.label
+    if transition and not done and now != goal:
+        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; its log says why")
+    print(now)
