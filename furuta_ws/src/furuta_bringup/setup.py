@@ -18,6 +18,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/launch", glob("launch/*")),
         (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config/rigs", glob("config/rigs/*.yaml")),
     ],
     entry_points={
         "console_scripts": [

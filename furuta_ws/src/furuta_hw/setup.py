@@ -15,5 +15,11 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
+    entry_points={
+        "console_scripts": [
+            "hardware_bridge = furuta_hw.bridge_node:main",
+            "rig_emulator = furuta_hw.emulator:main",
+        ]
+    },
     zip_safe=False,
 )

@@ -13,6 +13,7 @@ from furuta_bringup.settings import NODES
 from furuta_control.controller_node import Controller
 from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_hw.bridge_node import HardwareBridge
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.plant_node import Plant
 
@@ -21,6 +22,7 @@ CLASSES: dict[str, Any] = {
     "estimator": Estimator,
     "friction_observer": FrictionObserver,
     "controller": Controller,
+    "hardware_bridge": HardwareBridge,
 }
 
 

@@ -6,15 +6,21 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
+from functools import partial
+from math import inf
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
+import numpy as np
 import pytest
 
-from furuta_bringup.processes import PACKAGES, executable
+from furuta_bringup.processes import HARDWARE, PACKAGES, executable
+from furuta_hw.monitor import ask
 
 TIMEOUT = 120.0
 GRACE = 10.0
+LOOK = 0.05
 
 
 class Processes:
@@ -26,7 +32,8 @@ class Processes:
     def node(self, name: str, *arguments: str) -> subprocess.Popen[str]:
         """Start a node by its executable with ROS arguments ``name:=value``."""
         ros = [part for argument in arguments for part in ("-p", argument)]
-        return self.start(executable(PACKAGES[name], name), *(["--ros-args", *ros] if ros else []))
+        package = (PACKAGES | HARDWARE)[name]
+        return self.start(executable(package, name), *(["--ros-args", *ros] if ros else []))
 
     def furuta(self, *arguments: str | Path) -> subprocess.Popen[str]:
         """Start a verb of the command line."""
@@ -55,6 +62,45 @@ class Processes:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.communicate()
+
+
+class EmulatedRig:
+    """A rig_emulator process with its port, and what its monitor says."""
+
+    def __init__(self, processes: Processes, directory: Path, *arguments: str | Path) -> None:
+        self.port, self._monitor = directory / "port", directory / "monitor"
+        self.process = processes.start(
+            executable("furuta_hw", "rig_emulator"),
+            *("--link", self.port, "--monitor", self._monitor, *arguments),
+        )
+        self._looked_at = -inf
+        assert self.process.stdout is not None
+        assert self.process.stdout.readline().startswith("port: ")
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Ask its monitor."""
+        answer = ask(self._monitor, do, **arguments)
+        assert "error" not in answer, answer
+        return answer
+
+    @property
+    def status(self) -> dict[str, Any]:
+        """What it does, not older than ``LOOK``: who looks all the time keeps it from its work."""
+        if monotonic() - self._looked_at > LOOK:
+            self._status, self._looked_at = self.ask("status"), monotonic()
+        return self._status
+
+    def trace(self, path: Path) -> dict[str, np.ndarray]:
+        """All it has done, column by column."""
+        self.ask("save", path=str(path))
+        with np.load(path) as table:
+            return dict(table)
+
+
+@pytest.fixture
+def emulate(processes: Processes, tmp_path: Path) -> Callable[..., EmulatedRig]:
+    """Start a rig in software."""
+    return partial(EmulatedRig, processes, tmp_path)
 
 
 @pytest.fixture

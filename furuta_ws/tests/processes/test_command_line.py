@@ -120,7 +120,7 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),
         (["simulate", "--out", "/nonexistent/run.npz"], "/nonexistent/run.npz"),
         (["demo", "--seconds", "1"], "--seconds must be 5 to 3600"),
-        (["run", "--plant", "hardware"], "hardware"),
+        (["run", "--plant", "hardware"], "no port given"),
         (["node", "run", "furuta_sim", "plane"], "it has plant"),
         (["node", "run", "furuta_simulator", "plant"], "no package furuta_simulator"),
         (["param", "defaults", "observer"], "no node observer"),

@@ -81,6 +81,7 @@ def test_wildcard(file: Any) -> None:
         "estimator": {"sample_time": 0.002},
         "friction_observer": {"sample_time": 0.002},
         "controller": {},
+        "hardware_bridge": {},
     }
 
 

@@ -26,6 +26,7 @@ VERBS = {
     "convergence": "Whether the friction observer meets the passivity condition for convergence.",
     "identify": "Models from recordings: bags, CSV tables, simulations.",
     "bag": "Recorded bags: info, recover, replay, recompute.",
+    "hw": "A real rig: check the line, read, zeros, signs, friction, arm; emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",
     "node": "List the running nodes; run one.",
 }

@@ -12,7 +12,7 @@ from furuta_ros.scheduling import Scheduling, schedule
 from furuta_ros.spinning import Stop, spin_until
 from furuta_sim.realtime import RealTime
 
-from .graph import Graph
+from .graph import Graph, HardwareGraph
 from .parameter_files import settings_file
 from .recorder import Recorder
 from .settings import Settings
@@ -76,3 +76,33 @@ def _write_timing(graph: Graph, path: Path) -> None:
         writer.writerow(["from_us", "latency", "lateness"])
         counts = zip(clockwork.latency.counts, clockwork.lateness.counts, strict=True)
         writer.writerows([us, a, b] for us, (a, b) in enumerate(counts) if a or b)
+
+
+def run_on_hardware(
+    settings: Settings,
+    record: Path | None,
+    seconds: float | None,
+    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
+) -> None:
+    """Run the graph on a rig until it is told to stop or the rig's time is up."""
+    for granted in schedule(scheduling):
+        print(granted)
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        graph = HardwareGraph(settings, [Recorder(record)] if record is not None else [])
+        try:
+            stop, bridge = Stop(), graph.bridge
+            wanted = bridge.parameters.autostart
+            if bridge.state != wanted:
+                raise SystemExit(1)  # the bridge has said why in its log
+            period = bridge.rig.line.sample_time
+            print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm", flush=True)
+            spin_until(
+                graph.executor,
+                lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
+            )
+            print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+        finally:
+            graph.close()
+    finally:
+        rclpy.try_shutdown()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from time import monotonic, sleep
+from typing import Any, cast
 
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -12,6 +13,7 @@ from rclpy.parameter import Parameter
 from furuta_control.controller_node import Controller
 from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_hw.bridge_node import HardwareBridge
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
 from furuta_sim.plant_node import Plant
@@ -22,19 +24,23 @@ from .settings import Settings
 DISCOVERY_TIMEOUT = 30.0
 
 
-class Graph:
-    """Plant, estimator, friction observer and controller, with other nodes beside them."""
+class Ring:
+    """Estimator, friction observer and controller around what they control, with others beside."""
 
-    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
+    def __init__(
+        self,
+        controlled: Callable[[list[Parameter]], Node],
+        settings: Settings,
+        others: Iterable[Node],
+    ) -> None:
         def overrides(node: str) -> list[Parameter]:
             return [Parameter(name, value=value) for name, value in settings[node].items()]
 
         self.estimator = Estimator(overrides("estimator"))
         self.friction_observer = FrictionObserver(overrides("friction_observer"))
         self.controller = Controller(overrides("controller"))
-        self.plant = Plant(overrides("plant"))
         self.nodes: list[Node] = [
-            self.plant,
+            controlled(overrides(CONTROLLED[controlled])),
             self.estimator,
             self.friction_observer,
             self.controller,
@@ -44,15 +50,35 @@ class Graph:
         self.executor: Executor = executor_of(self.nodes)
         settle_memory()
 
-    def run_until(self, seconds: float) -> None:
-        """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
-        spin_until(self.executor, lambda: self.plant.time >= seconds - 1e-9 or self.plant.paused)
-
     def close(self) -> None:
         """End the nodes."""
         self.executor.shutdown()
         for node in self.nodes:
             node.destroy_node()
+
+
+class Graph(Ring):
+    """The ring around the simulated plant."""
+
+    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
+        super().__init__(Plant, settings, others)
+        self.plant = cast(Plant, self.nodes[0])
+
+    def run_until(self, seconds: float) -> None:
+        """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
+        spin_until(self.executor, lambda: self.plant.time >= seconds - 1e-9 or self.plant.paused)
+
+
+class HardwareGraph(Ring):
+    """The ring around a real rig."""
+
+    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
+        super().__init__(HardwareBridge, settings, others)
+        self.bridge = cast(HardwareBridge, self.nodes[0])
+
+
+# Node names of what can be controlled.
+CONTROLLED: dict[Any, str] = {Plant: "plant", HardwareBridge: "hardware_bridge"}
 
 
 def _wait_until_matched(nodes: list[Node]) -> None:

@@ -86,4 +86,4 @@ def _yaml(value: object) -> str:
         return text if "." in text or "e" not in text else text.replace("e", ".0e")
     if isinstance(value, tuple):
         return str(list(value))
-    return str(value)
+    return str(value) or '""'

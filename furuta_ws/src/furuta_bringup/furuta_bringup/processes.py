@@ -20,6 +20,10 @@ PACKAGES = {
     "friction_observer": "furuta_friction",
     "controller": "furuta_control",
 }
+# The same with the bridge to a rig in the plant's place.
+HARDWARE = {"hardware_bridge": "furuta_hw"} | {
+    node: package for node, package in PACKAGES.items() if node != "plant"
+}
 # Seconds between looks at the processes, and that they get to end.
 LOOK = 0.1
 GRACE = 5.0
@@ -49,11 +53,13 @@ def arguments(values: dict[str, object]) -> list[str]:
     return ["--ros-args", *given] if given else []
 
 
-def run_processes(settings: Settings, stop: Callable[[], bool]) -> int:
+def run_processes(
+    settings: Settings, stop: Callable[[], bool], packages: dict[str, str] = PACKAGES
+) -> int:
     """Run a process per node until ``stop()`` or until one ends; returns the exit status."""
     children = {
         node: subprocess.Popen([executable(package, node), *arguments(settings[node])])
-        for node, package in PACKAGES.items()
+        for node, package in packages.items()
     }
     try:
         while not stop():

@@ -13,6 +13,7 @@ import yaml
 from furuta_analysis.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import SEEING, ObserverParameters
+from furuta_hw.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
 
@@ -21,6 +22,7 @@ NODES: dict[str, type[NamedTuple]] = {
     "estimator": EstimatorParameters,
     "friction_observer": ObserverParameters,
     "controller": ControllerParameters,
+    "hardware_bridge": BridgeParameters,
 }
 EVERY_NODE = "/**"
 # Parameters that every ROS node has; they are not the loop's.
@@ -30,12 +32,14 @@ ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 Settings = dict[str, dict[str, Any]]
 
 
-def gather(files: Iterable[Path], assignments: Iterable[str]) -> Settings:
-    """Settings from parameter files, then assignments, later ones over earlier ones.
+def gather(
+    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+) -> Settings:
+    """Settings from ``base``, parameter files, assignments, later ones over earlier ones.
 
     Raises :class:`ParameterError` for anything that names no parameter or is not allowed.
     """
-    settings: Settings = {node: {} for node in NODES}
+    settings: Settings = {node: dict((base or {}).get(node, {})) for node in NODES}
     for file in files:
         for node, given in read_file(file).items():
             settings[node] |= given

@@ -1,1 +1,1 @@
-"""Bridge to a real rig. Not built yet."""
+"""Bridge to a real rig: calibration, wire protocol, safety, node, and a rig in software."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 
-from furuta_bringup.composed import run_composed
-from furuta_bringup.processes import run_processes
+from furuta_bringup.composed import run_composed, run_on_hardware
+from furuta_bringup.hardware import find_rig, rig_file, rig_settings
+from furuta_bringup.processes import HARDWARE, run_processes
 from furuta_bringup.settings import gather
 from furuta_model.parameters import ParameterError
 from furuta_ros.scheduling import Scheduling
@@ -19,6 +21,9 @@ from ..options import model_options
 
 @click.command()
 @click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True)
+@click.option("--port", metavar="PORT", help="Serial port of the rig, or mock.")
+@click.option("--rig", metavar="NAME|FILE", help="The rig; its model goes to all nodes.")
+@click.option("--read-only", is_flag=True, help="Read the rig, never drive it.")
 @click.option("--lockstep", "clock", flag_value="lockstep", help="As fast as the machine allows.")
 @click.option("--realtime", "clock", flag_value="realtime", help="At the sample time (default).")
 @click.option("--processes", is_flag=True, help="One process per node instead of one for all.")
@@ -33,6 +38,9 @@ from ..options import model_options
 @model_options
 def command(
     plant: str,
+    port: str | None,
+    rig: str | None,
+    read_only: bool,
     clock: str | None,
     processes: bool,
     record: Path | None,
@@ -49,25 +57,39 @@ def command(
 
     What the system grants of --priority, --cores and --lock-memory is printed at the start.
     """
+    settings = gather(files, assignments, rig_settings(find_rig(rig)) if rig else None)
+    scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
+    if seconds is not None and not seconds > 0:
+        raise ParameterError(f"--seconds must be above 0, given {seconds:g}")
+    if processes and (record or seconds is not None or timing or scheduling != Scheduling()):
+        raise ParameterError(
+            "--processes goes with neither --record, --seconds, --timing nor scheduling"
+        )
     if plant == "hardware":
-        raise ParameterError("--plant hardware: this version has no hardware bridge yet")
-    settings = gather(files, assignments)
+        if clock or timing:
+            raise ParameterError("a rig keeps its own time: no --lockstep, --realtime or --timing")
+        _on_a_rig(settings["hardware_bridge"], port, rig, read_only)
+        if processes:
+            sys.exit(run_processes(settings, Stop(), HARDWARE))
+        run_on_hardware(settings, record, seconds, scheduling)
+        return
+    if port or read_only:
+        raise ParameterError("--port and --read-only go with --plant hardware")
     if clock:
         settings["plant"]["clock"] = clock
     if seconds is not None:
-        if not seconds > 0:
-            raise ParameterError(f"--seconds must be above 0, given {seconds:g}")
         settings["plant"]["run_until"] = seconds
-    scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
     if timing is not None and settings["plant"].get("clock") == "lockstep":
         raise ParameterError("--timing is of real time; in lock-step nothing is late")
     if processes:
-        if record or seconds is not None or timing or scheduling != Scheduling():
-            raise ParameterError(
-                "--processes goes with neither --record, --seconds, --timing nor scheduling"
-            )
         sys.exit(run_processes(settings, Stop()))
     run_composed(settings, record, seconds, scheduling, timing)
+
+
+def _on_a_rig(bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool) -> None:
+    """Let the bridge start by itself, on this port and rig."""
+    bridge |= {"autostart": "inactive" if read_only else "active", "read_only": read_only}
+    bridge |= ({"port": port} if port else {}) | ({"rig": str(rig_file(rig))} if rig else {})
 
 
 def _cores(text: str | None) -> tuple[int, ...]:

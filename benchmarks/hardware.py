@@ -1,0 +1,144 @@
+"""The graph on a rig in software over a pseudo-terminal, in real time, beside the simulated plant.
+
+    tools/in_environment python benchmarks/hardware.py [SECONDS] [--lockstep]
+
+Prints one JSON object: the arm's travel in windows of 5 s (median) and RMS for each compensation on
+either, their ratios, how many samples the rig had answered before the next one, and why it stopped:
+a machine that stalls for longer than the limits is a reason, and the run goes on after it.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import rclpy
+
+from furuta_analysis.closed_loop import simulate
+from furuta_bringup.graph import HardwareGraph
+from furuta_bringup.processes import executable
+from furuta_bringup.settings import gather, loop
+from furuta_hw.monitor import ask
+
+SECONDS = 60.0
+PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}
+WINDOW = 5000  # samples
+SETTLED = 5000  # samples after which a run counts
+
+
+def spin(graph: HardwareGraph, seconds: float) -> None:
+    """Let the graph run."""
+    end = monotonic() + seconds
+    while monotonic() < end:
+        graph.executor.spin_once(timeout_sec=0.05)
+
+
+def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
+    """Drive the rig for ``seconds``, armed again after every stop.
+
+    In lock-step the rig waits for every answer: stalls of the machine are none of the loop.
+    """
+    with tempfile.TemporaryDirectory() as directory:
+        port, monitor = Path(directory) / "port", Path(directory) / "monitor"
+        rig = subprocess.Popen(
+            [
+                executable("furuta_hw", "rig_emulator"),
+                *("--link", port, "--monitor", monitor),
+                *(("--lockstep",) if lockstep else ()),
+            ],
+            stdout=subprocess.PIPE,
+        )
+        assert rig.stdout is not None
+        rig.stdout.readline()
+        file = Path(directory) / "rig.yaml"
+        file.write_text(f"limits: {PATIENT if lockstep else {}}")
+        settings = gather(
+            [],
+            [
+                *(f"compensation={compensation}", f"port={port}"),
+                *(f"hardware_bridge.rig={file}", "autostart=active"),
+            ],
+        )
+        graph = HardwareGraph(settings)
+        reasons: list[str] = []
+        end = monotonic() + seconds
+        while monotonic() < end:
+            if not graph.bridge.guard.armed:
+                if graph.bridge.guard.stops:
+                    reasons.append(graph.bridge.guard.reason)
+                ask(monitor, "hold")
+                spin(graph, 1.0)
+                graph.bridge._arm()
+            spin(graph, 0.1)
+        status = ask(monitor, "status")
+        ask(monitor, "save", path=str(Path(directory) / "trace.npz"))
+        graph.close()
+        rig.terminate()
+        rig.wait()
+        with np.load(Path(directory) / "trace.npz") as trace:
+            seen = windows(trace["phi"], trace["armed"])
+            armed = int(np.sum(trace["armed"]))
+    return {
+        **measures(seen),
+        "armed_samples": armed,
+        "answered_fraction": status["driven"] / max(1, armed),
+        "rig_late_samples": status["late"],
+        "stops": reasons,
+    }
+
+
+def windows(phi: np.ndarray, armed: np.ndarray) -> list[np.ndarray]:
+    """The arm's angle in each whole window of every uninterrupted run, transients cut off."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], armed, [0]))))
+    return [
+        phi[start : start + WINDOW]
+        for begin, end in zip(edges[::2] + SETTLED, edges[1::2], strict=True)
+        for start in range(begin, end - WINDOW + 1, WINDOW)
+    ]
+
+
+def measures(seen: list[np.ndarray]) -> dict[str, Any]:
+    """Median travel and RMS [rad] over the windows."""
+    if not seen:
+        return {"travel_rad": None, "rms_rad": None, "windows": 0}
+    return {
+        "travel_rad": float(np.median([np.ptp(window) for window in seen])),
+        "rms_rad": float(np.sqrt(np.mean([np.var(window) for window in seen]))),
+        "windows": len(seen),
+    }
+
+
+def simulated(compensation: str, seconds: float) -> dict[str, Any]:
+    """The same on the simulated plant, whose graph is this loop to the last bit."""
+    phi = simulate(loop(gather([], [f"compensation={compensation}"])), seconds).state[:, 0]
+    return measures(windows(phi, np.ones(len(phi))))
+
+
+def main() -> None:
+    """Both compensations, one after the other."""
+    lockstep = "--lockstep" in sys.argv
+    given = [each for each in sys.argv[1:] if not each.startswith("--")]
+    seconds = float(given[0]) if given else SECONDS
+    result = {}
+    for compensation in ("none", "lugre"):
+        rclpy.init(args=[])
+        rig = run(compensation, seconds, lockstep)
+        rclpy.shutdown()
+        expected = simulated(compensation, 505.0)
+        ratios = {
+            f"{name}_ratio": rig[f"{name}_rad"] / expected[f"{name}_rad"]
+            for name in ("travel", "rms")
+            if rig["windows"]
+        }
+        result[compensation] = {"rig": rig, "simulated": expected} | ratios
+    print(json.dumps(result, indent=2))
+
+
+if __name__ == "__main__":
+    main()

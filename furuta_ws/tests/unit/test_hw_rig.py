@@ -1,0 +1,221 @@
+"""Rig files, calibration and the normalised model."""
+
+from __future__ import annotations
+
+from math import isclose, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from furuta_bringup.hardware import find_rig, rig_directory, rig_settings
+from furuta_bringup.settings import gather, loop
+from furuta_hw.codes import converter, encoder, wrapped
+from furuta_hw.frames import Sensors
+from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
+from furuta_hw.rig import Rig, Speed
+from furuta_hw.rig_file import load_rig
+from furuta_hw.sensing import SLEW, Sensing, Timeline
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import accelerations
+from furuta_sim.rig import convert
+
+PHYSICAL = Physical(
+    arm_inertia=2e-4,
+    rotor_inertia=4e-6,
+    gear_ratio=3.0,
+    arm_length=0.085,
+    pendulum_mass=0.024,
+    pendulum_length=0.0645,
+    pendulum_inertia=3.3e-5,
+    resistance=8.4,
+    torque_constant=0.042,
+    back_emf_constant=0.04,
+    arm_damping=2.7e-4,
+    friction_torque=1e-3,
+)
+
+
+def in_newton_metres(u: float, v: float, theta: float, w: float) -> tuple[float, float]:
+    """Accelerations of the physical rig: rods, motor and gear, without any normalisation.
+
+    From the positions of arm and pendulum by d'Alembert with numerical derivatives of the
+    pendulum's centre of mass; nothing of eq. (1) is used.
+    """
+    p = PHYSICAL
+
+    def centre(q: np.ndarray) -> np.ndarray:
+        phi, t = q
+        along = np.array((np.cos(phi), np.sin(phi), 0.0))
+        across = np.array((-np.sin(phi), np.cos(phi), 0.0))
+        up = np.array((0.0, 0.0, 1.0))
+        rod = p.pendulum_length
+        return p.arm_length * along + rod * (np.sin(t) * across + np.cos(t) * up)
+
+    def kinetic(q: np.ndarray, rate: np.ndarray) -> float:
+        h = 1e-5
+        velocity = (centre(q + h * rate) - centre(q - h * rate)) / (2 * h)
+        # A thin rod: inertia about its centre across it, none along it.
+        spin = p.pendulum_inertia * (rate[1] ** 2 + (np.sin(q[1]) * rate[0]) ** 2)
+        arm = (p.arm_inertia + p.gear_ratio**2 * p.rotor_inertia) * rate[0] ** 2
+        return float(0.5 * (p.pendulum_mass * velocity @ velocity + spin + arm))
+
+    q, rate, e, h = np.array((0.3, theta)), np.array((v, w)), np.eye(2), 1e-3
+
+    def momentum(q: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        return np.array(
+            [(kinetic(q, rate + h * e[i]) - kinetic(q, rate - h * e[i])) / (2 * h) for i in (0, 1)]
+        )
+
+    mass = np.column_stack(
+        [(momentum(q, rate + h * e[i]) - momentum(q, rate - h * e[i])) / (2 * h) for i in (0, 1)]
+    )
+    turning = (momentum(q + h * rate, rate) - momentum(q - h * rate, rate)) / (2 * h)
+    pull = [(kinetic(q + h * e[i], rate) - kinetic(q - h * e[i], rate)) / (2 * h) for i in (0, 1)]
+    current = (u - p.gear_ratio * p.back_emf_constant * v) / p.resistance
+    motor = p.gear_ratio * p.torque_constant * current - p.arm_damping * v
+    motor -= p.friction_torque * np.sign(v)
+    weight = p.pendulum_mass * p.gravity * p.pendulum_length * np.sin(theta)
+    result = np.linalg.solve(mass, np.array((motor, weight)) - turning + pull)
+    return float(result[0]), float(result[1])
+
+
+@pytest.mark.parametrize(
+    ("u", "v", "theta", "w"), [(2.0, 0.5, 0.1, 0.0), (-1.0, -3.0, 2.0, 4.0), (0.0, 1.0, 3.0, -2.0)]
+)
+def test_normalised_model_moves_as_the_physical_one(
+    u: float, v: float, theta: float, w: float
+) -> None:
+    """Eq. (1) with the normalised coefficients and friction: the same accelerations."""
+    friction = normalised_coulomb(PHYSICAL) * np.sign(v) + normalised_viscous(PHYSICAL) * v
+    got = accelerations(v, theta, w, u - friction, normalised_model(PHYSICAL))
+    np.testing.assert_allclose(got, in_newton_metres(u, v, theta, w), rtol=1e-4, atol=1e-3)
+
+
+def test_rigs_that_come_with_the_workspace() -> None:
+    """Each loads, names its sources, and its model is one; the paper's is the default."""
+    files = sorted(rig_directory().glob("*.yaml"))
+    assert [each.stem for each in files] == ["odrive_furuta", "paper", "qube_servo_2"]
+    for file in files:
+        rig = load_rig(file)
+        assert rig.model.determinant > 0
+        assert "sources:" in file.read_text()
+        loop(gather([], [], rig_settings(rig)))
+    paper, default = load_rig(rig_directory() / "paper.yaml"), Rig()
+    np.testing.assert_allclose(paper.model, default.model, rtol=1e-12)
+    assert paper._replace(model=default.model) == default
+
+
+def test_the_papers_rig_says_what_the_defaults_say() -> None:
+    """Naming the paper's rig changes no parameter of any node."""
+    given, bare = loop(gather([], [], rig_settings(Rig()))), loop(gather([], []))
+    assert given == bare
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("arm: [", "not YAML"),
+        ("words", "must map"),
+        ("arm: 3", "arm must map"),
+        ("arm: {counts: 3}", "unknown: arm.counts"),
+        ("legs: {counts: 3}", "unknown: legs.counts"),
+        ("arm: {sign: 0}", "arm.sign must be 1 or -1"),
+        ("arm: {counts_per_turn: 2.5}", "must be an integer"),
+        ("drive: {bits: 40}", "drive.bits must be 2 to 16"),
+        ("model: {alpha: 1}\nlinear: {a23: -1}", "one of model, linear, physical"),
+        ("physical: {arm_length: 1}", "physical needs pendulum_mass"),
+        ("physical: {weight: 1}", "unknown: physical.weight"),
+        ("linear: {b41: 0}", "b41 must be below 0"),
+        ("model: {gamma: 1.0}", "alpha * beta must exceed gamma²"),
+        ("line: {watchdog: 0.001}", "line.watchdog must be 2 to 65535 samples"),
+    ],
+)
+def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> None:
+    """What is wrong, with the file's name."""
+    file = tmp_path / "rig.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=r"rig\.yaml") as caught:
+        load_rig(file)
+    assert reason in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_rig_is_told_those_there_are() -> None:
+    """Names as well as files."""
+    with pytest.raises(ParameterError, match="odrive_furuta, paper, qube_servo_2"):
+        find_rig("nobody")
+    with pytest.raises(ParameterError, match=r"cannot read rig file .*missing\.yaml"):
+        find_rig("missing.yaml")
+
+
+@given(st.floats(-20, 20), st.integers(4, 16), st.sampled_from((1, -1)))
+def test_a_converter_is_the_simulated_one(value: float, bits: int, sign: int) -> None:
+    """Code and back is what the simulated rig's converter makes, to the last bit."""
+    channel = converter(10.0, bits, sign, 0.0)
+    expected = sign * convert(sign * value, 10.0, bits)
+    assert channel.to_si(channel.to_code(value)) == expected
+
+
+@given(st.integers(-(2**31), 2**31 - 1), st.integers(1, 2**20), st.floats(-1e4, 1e4))
+def test_an_encoder_loses_no_count(code: int, counts: int, zero: float) -> None:
+    """Code → angle → code is the code."""
+    channel = encoder(counts, -1, round(zero))
+    assert channel.to_code(channel.to_si(code)) == code
+
+
+def test_ends_of_a_range_are_known() -> None:
+    """The outermost codes say "at least", not "so much"."""
+    channel = converter(1.0, 12, 1, 0.0)
+    assert [channel.at_rail(c) for c in (-2048, -2047, 0, 2046, 2047)] == [
+        *(True, False, False, False, True)
+    ]
+    assert not encoder(250, 1, 0.0).at_rail(10**6)
+
+
+@given(st.floats(-100, 100))
+def test_wrapped_is_the_same_angle(angle: float) -> None:
+    """In -π ≤ angle < π."""
+    w = wrapped(angle)
+    assert -pi - 1e-9 <= w <= pi + 1e-9
+    assert isclose(np.cos(w), np.cos(angle), abs_tol=1e-9)
+
+
+def frame(sample: int, **codes: int) -> Sensors:
+    given = dict.fromkeys(Sensors._fields, 0) | {"sample": sample} | codes
+    return Sensors(**given)
+
+
+def test_speed_from_counts() -> None:
+    """Without a tachometer: the filtered difference, true at constant speed, also across gaps."""
+    rig = Rig(speed=Speed(sensor="encoder"))
+    sensing = Sensing(rig)
+    for k in [*range(300), *range(310, 600, 2)]:
+        x = sensing.take(frame(k, arm=k)).copy()
+    assert x[1] == pytest.approx(2 * pi / 250 / 0.001, rel=1e-6)
+    assert x[0] == pytest.approx(598 * 2 * pi / 250)
+    assert sensing.steps == 2
+
+
+def test_measurement_holds_the_applied_torque() -> None:
+    """The effort is the voltage that was in force up to the sample."""
+    sensing = Sensing(Rig())
+    assert sensing.take(frame(1, drive=1024))[4] == 5.0
+    assert np.isnan(sensing.x[3])
+
+
+def test_stamps_follow_the_rig_not_the_jitter() -> None:
+    """Arrivals late by up to 20 ms move stamps by less than their slew; drift is followed."""
+    random = np.random.default_rng(0)
+    period, drift = 1_000_000, 50e-6
+    timeline = Timeline(period)
+    stamps = []
+    for k in range(100_000):
+        arrival = round(k * period * (1 + drift) + 1e5 + random.exponential(2e5))
+        arrival += 20_000_000 * (k % 1000 == 0)
+        stamps.append(timeline.stamp(k, arrival))
+    steps = np.diff(stamps)
+    assert np.all(np.abs(steps - period) <= SLEW * period + 1)
+    assert abs(stamps[-1] - 99_999 * period * (1 + drift)) < 1_000_000
