@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from unit import reference
 
 from furuta_model.parameters import ParameterError, build
-from furuta_model.pendulum import FurutaPendulum, accelerations, energy
+from furuta_model.pendulum import FurutaPendulum, accelerations, energy, turned
 
 P = FurutaPendulum()
 RNG = np.random.default_rng(1)
@@ -100,3 +100,12 @@ def test_indefinite_inertia_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"alpha = 0\.1, beta = 0\.4, gamma = 0\.2"):
         build(FurutaPendulum, {"alpha": 0.1, "beta": 0.4, "gamma": 0.2})
     assert build(FurutaPendulum, {"alpha": 0.1, "beta": 0.4, "gamma": 0.199}).determinant > 0
+
+
+def test_turned_is_the_sine_and_cosine_of_the_sum() -> None:
+    """Within rounding for any angle and any turn, small or large."""
+    rng = np.random.default_rng(9)
+    for angle in rng.uniform(-np.pi, np.pi, 500):
+        turn = rng.choice([-1, 1]) * 10 ** rng.uniform(-9, 1)
+        expected = np.sin(angle + turn), np.cos(angle + turn)
+        assert turned(np.sin(angle), np.cos(angle), turn) == pytest.approx(expected, abs=1e-15)

@@ -9,13 +9,13 @@ ground, and the body's rotation; substeps keep the rates of both times the step 
 
 from __future__ import annotations
 
-from math import ceil, sqrt
+from math import ceil, cos, sin, sqrt
 
 import numpy as np
 
 from .compiled import compiled
 from .lugre import LuGre, bristle_after
-from .pendulum import FurutaPendulum, accelerations
+from .pendulum import FurutaPendulum, accelerations_at, turned
 from .state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Rate of the stuck arm on its bristle times the substep: the midpoint rule is stable below 2.
@@ -50,15 +50,17 @@ def advance(
 
         end, mean = bristle_after(v, 0.0, z, half, lugre)
         bristle = lugre.sigma0 * mean + damping_half * (end - z)
-        v_dot, w_dot = accelerations(v, theta, w, (u - lugre.viscous * v) - bristle, body)
+        torque = (u - lugre.viscous * v) - bristle
+        sine, cosine = sin(theta), cos(theta)
+        v_dot, w_dot = accelerations_at(v, sine, cosine, w, torque, body)
         v_mid = v + half * v_dot
         w_mid = w + half * w_dot
-        theta_mid = theta + half * w
+        sine, cosine = turned(sine, cosine, half * w)
 
         end, mean = bristle_after(v_mid, 0.0, z, h, lugre)
         bristle = lugre.sigma0 * mean + damping * (end - z)
         torque = (u - lugre.viscous * v_mid) - bristle
-        v_dot, w_dot = accelerations(v_mid, theta_mid, w_mid, torque, body)
+        v_dot, w_dot = accelerations_at(v_mid, sine, cosine, w_mid, torque, body)
         x[PHI] = phi + h * v_mid
         x[PHI_DOT] = v + h * v_dot
         x[THETA] = theta + h * w_mid

@@ -21,6 +21,9 @@ from .compiled import compiled
 from .parameters import About, ParameterError
 from .state import PHI_DOT, THETA, THETA_DOT
 
+# Turn [rad] below which the series in :func:`turned` ends beyond rounding.
+SMALL_TURN = 0.02
+
 
 class FurutaPendulum(NamedTuple):
     """Coefficients of (1). The defaults follow from the rig's identified linear model."""
@@ -53,8 +56,14 @@ def accelerations(
     phi_dot: float, theta: float, theta_dot: float, torque: float, p: FurutaPendulum
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²] from eq. (1); ``torque`` is u − F [V]."""
-    s = sin(theta)
-    c = cos(theta)
+    return accelerations_at(phi_dot, sin(theta), cos(theta), theta_dot, torque, p)
+
+
+@compiled
+def accelerations_at(
+    phi_dot: float, s: float, c: float, theta_dot: float, torque: float, p: FurutaPendulum
+) -> tuple[float, float]:
+    """The same where sinθ and cosθ are known."""
     coupling = p.gamma * c
     # What depends on the torque comes last: a stage of the integration waits for nothing else.
     spin = p.gamma * s * theta_dot * theta_dot - 2 * p.beta * c * s * phi_dot * theta_dot
@@ -66,6 +75,22 @@ def accelerations(
         p.beta * scale * arm - coupling * scale * pendulum,
         inertia * scale * pendulum - coupling * scale * arm,
     )
+
+
+@compiled
+def turned(s: float, c: float, angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle with sine ``s`` and cosine ``c``, turned by ``angle`` [rad].
+
+    Exact to rounding: for a small turn, the usual one within a step, by the series of its own
+    sine and cosine, which cost less than those of the angle.
+    """
+    if abs(angle) < SMALL_TURN:
+        a = angle * angle
+        sine = angle * (1.0 - a * (1.0 / 6.0 - a * (1.0 / 120.0 - a / 5040.0)))
+        cosine = 1.0 - a * (0.5 - a * (1.0 / 24.0 - a / 720.0))
+    else:
+        sine, cosine = sin(angle), cos(angle)
+    return s * cosine + c * sine, c * cosine - s * sine
 
 
 def energy(x: np.ndarray, p: FurutaPendulum) -> float:
