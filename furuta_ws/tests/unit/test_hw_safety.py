@@ -185,3 +185,12 @@ def test_a_stop_is_latched_with_its_first_reason() -> None:
     assert rig.sample(1.0, status=0) is None
     assert rig.guard.arm(rig.now) == ""
     assert rig.sample(0.5) == 0.5
+
+
+def test_commands_without_estimates_are_kept_back() -> None:
+    """Two may overtake their estimate; further ones do not feed the rig's watchdog."""
+    rig = armed()
+    rig.observed = False
+    assert [rig.sample(0.1) is None for _ in range(4)] == [False, False, True, True]
+    rig.observed = True
+    assert rig.sample(0.1) is not None

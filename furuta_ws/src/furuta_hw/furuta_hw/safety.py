@@ -17,6 +17,8 @@ from .rig import Limits
 
 # Time [s] over which bad frames and disagreement of encoder and tachometer are counted.
 WINDOW = 1.0
+# Commands in a row that may come without a new friction estimate: one can overtake its own.
+OVERTAKEN = 2
 
 
 class Guard:
@@ -33,6 +35,7 @@ class Guard:
         self._measured_at = self._armed_at = -inf
         # When the first measurement came that has no command, no friction estimate, since.
         self._command_asked = self._estimate_asked = inf
+        self._without_estimate = 0
         self._obeyed = False  # the rig has said that it is armed
         self._status = 0
         self._x: np.ndarray | None = None
@@ -59,15 +62,18 @@ class Guard:
     def estimated(self) -> None:
         """Take note of a friction estimate: whoever makes them is alive."""
         self._estimate_asked = inf
+        self._without_estimate = 0
 
     def command(self, now: float, u: float) -> float | None:
-        """The voltage [V] to apply for the command ``u`` [V]; None while the rig is not driven."""
+        """The voltage [V] to apply for the command ``u`` [V]; None where there is none to apply."""
         if not isfinite(u):
             self.stop(f"command is {u}")
             return None
         self.check(now)
         self._command_asked = inf
-        if not self.armed:
+        self._without_estimate += 1
+        # Kept back, so that the rig's watchdog counts from the last sample of a whole loop.
+        if not self.armed or self._without_estimate > OVERTAKEN:
             return None
         u = min(max(u, -self.limits.voltage), self.limits.voltage)
         self.voltage = min(max(u, self.voltage - self._step), self.voltage + self._step)
