@@ -81,7 +81,8 @@ class Person:
     def _balanced(self, samples: int) -> bool:
         """Hold and wait as a person would, until filters have settled; then one attempt."""
         rig, held = self._rig, self._rig.ask("hold")
-        self._bench.spin(lambda: rig.status["sample"] > held["sample"] + SETTLING)
+        # A bridge that connects meanwhile has the rig count anew.
+        self._bench.spin(lambda: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
         if not self.arm()[0]:
             return False
         begun, end = held["driven"], monotonic() + 3.0 + 0.003 * samples

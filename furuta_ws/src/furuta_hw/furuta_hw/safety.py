@@ -17,7 +17,7 @@ from .rig import Limits
 
 # Time [s] over which bad frames and disagreement of encoder and tachometer are counted.
 WINDOW = 1.0
-# Commands in a row that may come without a new friction estimate: one can overtake its own.
+# Commands that may come since the last friction estimate: one of them can overtake its own.
 OVERTAKEN = 2
 
 
