@@ -7,6 +7,7 @@ import pytest
 from unit import reference
 
 from furuta_control.controller import control, state_feedback
+from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters
 from furuta_model.pendulum import FurutaPendulum
 
@@ -85,3 +86,50 @@ def test_disabled_controller_still_watches_the_pendulum() -> None:
     enabled = state_feedback(ControllerParameters(gain=GAIN))
     control(memory, np.array([0, 0, 1.0, 0]), 0.0, disabled)
     assert control(memory, np.array([0, 0, 0.5, 0]), 0.0, enabled) == 0.0
+
+
+def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
+    """What excitation adds to the command, sample by sample."""
+    plain = ControllerParameters(gain=GAIN, voltage_limit=1e3)
+    p = plain._replace(excitation=ExcitationParameters(**parameters))
+    memory, state = np.array([1.0, 0.0]), np.array(x)
+    without = control(np.ones(1), state, 0.1, state_feedback(plain))
+    feedback = state_feedback(p)
+    return np.array([control(memory, state, 0.1, feedback) for _ in range(samples)]) - without
+
+
+@pytest.mark.parametrize("kind", ["steps", "sine", "multisine"])
+def test_excitation_has_its_amplitude_and_period(kind: str) -> None:
+    """It repeats after its period, reaches its amplitude and no more, and has no mean."""
+    signal = excited([0.1, 0.2, 0.01, 0.0], 1000, kind=kind, amplitude=0.7, period=0.5)
+    np.testing.assert_allclose(signal[:499], signal[500:999], atol=1e-9)
+    assert np.max(np.abs(signal)) == pytest.approx(0.7, rel=2e-3)
+    assert np.mean(signal) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_no_excitation_by_default() -> None:
+    """Off, the command is the feedback's to the last bit."""
+    assert not np.any(excited([0.1, 0.2, 0.01, 0.0], 50, amplitude=0.7))
+
+
+@pytest.mark.parametrize("outside", [(2, -0.11), (0, 0.6), (1, 3.1)])
+def test_excitation_is_silent_outside_its_limits(outside: tuple[int, float]) -> None:
+    """Beyond a limit nothing is added and its time stands still."""
+    excitation = ExcitationParameters(
+        "steps", 0.5, period=0.004, tilt_limit=0.1, excursion_limit=0.5, speed_limit=3.0
+    )
+    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
+    plain = state_feedback(ControllerParameters(gain=GAIN))
+    memory, inside, beyond = np.array([1.0, 0.0]), np.zeros(4), np.zeros(4)
+    beyond[outside[0]] = outside[1]
+    states = [inside, beyond, beyond, beyond, inside, inside, inside]
+    added = [control(memory, x, 0.0, feedback) - control(np.ones(1), x, 0.0, plain) for x in states]
+    assert added == pytest.approx([0.5, 0.0, 0.0, 0.0, 0.5, -0.5, -0.5])
+
+
+def test_excitation_stays_within_the_limits_of_the_command() -> None:
+    """Nor does it drive a pendulum that was given up."""
+    excitation = ExcitationParameters("steps", 50.0, tilt_limit=3.0)
+    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
+    assert control(np.array([1.0, 0.0]), np.zeros(4), 0.0, feedback) == 10.0
+    assert control(np.array([0.0, 0.0]), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0

@@ -80,7 +80,7 @@ def test_wildcard(file: Any) -> None:
         "plant": {"sample_time": 0.002},
         "estimator": {"sample_time": 0.002},
         "friction_observer": {"sample_time": 0.002},
-        "controller": {},
+        "controller": {"sample_time": 0.002},
         "hardware_bridge": {},
     }
 

@@ -50,5 +50,5 @@ def rig_settings(rig: Rig) -> Settings:
     }
     settings["estimator"] = model | sensors | time
     settings["friction_observer"] = values(rig.friction) | time
-    settings["controller"] = model | {"voltage_limit": rig.limits.voltage}
+    settings["controller"] = model | time | {"voltage_limit": rig.limits.voltage}
     return settings

@@ -75,6 +75,7 @@ def _check_sample_times(settings: Settings) -> None:
         "plant": made["plant"].plant.sample_time,
         "estimator": made["estimator"].sample_time,
         "friction_observer": made["friction_observer"].sample_time,
+        "controller": made["controller"].sample_time,
     }
     if len(set(times.values())) > 1:
         given = ", ".join(f"{node} {time:g} s" for node, time in times.items())

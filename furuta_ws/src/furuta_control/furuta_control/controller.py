@@ -19,10 +19,13 @@ from furuta_model.compiled import compiled
 from furuta_model.linear import place_poles
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
+from .excitation import NONE, Excitation, excitation, excite
 from .parameters import ControllerParameters
 
-# The controller's memory: whether it holds the pendulum (1) or has given up (0).
-MEMORY = 1
+# The controller's memory: whether it holds the pendulum (1) or has given up (0), then the phase
+# of its excitation.
+PHASE = 1
+MEMORY = PHASE + 1
 
 
 class StateFeedback(NamedTuple):
@@ -36,13 +39,16 @@ class StateFeedback(NamedTuple):
     fall_angle: float
     catch_angle: float
     enabled: bool
+    excitation: Excitation
 
 
 def state_feedback(p: ControllerParameters) -> StateFeedback:
     """The gain given explicitly, or else by pole placement on the nominal model, eq. (7)."""
     gain: Iterable[float] = p.gain or place_poles(p.model, p.poles)
     l1, l2, l3, l4 = (float(each) for each in gain)
-    return StateFeedback(l1, l2, l3, l4, p.voltage_limit, p.fall_angle, p.catch_angle, p.enabled)
+    limits = (p.voltage_limit, p.fall_angle, p.catch_angle)
+    excited = excitation(p.excitation, p.sample_time)
+    return StateFeedback(l1, l2, l3, l4, *limits, p.enabled, excited)
 
 
 @compiled
@@ -56,4 +62,6 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback
     if memory[0] == 0.0 or not p.enabled:
         return 0.0
     u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    if p.excitation.kind != NONE:
+        u += excite(memory, PHASE, x, p.excitation)
     return min(max(u, -p.voltage_limit), p.voltage_limit)

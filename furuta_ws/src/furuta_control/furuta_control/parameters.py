@@ -9,6 +9,8 @@ from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 
+from .excitation import ExcitationParameters
+
 
 class EstimatorParameters(NamedTuple):
     """Parameters of the node ``estimator``."""
@@ -63,6 +65,10 @@ class ControllerParameters(NamedTuple):
         float,
         About("how long a friction estimate serves when no newer one comes, then 0 V", "s", 0, 10),
     ] = 0.01
+    excitation: ExcitationParameters = ExcitationParameters()
+    sample_time: Annotated[
+        float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
+    ] = 0.001
 
     def check(self) -> None:
         """Refuse a gain of the wrong length and angles in the wrong order."""

@@ -1,0 +1,97 @@
+"""A signal added to the command so that a recording tells more of the rig.
+
+Around the upright pendulum alone: outside declared limits of angles and speed it is silent and
+its time stands still, until the feedback has brought the pendulum back.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled
+from furuta_model.parameters import About
+from furuta_model.state import PHI, PHI_DOT, THETA
+
+NONE, STEPS, SINE, MULTISINE = range(4)
+KINDS = ("none", "steps", "sine", "multisine")
+TURN = 2.0 * np.pi
+# Harmonics of the multisine, of equal size.
+HARMONICS = 8
+# Largest value of their sum.
+MULTISINE_PEAK = 3.781
+
+
+class ExcitationParameters(NamedTuple):
+    """What is added to the command, and within which limits."""
+
+    kind: Annotated[
+        str,
+        About(
+            "signal added to the command for identification: steps up and down, a sine, or a "
+            f"multisine of the first {HARMONICS} harmonics",
+            choices=KINDS,
+        ),
+    ] = "none"
+    amplitude: Annotated[float, About("its largest value", "V", 0.0, 1e3)] = 1.0
+    period: Annotated[float, About("time after which it repeats", "s", 0.01, 1e3)] = 4.0
+    tilt_limit: Annotated[
+        float, About("pendulum angle beyond which it is silent", "rad", 0.0, 3.0)
+    ] = 0.2
+    excursion_limit: Annotated[
+        float, About("arm angle beyond which it is silent", "rad", 0.0, 1e3)
+    ] = 1.5
+    speed_limit: Annotated[
+        float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
+    ] = 10.0
+
+
+class Excitation(NamedTuple):
+    """What :func:`excite` computes with; ``step`` is its phase in a sample [rad]."""
+
+    kind: int
+    amplitude: float
+    step: float
+    tilt_limit: float
+    excursion_limit: float
+    speed_limit: float
+
+
+def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
+    """The signal for samples of ``sample_time`` [s]."""
+    step = TURN * min(sample_time / p.period, 0.5)
+    return Excitation(KINDS.index(p.kind), p.amplitude, step, *p[3:])
+
+
+@compiled
+def excite(memory: np.ndarray, at: int, x: np.ndarray, p: Excitation) -> float:
+    """One sample of the signal [V] at the state ``x``; its phase is ``memory[at]``."""
+    if (
+        abs(x[THETA]) > p.tilt_limit
+        or abs(x[PHI]) > p.excursion_limit
+        or abs(x[PHI_DOT]) > p.speed_limit
+    ):
+        return 0.0
+    phase = memory[at]
+    memory[at] = (phase + p.step) % TURN
+    return p.amplitude * shape(p.kind, phase)
+
+
+@compiled
+def shape(kind: int, phase: float) -> float:
+    """Value at ``phase`` [rad], -1 to 1."""
+    if kind == STEPS:
+        return 1.0 if phase < np.pi else -1.0
+    if kind == SINE:
+        return np.sin(phase)
+    return multisine(phase) / MULTISINE_PEAK
+
+
+@compiled
+def multisine(phase: float) -> float:
+    """Sum of the harmonics, with Schroeder's phases (1970), which keep the peak low."""
+    total = 0.0
+    for k in range(1, HARMONICS + 1):
+        total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)
+    return total
