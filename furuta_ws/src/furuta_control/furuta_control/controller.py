@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.linear import place_poles
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-from .excitation import NONE, Excitation, excitation, excite
+from .excitation import NONE, TURN, Excitation, calm, excitation, shape
 from .parameters import ControllerParameters
 
 # The controller's memory: whether it holds the pendulum (1) or has given up (0), then the phase
@@ -51,7 +51,7 @@ def state_feedback(p: ControllerParameters) -> StateFeedback:
     return StateFeedback(l1, l2, l3, l4, *limits, p.enabled, excited)
 
 
-@compiled
+@inlined
 def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback) -> float:
     """Command u [V] for the state estimate ``x`` (4,) and friction estimate [V]."""
     tilt = abs(x[THETA])
@@ -63,5 +63,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback
         return 0.0
     u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
     if p.excitation.kind != NONE:
-        u += excite(memory, PHASE, x, p.excitation)
+        if calm(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
+            u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
+            memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
     return min(max(u, -p.voltage_limit), p.voltage_limit)

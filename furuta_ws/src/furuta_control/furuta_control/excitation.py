@@ -12,7 +12,6 @@ import numpy as np
 
 from furuta_model.compiled import compiled
 from furuta_model.parameters import About
-from furuta_model.state import PHI, PHI_DOT, THETA
 
 NONE, STEPS, SINE, MULTISINE = range(4)
 KINDS = ("none", "steps", "sine", "multisine")
@@ -38,17 +37,17 @@ class ExcitationParameters(NamedTuple):
     period: Annotated[float, About("time after which it repeats", "s", 0.01, 1e3)] = 4.0
     tilt_limit: Annotated[
         float, About("pendulum angle beyond which it is silent", "rad", 0.0, 3.0)
-    ] = 0.2
+    ] = 0.1
     excursion_limit: Annotated[
         float, About("arm angle beyond which it is silent", "rad", 0.0, 1e3)
-    ] = 1.5
+    ] = 1.0
     speed_limit: Annotated[
         float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
-    ] = 10.0
+    ] = 2.0
 
 
 class Excitation(NamedTuple):
-    """What :func:`excite` computes with; ``step`` is its phase in a sample [rad]."""
+    """What the signal is computed with; ``step`` is its phase in a sample [rad]."""
 
     kind: int
     amplitude: float
@@ -65,17 +64,13 @@ def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
 
 
 @compiled
-def excite(memory: np.ndarray, at: int, x: np.ndarray, p: Excitation) -> float:
-    """One sample of the signal [V] at the state ``x``; its phase is ``memory[at]``."""
-    if (
-        abs(x[THETA]) > p.tilt_limit
-        or abs(x[PHI]) > p.excursion_limit
-        or abs(x[PHI_DOT]) > p.speed_limit
-    ):
-        return 0.0
-    phase = memory[at]
-    memory[at] = (phase + p.step) % TURN
-    return p.amplitude * shape(p.kind, phase)
+def calm(phi: float, phi_dot: float, theta: float, p: Excitation) -> bool:
+    """Whether arm and pendulum are within the limits."""
+    return (
+        abs(theta) <= p.tilt_limit
+        and abs(phi) <= p.excursion_limit
+        and abs(phi_dot) <= p.speed_limit
+    )
 
 
 @compiled
