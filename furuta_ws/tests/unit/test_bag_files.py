@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 from time import sleep
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,7 +20,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup import mcap_file
-from furuta_bringup.bag import open_bag
+from furuta_bringup.bag import open_bag, refuse_too_long
 from furuta_bringup.bag_writer import BagWriter
 from furuta_bringup.mcap_file import Kind
 from furuta_bringup.recovery import recover
@@ -191,3 +192,13 @@ def test_rubbish_is_no_bag(tmp_path: Path, content: bytes) -> None:
         pass
     with pytest.raises(ParameterError, match="nothing that can be read"):
         recover(file, tmp_path / "mended")
+
+
+def test_a_bag_too_long_for_memory_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
+    """By the counts in its summary, with topic and limit named."""
+    monkeypatch.setattr("furuta_bringup.bag.LONGEST", 10)
+    connection = SimpleNamespace(topic="/measurement", msgcount=11)
+    with pytest.raises(ParameterError, match="11 messages on /measurement, at most 10"):
+        refuse_too_long(tmp_path, [connection])
+    connection.msgcount = 10
+    refuse_too_long(tmp_path, [connection])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlite3
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from rosbags.highlevel import AnyReader
 from rosbags.highlevel.anyreader import AnyReaderError
+from rosbags.interfaces import Connection
 from rosbags.rosbag2 import ReaderError
 from rosbags.typesys import Stores, get_typestore
 
@@ -20,6 +21,9 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
+
+# Messages of one topic that are read into memory at most: a quarter of an hour at 1 kHz.
+LONGEST = 1_000_000
 
 
 @contextmanager
@@ -53,6 +57,16 @@ UNREADABLE = (
     sqlite3.Error,
     zlib.error,
 )
+
+
+def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
+    """Refuse what would not fit into memory, before any of it is read."""
+    for each in connections:
+        if each.msgcount > LONGEST:
+            raise ParameterError(
+                f"{path}: {each.msgcount} messages on {each.topic}, at most {LONGEST} can be "
+                "computed with at a time; record shorter ones"
+            )
 
 
 class Recording(NamedTuple):

@@ -20,7 +20,7 @@ from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
-from .bag import open_bag
+from .bag import open_bag, refuse_too_long
 from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
 from .settings import Settings, gather, loop, merged, read_file
 
@@ -56,6 +56,7 @@ def read_session(bag: Path) -> Session:
     with open_bag(bag) as reader:
         wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
         chosen = [c for c in reader.connections if c.topic.rpartition("/")[2] in wanted]
+        refuse_too_long(bag, chosen)
         for connection, _, data in reader.messages(chosen):
             name = connection.topic.rpartition("/")[2]
             if name == PARAMETER_EVENTS.name.strip("/"):

@@ -17,7 +17,7 @@ from furuta_ros.messages import NANOSECONDS
 from furuta_sim.parameters import Actuator
 from furuta_sim.rig import drive
 
-from .bag import open_bag
+from .bag import open_bag, refuse_too_long
 from .recorder import PARAMETERS_FILE
 
 # A column of a table that holds no time of its own is filled in every row or in some.
@@ -82,6 +82,7 @@ def _read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         command = _command_topic(path, kinds, states, mapping)
         names: tuple[str, str] | None = None
         chosen = [c for c in reader.connections if c.topic in (states, command)]
+        refuse_too_long(path, chosen)
         for connection, stamp, data in reader.messages(chosen):
             message: Any = reader.deserialize(data, connection.msgtype)
             if connection.topic == states:
