@@ -9,6 +9,8 @@ from typing import NamedTuple
 from .mcap_file import Kind
 
 VERSION = 5
+# Of numbers that change: enough for any time [ns].
+WIDTH = 19
 
 
 class Part(NamedTuple):
@@ -23,11 +25,20 @@ class Part(NamedTuple):
 def write_metadata(
     bag: Path, kinds: list[Kind], counts: list[int], parts: list[Part], storage: str = "mcap"
 ) -> None:
-    """Replace the bag's metadata.yaml in one go."""
-    text = metadata(kinds, counts, parts, storage)
+    """Bring the bag's metadata.yaml up to date, readable at every moment.
+
+    Numbers have their width, so that a new text of the same length is written over the old one:
+    to replace a file by renaming waits for the disk (ext4), which can take seconds.
+    """
+    text = metadata(kinds, counts, parts, storage).encode()
+    file = bag / "metadata.yaml"
+    if file.exists() and file.stat().st_size == len(text):
+        with file.open("r+b", buffering=0) as there:
+            there.write(text)
+        return
     new = bag / "metadata.yaml.new"
-    new.write_text(text)
-    new.rename(bag / "metadata.yaml")
+    new.write_bytes(text)
+    new.rename(file)
 
 
 def metadata(kinds: list[Kind], counts: list[int], parts: list[Part], storage: str) -> str:
@@ -39,16 +50,16 @@ def metadata(kinds: list[Kind], counts: list[int], parts: list[Part], storage: s
         "rosbag2_bagfile_information:",
         f"  version: {VERSION}",
         f"  storage_identifier: {storage}",
-        f"  duration: {{nanoseconds: {end - start}}}",
-        f"  starting_time: {{nanoseconds_since_epoch: {start}}}",
-        f"  message_count: {sum(counts)}",
+        f"  duration: {{nanoseconds: {end - start:<{WIDTH}}}}",
+        f"  starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
+        f"  message_count: {sum(counts):<{WIDTH}}",
         "  topics_with_message_count:" + ("" if kinds else " []"),
     ]
     for kind, count in zip(kinds, counts, strict=True):
         lines += [
             f"    - topic_metadata: {{name: {kind.topic}, type: {kind.type_name}, "
             f"serialization_format: cdr, offered_qos_profiles: {json.dumps(kind.qos)}}}",
-            f"      message_count: {count}",
+            f"      message_count: {count:<{WIDTH}}",
         ]
     lines += ['  compression_format: ""', '  compression_mode: ""', "  relative_file_paths:"]
     lines += [f"    - {json.dumps(part.name)}" for part in parts]
@@ -58,8 +69,8 @@ def metadata(kinds: list[Kind], counts: list[int], parts: list[Part], storage: s
         first = part.start if part.messages else 0
         lines += [
             f"    - path: {json.dumps(part.name)}",
-            f"      starting_time: {{nanoseconds_since_epoch: {first}}}",
-            f"      duration: {{nanoseconds: {span}}}",
-            f"      message_count: {part.messages}",
+            f"      starting_time: {{nanoseconds_since_epoch: {first:<{WIDTH}}}}",
+            f"      duration: {{nanoseconds: {span:<{WIDTH}}}}",
+            f"      message_count: {part.messages:<{WIDTH}}",
         ]
     return "\n".join(lines) + "\n"
