@@ -18,7 +18,9 @@ from furuta_bringup.settings import gather
 @pytest.fixture
 def bag(ros: None, tmp_path: Path) -> Path:
     """Two seconds without compensation, then one with LuGre."""
-    settings = gather([], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"])
+    settings = gather(
+        [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
+    )
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     person = Node("person")
     recorder = Recorder(tmp_path / "bag", stamped=True, parameters=settings_file(settings))

@@ -62,8 +62,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback
     if memory[0] == 0.0 or not p.enabled:
         return 0.0
     u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
-    if p.excitation.kind != NONE:
-        if calm(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
-            u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
-            memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
+    if p.excitation.kind != NONE and calm(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
+        u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
+        memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
     return min(max(u, -p.voltage_limit), p.voltage_limit)
