@@ -97,11 +97,11 @@ def test_node_ends_cleanly(processes: Any, name: str) -> None:
 
 
 def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
-    """``furuta run --record`` leaves a bag with every topic of the graph."""
+    """``furuta run --record`` leaves a bag with every topic, and changes of parameters beside."""
     bag = tmp_path / "bag"
     status, out, err = furuta("run", "--lockstep", "--seconds", "0.5", "--record", bag)
     assert status == 0, err
     assert "500 samples" in out
     with AnyReader([bag]) as reader:
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
-    assert counts == {topic.name: 500 for topic in TOPICS}
+    assert counts == {topic.name: 500 for topic in TOPICS} | {"parameter_events": 0}
