@@ -73,7 +73,8 @@ class Guard:
         self._command_asked = inf
         self._without_estimate += 1
         # Kept back, so that the rig's watchdog counts from the last sample of a whole loop.
-        if not self.armed or self._without_estimate > OVERTAKEN:
+        partial = self._without_estimate > OVERTAKEN and isfinite(self.limits.estimate_age)
+        if not self.armed or partial:
             return None
         u = min(max(u, -self.limits.voltage), self.limits.voltage)
         self.voltage = min(max(u, self.voltage - self._step), self.voltage + self._step)
