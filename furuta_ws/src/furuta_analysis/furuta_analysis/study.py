@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
@@ -10,6 +9,7 @@ from typing import NamedTuple
 from furuta_model.friction_laws import LUGRE, STRIBECK
 from furuta_model.parameters import ParameterError
 
+from .batch import available_cores
 from .ideal_loop import IdealLoop
 from .limit_cycle import LimitCycle, limit_cycle
 from .predicted_cycles import predict_cycles
@@ -52,7 +52,7 @@ def study(
             return StudyPoint(*pair, IMPOSSIBLE)
 
     loop_at(*pairs[0]), loop_at(*pairs[-1])  # a name or range that is wrong throughout says so
-    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(workers or available_cores()) as pool:
         yield from pool.map(point, pairs)
 
 

@@ -92,12 +92,12 @@ def read_recording(path: Path) -> Recording:
     """Read a lock-step recording with ground truth."""
     rows: list[tuple[float, ...]] = []
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+    with open_bag(path) as reader:
         wanted = {GROUND_TRUTH.name, *floats}
-        connections = [c for c in reader.connections if _base(c.topic) in wanted]
+        connections = [c for c in reader.connections if last_part(c.topic) in wanted]
         for connection, _, data in reader.messages(connections):
             message: Any = reader.deserialize(data, connection.msgtype)
-            name = _base(connection.topic)
+            name = last_part(connection.topic)
             if name == GROUND_TRUTH.name:
                 rows.append(_row(message))
             else:
@@ -113,7 +113,8 @@ def read_recording(path: Path) -> Recording:
     )
 
 
-def _base(topic: str) -> str:
+def last_part(topic: str) -> str:
+    """The topic's name without its namespace."""
     return topic.rpartition("/")[2]
 
 

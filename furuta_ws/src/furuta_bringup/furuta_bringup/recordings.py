@@ -17,7 +17,7 @@ from furuta_ros.messages import NANOSECONDS
 from furuta_sim.parameters import Actuator
 from furuta_sim.rig import drive
 
-from .bag import open_bag, refuse_too_long
+from .bag import last_part, open_bag, refuse_too_long
 from .recorder import PARAMETERS_FILE
 
 # A column of a table that holds no time of its own is filled in every row or in some.
@@ -128,7 +128,9 @@ def _states_topic(path: Path, kinds: dict[str, str], mapping: Mapping) -> str:
     if mapping.states:
         wanted = [topic for topic in states if topic.strip("/") == mapping.states.strip("/")]
     else:
-        wanted = [t for name in ("measurement", "joint_states") for t in states if _last(t) == name]
+        wanted = [
+            t for name in ("measurement", "joint_states") for t in states if last_part(t) == name
+        ]
         wanted = wanted or (states if len(states) == 1 else [])
     if not wanted:
         raise ParameterError(
@@ -149,17 +151,13 @@ def _command_topic(path: Path, kinds: dict[str, str], states: str, mapping: Mapp
     if mapping.command:
         wanted = [t for t in kinds if t.strip("/") == mapping.command.strip("/")]
     else:
-        wanted = [t for name in COMMANDS for t in kinds if name in _last(t) and t != states]
+        wanted = [t for name in COMMANDS for t in kinds if name in last_part(t) and t != states]
     if not wanted:
         raise ParameterError(
             f"{path}: no command {mapping.command or ''}".rstrip()
             + f"; name its topic with --command (effort: that of {states}); it has {_listed(kinds)}"
         )
     return wanted[0]
-
-
-def _last(topic: str) -> str:
-    return topic.rpartition("/")[2]
 
 
 def _joints(path: Any, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], list[str]]:

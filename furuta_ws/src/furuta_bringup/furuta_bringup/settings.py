@@ -59,8 +59,9 @@ def _assigned(settings: Settings, assignments: Iterable[str]) -> Settings:
             raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
         for node, each in parameters_named(name.strip()):
             settings[node][each.name] = _checked(each, _value(text, name))
-    _check_sample_times(settings)
-    _check_seeing(settings)
+    made = _made(settings)
+    _check_sample_times(made)
+    _check_seeing(made)
     return settings
 
 
@@ -69,8 +70,12 @@ def merged(under: Settings, over: Settings) -> Settings:
     return {node: under[node] | over[node] for node in NODES}
 
 
-def _check_sample_times(settings: Settings) -> None:
-    made: dict[str, Any] = {node: build(group, settings[node]) for node, group in NODES.items()}
+def _made(settings: Settings) -> dict[str, Any]:
+    """Every node's parameters."""
+    return {node: build(group, settings[node]) for node, group in NODES.items()}
+
+
+def _check_sample_times(made: dict[str, Any]) -> None:
     times = {
         "plant": made["plant"].plant.sample_time,
         "estimator": made["estimator"].sample_time,
@@ -82,10 +87,9 @@ def _check_sample_times(settings: Settings) -> None:
         raise ParameterError(f"sample_time must be the same for all nodes, given {given}")
 
 
-def _check_seeing(settings: Settings) -> None:
+def _check_seeing(made: dict[str, Any]) -> None:
     """Refuse a compensation that needs to see the friction with a filter that does not."""
-    observer = build(ObserverParameters, settings["friction_observer"])
-    estimator = build(EstimatorParameters, settings["estimator"])
+    observer, estimator = made["friction_observer"], made["estimator"]
     if observer.compensation in SEEING and estimator.method != "kalman":
         raise ParameterError(
             f"compensation {observer.compensation} needs estimator.method=kalman, which tells "
@@ -95,7 +99,7 @@ def _check_seeing(settings: Settings) -> None:
 
 def loop(settings: Settings) -> Loop:
     """The same parameters for the loop without ROS."""
-    made: dict[str, Any] = {node: build(group, settings[node]) for node, group in NODES.items()}
+    made = _made(settings)
     return Loop(
         made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
     )
