@@ -20,7 +20,7 @@ from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
-from .bag import open_bag, refuse_too_long
+from .bag import last_part, open_bag, refuse_too_long
 from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
 from .settings import Settings, gather, loop, merged, read_file
 
@@ -55,10 +55,10 @@ def read_session(bag: Path) -> Session:
     changes: list[tuple[int, str, dict[str, Any]]] = []
     with open_bag(bag) as reader:
         wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
-        chosen = [c for c in reader.connections if c.topic.rpartition("/")[2] in wanted]
+        chosen = [c for c in reader.connections if last_part(c.topic) in wanted]
         refuse_too_long(bag, chosen)
         for connection, _, data in reader.messages(chosen):
-            name = connection.topic.rpartition("/")[2]
+            name = last_part(connection.topic)
             if name == PARAMETER_EVENTS.name.strip("/"):
                 # As ROS reads it: its padding is more than other readers bear.
                 event = deserialize_message(bytes(data), ParameterEvent)
