@@ -5,6 +5,7 @@ from __future__ import annotations
 from time import monotonic
 
 import numpy as np
+import pytest
 from rclpy.node import Node
 from std_msgs.msg import UInt64MultiArray
 
@@ -12,6 +13,8 @@ from furuta_bringup.graph import Graph
 from furuta_bringup.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import QOS, TIMING
+
+pytestmark = pytest.mark.realtime
 
 
 def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:

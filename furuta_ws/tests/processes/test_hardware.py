@@ -29,6 +29,8 @@ from furuta_hw.bridge_node import HardwareBridge
 from furuta_hw.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
 
+pytestmark = pytest.mark.realtime
+
 RIG = Rig()
 PERIOD = 1_000_000
 WATCHDOG = RIG.watchdog_samples * PERIOD

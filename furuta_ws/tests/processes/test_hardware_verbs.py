@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from rosbags.highlevel import AnyReader
 
+pytestmark = pytest.mark.realtime
+
 
 def test_rig_is_shown_and_printed(furuta: Any, tmp_path: Path) -> None:
     """A rig's model as JSON, and as a parameter file that other verbs take."""

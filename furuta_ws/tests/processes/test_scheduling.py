@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.realtime
+
 
 def test_cores_and_timing(furuta: Any, tmp_path: Path) -> None:
     """Granted cores and a collector that is off are said, and how late samples were is written."""
