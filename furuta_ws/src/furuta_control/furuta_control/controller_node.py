@@ -10,6 +10,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_model.block import block
+from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
@@ -53,8 +55,8 @@ class Controller(FurutaNode[ControllerParameters]):
 
     def parameters_changed(self, parameters: ControllerParameters) -> None:
         """Place the poles anew."""
-        self._feedback = state_feedback(parameters)
-        control(self._memory.copy(), self._x, 0.0, self._feedback)
+        self._feedback = block(state_feedback(parameters))
+        _control(self._memory.copy(), self._x, 0.0, self._feedback)
 
     def _on_state(self, message: JointState) -> None:
         read_joints(message, self._x)
@@ -100,8 +102,13 @@ class Controller(FurutaNode[ControllerParameters]):
         return self.parameters.friction_timeout * NANOSECONDS
 
     def _publish(self, friction: float) -> None:
-        self._command.data = control(self._memory, self._x, friction, self._feedback)
+        self._command.data = _control(self._memory, self._x, friction, self._feedback)
         self._publisher.publish(self._command)
+
+
+@compiled
+def _control(memory: np.ndarray, x: np.ndarray, friction: float, feedback: np.ndarray) -> float:
+    return control(memory, x, friction, feedback[0])
 
 
 def main() -> None:

@@ -9,6 +9,8 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
+from furuta_model.block import block
+from furuta_model.compiled import compiled
 from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nanoseconds
 from furuta_ros.node import FurutaNode
@@ -45,15 +47,17 @@ class Estimator(FurutaNode[EstimatorParameters]):
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Sample the filters anew; their memory stays."""
-        self._estimator = estimator(parameters)
+        made = estimator(parameters)
+        self._ideal, self._kalman = made.ideal, made.kalman
+        self._estimator = block(made)
         self._interval = parameters.sample_time * NANOSECONDS
-        estimate_state(self._memory.copy(), self._measurement, self._estimator, self._estimate)
+        _estimate(self._memory.copy(), self._measurement, self._estimator, self._estimate)
 
     def _on_measurement(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             self._read(message)
-            estimate_state(self._memory, self._measurement, self._estimator, self._estimate)
+            _estimate(self._memory, self._measurement, self._estimator, self._estimate)
             filled = self._writer.fill(self._estimate, self._estimate[EFFORT])
             filled.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
@@ -62,8 +66,7 @@ class Estimator(FurutaNode[EstimatorParameters]):
 
     def _read(self, message: JointState) -> None:
         """Take the measurement if it has what the estimator needs."""
-        ideal, kalman = self._estimator.ideal, self._estimator.kalman
-        read_joints(message, self._measurement, pendulum_speed=ideal, effort=kalman)
+        read_joints(message, self._measurement, pendulum_speed=self._ideal, effort=self._kalman)
 
     def _check_interval(self, interval: int) -> None:
         """Tell when the measurements keep coming at another interval than the filter is for."""
@@ -76,6 +79,13 @@ class Estimator(FurutaNode[EstimatorParameters]):
                 f"measurements come every {interval / NANOSECONDS:g} s, but sample_time is "
                 f"{self.parameters.sample_time:g} s"
             )
+
+
+@compiled
+def _estimate(
+    memory: np.ndarray, measurement: np.ndarray, estimator: np.ndarray, estimate: np.ndarray
+) -> None:
+    estimate_state(memory, measurement, estimator[0], estimate)
 
 
 def main() -> None:

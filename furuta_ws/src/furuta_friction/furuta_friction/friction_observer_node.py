@@ -11,6 +11,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_model.block import block
+from furuta_model.compiled import compiled
 from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.messages import read_joints, stamp_nanoseconds
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
@@ -39,15 +41,15 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
         """Take the compensator that the parameters name; its memory stays."""
-        self._compensator = compensator(parameters)
-        estimate_friction(self._memory.copy(), self._x, self._compensator)
+        self._compensator = block(compensator(parameters))
+        _estimate(self._memory.copy(), self._x, self._compensator)
 
     def _on_state(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             read_joints(message, self._x)
             self._check_seeing()
-            self._estimate.data = estimate_friction(self._memory, self._x, self._compensator)
+            self._estimate.data = _estimate(self._memory, self._x, self._compensator)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
 
@@ -60,6 +62,11 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
                 "the estimator's method kalman tells",
                 throttle_duration_sec=WARNING_PERIOD,
             )
+
+
+@compiled
+def _estimate(memory: np.ndarray, x: np.ndarray, compensator: np.ndarray) -> float:
+    return estimate_friction(memory, x, compensator[0])
 
 
 def main() -> None:

@@ -10,6 +10,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
+from furuta_model.block import block
+from furuta_model.compiled import compiled
 from furuta_model.lugre import friction
 from furuta_model.state import BRISTLE, PHI_DOT, SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
@@ -20,7 +22,7 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from .lockstep import LockStep
 from .parameters import PlantNodeParameters
 from .realtime import RealTime
-from .rig import Noise, initial_state, measure, mechanics, move, substeps
+from .rig import NOISE_CHANNELS, Noise, initial_state, measure, move, substeps
 
 
 class Plant(FurutaNode[PlantNodeParameters]):
@@ -58,7 +60,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         """Take the new rig between two samples."""
         self._rig = parameters.plant
         self._substeps = substeps(self._rig)
-        self._mechanics = mechanics(self._rig)
+        self._block = block(self._rig)
         self.on_change()
 
     @property
@@ -73,11 +75,10 @@ class Plant(FurutaNode[PlantNodeParameters]):
 
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the truth."""
-        x, rig = self.x, self._rig
-        measure(x, self._noise(), rig.sensors, self._measurement)
+        true_friction = _read(self.x, self._noise(), self._block, self._measurement)
         stamp = self.start + self.sample * self._period
         self._truth_writer.stamp(stamp)
-        self._truth_writer.fill(x, friction(x[PHI_DOT], x[BRISTLE], rig.friction))
+        self._truth_writer.fill(self.x, true_friction)
         self._measurement_writer.stamp(stamp)
         self._measurement_writer.fill(self._measurement, self._torque)
         self._truth_publisher.publish(self._truth_writer.message)
@@ -90,7 +91,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = move(self.x, command, self._substeps, self._mechanics)
+            self._torque = _move(self.x, command, self._substeps, self._block)
         self.sample += 1
 
     def _on_command(self, message: Float64) -> None:
@@ -109,9 +110,20 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def _compile(self) -> None:
         """Have all compiled code in memory before time starts."""
         x = initial_state(self._rig)
-        measure(x, np.zeros(2), self._rig.sensors, self._measurement)
-        move(x, 0.0, self._substeps, self._mechanics)
-        friction(x[PHI_DOT], x[BRISTLE], self._rig.friction)
+        _read(x, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
+        _move(x, 0.0, self._substeps, self._block)
+
+
+@compiled
+def _read(x: np.ndarray, noise: np.ndarray, rig: np.ndarray, measurement: np.ndarray) -> float:
+    """Read the sensors and return the true friction [V]."""
+    measure(x, noise, rig[0].sensors, measurement)
+    return friction(x[PHI_DOT], x[BRISTLE], rig[0].friction)
+
+
+@compiled
+def _move(x: np.ndarray, command: float, substeps: int, rig: np.ndarray) -> float:
+    return move(x, command, substeps, rig[0])
 
 
 def main() -> None:

@@ -7,14 +7,11 @@ of x, with NaN where the rig has no sensor (θ̇), and the torque applied since 
 from __future__ import annotations
 
 from math import floor, nan, pi
-from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.lugre import LuGre
 from furuta_model.motion import advance, substeps_for
-from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
@@ -67,22 +64,8 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
     measurement[THETA_DOT] = nan
 
 
-class Mechanics(NamedTuple):
-    """What of a plant :func:`move` looks at: a node that hands on less spends less on it."""
-
-    model: FurutaPendulum
-    friction: LuGre
-    actuator: Actuator
-    sample_time: float
-
-
-def mechanics(plant: Plant) -> Mechanics:
-    """The mechanics of a plant."""
-    return Mechanics(plant.model, plant.friction, plant.actuator, plant.sample_time)
-
-
 @compiled
-def move(x: np.ndarray, command: float, substeps: int, plant: Plant | Mechanics) -> float:
+def move(x: np.ndarray, command: float, substeps: int, plant: Plant) -> float:
     """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
     torque = drive(command, plant.actuator)
     advance(x, torque, plant.sample_time, substeps, plant.model, plant.friction)

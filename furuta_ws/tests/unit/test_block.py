@@ -1,0 +1,59 @@
+"""Parameters in one block of memory."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_control.estimator import estimator
+from furuta_control.parameters import EstimatorParameters
+from furuta_model.block import block
+from furuta_model.compiled import compiled
+from furuta_sim.parameters import Plant
+
+
+class Group(NamedTuple):
+    """A number, a switch, a count."""
+
+    size: float
+    on: bool
+    count: int
+
+
+class Outer(NamedTuple):
+    """A group and an array."""
+
+    inner: Group
+    step: np.ndarray
+
+
+@compiled
+def sums(held: np.ndarray, x: np.ndarray) -> float:
+    p = held[0]
+    total = p.inner.size * p.inner.count if p.inner.on else 0.0
+    return total + p.step[1, 0] * x[0]
+
+
+def test_compiled_code_reads_every_kind() -> None:
+    """Numbers, switches, nested groups and arrays come out as they went in."""
+    step = np.arange(6.0).reshape(2, 3)
+    assert sums(block(Outer(Group(0.5, True, 4), step)), np.array([10.0])) == 2.0 + 30.0
+    assert sums(block(Outer(Group(0.5, False, 4), step)), np.array([0.0])) == 0.0
+
+
+def test_layout_is_that_of_the_types() -> None:
+    """Another value of the same parameters never asks for another compilation."""
+    assert block(Group(1, True, 2)).dtype == block(Group(0.5, False, 3)).dtype
+    assert block(Group(1, True, 2))["size"][0] == 1.0
+
+
+def test_the_product_s_parameters() -> None:
+    """A whole rig, and an estimator with its matrices, to the last bit."""
+    plant = Plant(seed=2**61 + 1)
+    held = block(plant)[0]
+    assert held["seed"] == plant.seed
+    assert held["friction"]["sigma0"] == plant.friction.sigma0
+    assert held["initial"]["theta"] == plant.initial.theta
+    made = estimator(EstimatorParameters())
+    np.testing.assert_array_equal(block(made)[0]["kalman_step"], made.kalman_step)
