@@ -12,6 +12,7 @@ import rclpy
 from bare_chain import BareChain
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from furuta_bringup.graph import Graph
@@ -20,8 +21,8 @@ from furuta_ros.spinning import spin_until
 
 TURNS = 7
 TURN_SECONDS = 1.5
-REALTIME_SECONDS = 5.0
 PERIOD = 0.001
+BREATH = 0.05  # for what waits for a paused graph [s]
 
 
 def lockstep() -> dict[str, float]:
@@ -75,25 +76,70 @@ def realtime() -> dict[str, float]:
     _start()
     bare = _bare_chain()
     graph = Graph(_settings("realtime"))
-    clockwork: Any = graph.plant.clockwork
-    ours = _latencies(graph.executor, graph.plant, clockwork)
-    theirs = _paced_bare_latencies(bare)
+    ours, theirs = Stopwatch(), Stopwatch()
+    plant: Any = graph.plant
+    clockwork = plant.clockwork
+    plant.publish_sample = ours.starting(plant.publish_sample)
+    clockwork.on_command = ours.stopping(clockwork.on_command)
+    bare.on_command = theirs.stopping(lambda: None)
+    for _ in range(TURNS):
+        _run_for(graph, TURN_SECONDS)
+        _pace(bare, theirs.starting(bare.publish_sample))
+        ours.end_turn()
+        theirs.end_turn()
     count = clockwork.punctuality
     _stop(graph, bare)
+    graphs, bares = ours.percentiles(), theirs.percentiles()
     return {
-        "latency_p50_s": float(np.percentile(ours, 50)),
-        "latency_p99_s": float(np.percentile(ours, 99)),
-        "latency_p50_vs_bare_chain": float(np.percentile(ours, 50) / np.percentile(theirs, 50)),
-        "latency_p99_vs_bare_chain": float(np.percentile(ours, 99) / np.percentile(theirs, 99)),
+        "latency_p50_s": float(np.median(graphs[:, 0])),
+        "latency_p99_s": float(np.median(graphs[:, 1])),
+        "latency_p50_vs_bare_chain": float(np.median(graphs[:, 0] / bares[:, 0])),
+        "latency_p99_vs_bare_chain": float(np.median(graphs[:, 1] / bares[:, 1])),
         "realtime_on_time_fraction": count.on_time / count.samples,
         "realtime_overrun_fraction": count.overruns / (count.samples + count.overruns),
         "machine_late_fraction": machine_late_fraction(),
     }
 
 
+class Stopwatch:
+    """Times from one call to another, turn by turn."""
+
+    def __init__(self) -> None:
+        self._began = 0
+        self._turn: list[float] = []
+        self._turns: list[list[float]] = []
+
+    def starting(self, function: Callable[..., None]) -> Callable[..., None]:
+        """``function``, which also starts the watch."""
+
+        def call(*arguments: Any) -> None:
+            self._began = perf_counter_ns()
+            function(*arguments)
+
+        return call
+
+    def stopping(self, function: Callable[..., None]) -> Callable[..., None]:
+        """``function``, which also reads the watch."""
+
+        def call(*arguments: Any) -> None:
+            self._turn.append((perf_counter_ns() - self._began) * 1e-9)
+            function(*arguments)
+
+        return call
+
+    def end_turn(self) -> None:
+        """Begin another turn."""
+        self._turns.append(self._turn)
+        self._turn = []
+
+    def percentiles(self) -> np.ndarray:
+        """Median and 99 % of each turn (n, 2) [s]."""
+        return np.array([np.percentile(turn, (50, 99)) for turn in self._turns])
+
+
 def machine_late_fraction() -> float:
     """Share of a bare sleeping loop's deadlines that the machine serves half a sample late."""
-    start, late, ticks = perf_counter(), 0, round(REALTIME_SECONDS / PERIOD)
+    start, late, ticks = perf_counter(), 0, round(TURNS * TURN_SECONDS / PERIOD)
     for tick in range(1, ticks):
         wait = start + tick * PERIOD - perf_counter()
         if wait > 0:
@@ -102,37 +148,18 @@ def machine_late_fraction() -> float:
     return late / ticks
 
 
-def _latencies(executor: Executor, plant: Any, clockwork: Any) -> list[float]:
-    sent = [0]
-    latencies: list[float] = []
-    publish, receive = plant.publish_sample, clockwork.on_command
-
-    def publish_sample() -> None:
-        sent[0] = perf_counter_ns()
-        publish()
-
-    def on_command(command: float) -> None:
-        latencies.append((perf_counter_ns() - sent[0]) * 1e-9)
-        receive(command)
-
-    plant.publish_sample, clockwork.on_command = publish_sample, on_command
-    _spin_for(executor, REALTIME_SECONDS)
-    return latencies
+def _run_for(graph: Graph, seconds: float) -> None:
+    """Let the paused graph go on for a while; it loses no deadline over its pause."""
+    plant = graph.plant
+    _spin_for(graph.executor, BREATH)
+    plant.set_parameters([Parameter("run_until", value=plant.time + seconds)])
+    spin_until(graph.executor, lambda: plant.paused)
 
 
-def _paced_bare_latencies(bare: BareChain) -> list[float]:
-    sent = [0]
-    latencies: list[float] = []
-
-    def tick() -> None:
-        sent[0] = perf_counter_ns()
-        bare.publish_sample()
-
-    bare.on_command = lambda: latencies.append((perf_counter_ns() - sent[0]) * 1e-9)
+def _pace(bare: BareChain, tick: Callable[[], None]) -> None:
     timer = bare.nodes[0].create_timer(PERIOD, tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
-    _spin_for(bare.executor, REALTIME_SECONDS)
+    _spin_for(bare.executor, TURN_SECONDS)
     timer.cancel()
-    return latencies
 
 
 def _start() -> None:
@@ -155,6 +182,7 @@ def _bare_chain() -> BareChain:
 def _settings(clock: str) -> Settings:
     settings: Settings = {node: {} for node in NODES}
     settings["plant"]["clock"] = clock
+    settings["plant"]["run_until"] = 0.0 if clock == "realtime" else 1e9
     return settings
 
 

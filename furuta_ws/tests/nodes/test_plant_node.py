@@ -14,6 +14,7 @@ from testbench import Bench
 
 from furuta_model.parameters import build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
+from furuta_sim import realtime
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant_node import Plant
 from furuta_sim.rig import initial_state, move, substeps
@@ -92,6 +93,24 @@ def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in measurements]
     assert {(stamp - node.start) % 1_000_000 for stamp in stamps} == {0}
     assert all(later > earlier for earlier, later in pairwise(stamps))
+
+
+def test_realtime_keeps_its_grid_over_a_pause(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A timer that comes late while time stands still moves no deadline of later samples."""
+    began, period = 5_000_000_000, 1_000_000
+    monkeypatch.setattr(realtime, "monotonic_ns", lambda: now)
+    now = began
+    node = plant(bench, run_until=0.0)
+    now = began + 700 * period + 400_000
+    node.clockwork._tick()
+    assert node.sample == 0
+    node.set_parameters([Parameter("run_until", value=1.0)])
+    for k in range(1, 6):
+        now = began + (700 + k) * period
+        node.clockwork._tick()
+        assert node.sample == k
 
 
 def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:

@@ -71,10 +71,11 @@ class RealTime:
     def _tick(self) -> None:
         plant = self._plant
         now = monotonic_ns()
-        if plant.paused:
-            self._first_deadline = now - plant.sample * self._period
-            return
         deadline, late = divmod(now - self._first_deadline, self._period)
+        if plant.paused:
+            # By whole periods: the timer's ticks come where they came before.
+            self._first_deadline += (deadline - plant.sample) * self._period
+            return
         if late > self._period // 2:
             return
         due = max(1, deadline - plant.sample)
