@@ -59,7 +59,7 @@ def command(
     if c is not None:
         other = error_loop_of(given.pendulum, given.feedback, friction, c.tolist())
     if out is not None:
-        from ..convergence_figure import draw  # noqa: PLC0415 - matplotlib only if wanted
+        from ..figures.convergence import draw
 
         draw(g, other, gain, verdict, out)
     result = {

@@ -19,7 +19,7 @@ from rich.table import Table
 from furuta_analysis.tuning import Plan
 from furuta_bringup.bag import read_recording
 from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
-from furuta_bringup.figure import draw
+from furuta_bringup.figures.demo import draw
 from furuta_bringup.settings import gather
 
 from ..options import json_option, model_options, print_json

@@ -51,11 +51,11 @@ def command(
 
 def _draw(given: Analysed, prediction: Prediction, out: Path | None, curves: Path | None) -> None:
     if out is not None:
-        from ..describing_function_figure import draw  # noqa: PLC0415 - matplotlib only if wanted
+        from ..figures.describing_function import draw
 
         draw(given, prediction, out)
     if curves is not None:
-        from ..friction_figure import draw_laws  # noqa: PLC0415
+        from ..figures.friction import draw_laws
 
         draw_laws(given.law.parameters, curves)
 

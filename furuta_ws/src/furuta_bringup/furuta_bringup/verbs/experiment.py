@@ -15,7 +15,6 @@ from rich.table import Table
 from furuta_analysis.experiments import EXPERIMENTS, Outcome, experiment, sensor_resolution
 from furuta_model.parameters import ParameterError
 
-from ..experiment_figure import draw_experiment
 from ..options import json_option, model_options, print_json
 from ..settings import gather, loop
 from ..tuning_report import parameters
@@ -51,6 +50,8 @@ def command(
         with console.status(name) as status:
             outcome = experiment(name, made, seconds, lambda what, _: status.update(escape(what)))
         if out is not None:
+            from ..figures.experiment import draw_experiment
+
             draw_experiment(EXPERIMENTS[name].title, outcome, out / f"{name}.png")
         rows.append(_row(name, outcome))
     if as_json:

@@ -217,7 +217,7 @@ def rig_(name: str, as_file: bool, as_json: bool) -> None:
 
 
 def _parameter_file(rig: Rig) -> str:
-    import yaml  # noqa: PLC0415 - only here
+    import yaml
 
     nodes = {node: {"ros__parameters": given} for node, given in rig_settings(rig).items() if given}
     return str(yaml.safe_dump(nodes, sort_keys=False))

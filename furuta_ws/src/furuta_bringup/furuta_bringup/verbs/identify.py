@@ -16,8 +16,8 @@ from furuta_identification.quality import Followed, follow, held_out
 from furuta_identification.report import node_parameters, summary
 from furuta_model.parameters import ParameterError
 
+from ..figures.residual import draw_residuals
 from ..options import json_option, print_json
-from ..residual_figure import draw_residuals
 
 # Fit over the first seconds, beside that over the whole.
 FIRST_SECONDS = 3.0

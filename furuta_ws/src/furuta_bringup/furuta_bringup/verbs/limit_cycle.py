@@ -12,7 +12,6 @@ from furuta_analysis.continuation import Branch, BranchPoint, fold_value
 from furuta_analysis.limit_cycle import LimitCycle, limit_cycle, released, trace
 from furuta_model.parameters import ParameterError
 
-from .. import cycle_figure
 from ..ideal import Choice, parse_range, require_stabilising
 from ..options import ideal_options, json_option, model_options, print_json
 
@@ -63,11 +62,15 @@ def command(
             if p.event
         ]
         if out is not None:
-            cycle_figure.draw_branch(name, points, out)
+            from ..figures.cycle import draw_branch
+
+            draw_branch(name, points, out)
     elif out is not None:
         if cycle.kind != "oscillation":
             raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
-        cycle_figure.draw_cycle(trace(loop, cycle), cycle, law, out)
+        from ..figures.cycle import draw_cycle
+
+        draw_cycle(trace(loop, cycle), cycle, law, out)
     if as_json:
         print_json(result)
     else:

@@ -14,7 +14,6 @@ from rich.progress import track
 from furuta_analysis.study import StudyPoint, study
 from furuta_model.parameters import ParameterError
 
-from .. import cycle_figure
 from ..ideal import Choice, parse_range
 from ..options import ideal_options, json_option, model_options, print_json
 
@@ -57,7 +56,9 @@ def command(
             writer.writeheader()
             writer.writerows(rows)
     if out is not None:
-        cycle_figure.draw_map(first, second, firsts, seconds, found, out)
+        from ..figures.cycle import draw_map
+
+        draw_map(first, second, firsts, seconds, found, out)
     if as_json:
         print_json({"rows": rows})
     else:

@@ -53,7 +53,7 @@ def command(
 
 
 def _draw(cases: dict[str, Analysed], out: Path) -> None:
-    from ..nyquist_figure import draw  # noqa: PLC0415 - matplotlib only where it is wanted
+    from ..figures.nyquist import draw
 
     draw(cases, out)
 

@@ -16,7 +16,6 @@ from furuta_analysis.tuning import Plan, SimulatedRig, tune
 from furuta_model.parameters import ParameterError
 
 from ..options import json_option, model_options, print_json
-from ..sensitivity_figure import draw_sensitivity
 from ..settings import gather, loop
 
 # Multiples of the rig's noise.
@@ -56,6 +55,8 @@ def command(
         first = made.plant.seed
         rows = sensitivity(made, compensations, NOISES, range(first, first + seeds), seconds)
     if out is not None:
+        from ..figures.sensitivity import draw_sensitivity
+
         draw_sensitivity(rows, sensor_resolution(made), out)
     if as_json:
         print_json({"rows": [row._asdict() for row in rows]})

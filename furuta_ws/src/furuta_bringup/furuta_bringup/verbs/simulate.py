@@ -80,7 +80,7 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 def _keep(record: Any, out: Path, actuator: Any) -> None:
     if out.suffix == ".png":
-        from ..figure import draw_run  # noqa: PLC0415 - slow to load
+        from ..figures.demo import draw_run
 
         draw_run(record, out)
         return

@@ -77,7 +77,7 @@ def command(
     write_table(rows, out)
     journal.finish()
     if picture is not None:
-        from ..sweep_figure import draw  # noqa: PLC0415 - slow to load
+        from ..figures.sweep import draw
 
         draw(axes, rows, picture)
     _report(rows, before, out, as_json)
@@ -86,7 +86,7 @@ def command(
 def _run(study: Study, done: set[int], scheduler: str | None) -> Iterator[Result]:
     if scheduler is None:
         return run_here(study, done)
-    from ..cluster import run_there  # noqa: PLC0415
+    from ..cluster import run_there
 
     return run_there(study, done, scheduler)
 

@@ -5,16 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-
 import matplotlib.pyplot as plt
 import numpy as np
 
 from furuta_analysis.transfer import Transfer, transfer
 
-from .analysed import Analysed
+from ..analysed import Analysed
 
 # Decades of ω shown below and above the loop's own frequencies, and points of the curve.
 DECADES = 4.0

@@ -5,10 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -17,8 +13,8 @@ from furuta_analysis.predicted_cycles import Prediction
 from furuta_analysis.transfer import Transfer, transfer
 from furuta_model.friction_laws import LAWS, LUGRE, FrictionLaw
 
-from .analysed import Analysed
-from .nyquist_figure import curve, title
+from ..analysed import Analysed
+from .nyquist import curve, title
 
 # Amplitudes drawn about the predicted one, points per curve, axes' extent over |G| there.
 SPAN = 300.0

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-
 import matplotlib.pyplot as plt
 
 from furuta_analysis.closed_loop import Record
 from furuta_model.state import PHI, THETA
 
-from .bag import Recording
-from .demo import Phase
+from ..bag import Recording
+from ..demo import Phase
 
 TITLES = {
     "none": "no compensation (Fig. 6)",

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-
 import matplotlib.pyplot as plt
 
 from furuta_analysis.experiments import Outcome, sensor_resolution
 from furuta_model.state import PHI, THETA
 
-from .figure import LABELS
+from .demo import LABELS
 
 # Seconds shown, the last ones.
 SHOWN = 10.0

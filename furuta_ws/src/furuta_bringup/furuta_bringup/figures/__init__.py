@@ -1,0 +1,5 @@
+"""Pictures, drawn without a screen."""
+
+import matplotlib
+
+matplotlib.use("Agg")
