@@ -22,7 +22,7 @@ IDEAL = ["sensors.ideal=true"]
 def record(settings: Settings, seconds: float, bag: Path) -> Path:
     """Run the graph in lock-step and record it."""
     settings["plant"] |= {"clock": "lockstep", "run_until": seconds}
-    graph = Graph(settings, [Recorder(bag, stamped=True)])
+    graph = Graph(settings, recorder=Recorder(bag, stamped=True))
     graph.run_until(seconds)
     graph.close()
     return bag

@@ -24,7 +24,7 @@ def bag(ros: None, tmp_path: Path) -> Path:
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     person = Node("person")
     recorder = Recorder(tmp_path / "bag", stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [recorder, person])
+    graph = Graph(settings, [person], recorder)
     operator = Operator(person, graph.executor)
     operator.set("plant", run_until=2.0)
     graph.run_until(2.0)

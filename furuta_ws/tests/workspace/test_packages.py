@@ -105,7 +105,7 @@ def test_manifest_lists_what_is_imported(package: str) -> None:
         "rich": "python3-rich",
         "matplotlib": "python3-matplotlib",
         "rosbags": "python3-rosbags-pip",
-        "mcap": "python3-mcap-pip",
+        "mcap": "mcap-ros2-support",
         "serial": "python3-serial",
     }
     manifest = ET.parse(SOURCES / package / "package.xml").getroot()

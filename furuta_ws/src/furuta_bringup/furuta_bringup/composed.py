@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
@@ -12,39 +15,67 @@ from furuta_ros.scheduling import Scheduling, schedule
 from furuta_ros.spinning import Stop, spin_until
 from furuta_sim.realtime import RealTime
 
-from .graph import Graph, HardwareGraph
-from .parameter_files import settings_file
-from .recorder import Recorder
+from .graph import Graph, HardwareGraph, Ring
+from .recorder import MakeRecorder
 from .settings import Settings
+
+AnyRing = TypeVar("AnyRing", bound=Ring)
 
 
 def run_composed(
     settings: Settings,
-    record: Path | None,
+    record: MakeRecorder | None,
     seconds: float | None,
     scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
     timing: Path | None = None,
 ) -> None:
     """Run the graph until it is told to stop or the pendulum's time is up.
 
-    Says what of ``scheduling`` the system granted; ``timing`` is a table of how late samples were.
+    ``timing`` is a table of how late samples were.
     """
+    with _running(Graph, settings, record, scheduling) as graph:
+        stop, plant = Stop(), graph.plant
+        spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
+        _report(graph)
+        if timing is not None:
+            _write_timing(graph, timing)
+
+
+def run_on_hardware(
+    settings: Settings,
+    record: MakeRecorder | None,
+    seconds: float | None,
+    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
+) -> None:
+    """Run the graph on a rig until it is told to stop or the rig's time is up."""
+    with _running(HardwareGraph, settings, record, scheduling) as graph:
+        stop, bridge = Stop(), graph.bridge
+        if bridge.state != bridge.parameters.autostart:
+            raise SystemExit(1)  # the bridge has said why in its log
+        period = bridge.rig.line.sample_time
+        print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm", flush=True)
+        spin_until(
+            graph.executor,
+            lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
+        )
+        print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+
+
+@contextmanager
+def _running(
+    make: Callable[..., AnyRing],
+    settings: Settings,
+    record: MakeRecorder | None,
+    scheduling: Scheduling,
+) -> Iterator[AnyRing]:
+    """The graph from ROS's start to its end; says what of ``scheduling`` the system granted."""
     for granted in schedule(scheduling):
         print(granted)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        others = []
-        if record is not None:
-            stamped = settings["plant"].get("clock") == "lockstep"
-            others.append(Recorder(record, stamped, parameters=settings_file(settings)))
-        graph = Graph(settings, others)
+        graph = make(settings, recorder=record() if record is not None else None)
         try:
-            stop = Stop()
-            plant = graph.plant
-            spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
-            _report(graph)
-            if timing is not None:
-                _write_timing(graph, timing)
+            yield graph
         finally:
             graph.close()
     finally:
@@ -76,33 +107,3 @@ def _write_timing(graph: Graph, path: Path) -> None:
         writer.writerow(["from_us", "latency", "lateness"])
         counts = zip(clockwork.latency.counts, clockwork.lateness.counts, strict=True)
         writer.writerows([us, a, b] for us, (a, b) in enumerate(counts) if a or b)
-
-
-def run_on_hardware(
-    settings: Settings,
-    record: Path | None,
-    seconds: float | None,
-    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
-) -> None:
-    """Run the graph on a rig until it is told to stop or the rig's time is up."""
-    for granted in schedule(scheduling):
-        print(granted)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        graph = HardwareGraph(settings, [Recorder(record)] if record is not None else [])
-        try:
-            stop, bridge = Stop(), graph.bridge
-            wanted = bridge.parameters.autostart
-            if bridge.state != wanted:
-                raise SystemExit(1)  # the bridge has said why in its log
-            period = bridge.rig.line.sample_time
-            print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm", flush=True)
-            spin_until(
-                graph.executor,
-                lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
-            )
-            print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
-        finally:
-            graph.close()
-    finally:
-        rclpy.try_shutdown()

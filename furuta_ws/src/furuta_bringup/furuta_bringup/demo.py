@@ -97,7 +97,7 @@ def run_demo(
     person = Node("person")
     settings = _in_lockstep(settings)
     recorder = Recorder(bag, stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [recorder, person])
+    graph = Graph(settings, [person], recorder)
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         operator = Operator(person, graph.executor)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from time import monotonic, sleep
 from typing import Any, cast
 
+from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -18,6 +19,7 @@ from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
 from furuta_sim.plant_node import Plant
 
+from .recorder import COLLECT_EVERY, Recorder
 from .settings import Settings
 
 # Longest wait for the nodes of this process to find each other [s].
@@ -25,13 +27,18 @@ DISCOVERY_TIMEOUT = 30.0
 
 
 class Ring:
-    """Estimator, friction observer and controller around what they control, with others beside."""
+    """Estimator, friction observer and controller around what they control, with others beside.
+
+    Time starts once all know each other, a ``recorder`` among them, so a bag holds the first
+    sample. The recorder collects between samples; it is closed with the graph.
+    """
 
     def __init__(
         self,
         controlled: Callable[[list[Parameter]], Node],
         settings: Settings,
-        others: Iterable[Node],
+        others: Iterable[Node] = (),
+        recorder: Recorder | None = None,
     ) -> None:
         def overrides(node: str) -> list[Parameter]:
             return [Parameter(name, value=value) for name, value in settings[node].items()]
@@ -46,13 +53,19 @@ class Ring:
             self.controller,
             *others,
         ]
-        _wait_until_matched(self.nodes)
+        self._recorder = recorder
+        if recorder is not None:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self.nodes[0].create_timer(COLLECT_EVERY, recorder.collect, clock=steady)
+        _wait_until_matched([*self.nodes, *([recorder] if recorder else [])])
         self.executor: Executor = executor_of(self.nodes)
         settle_memory()
 
     def close(self) -> None:
-        """End the nodes."""
+        """End the nodes, and the recording first."""
         self.executor.shutdown()
+        if self._recorder is not None:
+            self._recorder.destroy_node()
         for node in self.nodes:
             node.destroy_node()
 
@@ -60,8 +73,13 @@ class Ring:
 class Graph(Ring):
     """The ring around the simulated plant."""
 
-    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
-        super().__init__(Plant, settings, others)
+    def __init__(
+        self,
+        settings: Settings,
+        others: Iterable[Node] = (),
+        recorder: Recorder | None = None,
+    ) -> None:
+        super().__init__(Plant, settings, others, recorder)
         self.plant = cast(Plant, self.nodes[0])
 
     def run_until(self, seconds: float) -> None:
@@ -72,8 +90,13 @@ class Graph(Ring):
 class HardwareGraph(Ring):
     """The ring around a real rig."""
 
-    def __init__(self, settings: Settings, others: Iterable[Node] = ()) -> None:
-        super().__init__(HardwareBridge, settings, others)
+    def __init__(
+        self,
+        settings: Settings,
+        others: Iterable[Node] = (),
+        recorder: Recorder | None = None,
+    ) -> None:
+        super().__init__(HardwareBridge, settings, others, recorder)
         self.bridge = cast(HardwareBridge, self.nodes[0])
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
 
+import rclpy
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from rclpy.signals import SignalHandlerOptions
 
 from furuta_model.parameters import ParameterError
 
+from .recorder import MakeRecorder
 from .settings import Settings
 
 # Node name → package; the executable bears the node's name.
@@ -24,8 +28,8 @@ PACKAGES = {
 HARDWARE = {"hardware_bridge": "furuta_hw"} | {
     node: package for node, package in PACKAGES.items() if node != "plant"
 }
-# Seconds between looks at the processes, and that they get to end.
-LOOK = 0.1
+# Seconds between looks at the processes and at what is to be recorded, and that they get to end.
+LOOK = 0.02
 GRACE = 5.0
 
 
@@ -54,26 +58,55 @@ def arguments(values: dict[str, object]) -> list[str]:
 
 
 def run_processes(
-    settings: Settings, stop: Callable[[], bool], packages: dict[str, str] = PACKAGES
+    settings: Settings,
+    stop: Callable[[], bool],
+    packages: dict[str, str] = PACKAGES,
+    record: MakeRecorder | None = None,
 ) -> int:
-    """Run a process per node until ``stop()`` or until one ends; returns the exit status."""
-    children = {
-        node: subprocess.Popen([executable(package, node), *arguments(settings[node])])
-        for node, package in packages.items()
-    }
+    """Run a process per node until ``stop()`` or until one ends; returns the exit status.
+
+    This process itself records, if asked to.
+    """
+    with _collecting(record) as collect:
+        children = {
+            node: subprocess.Popen([executable(package, node), *arguments(settings[node])])
+            for node, package in packages.items()
+        }
+        try:
+            while not stop():
+                ended = [node for node, child in children.items() if child.poll() is not None]
+                if ended:
+                    return max(children[node].returncode != 0 for node in ended)
+                collect()
+                sleep(LOOK)
+            return 0
+        finally:
+            _end(list(children.values()))
+
+
+@contextmanager
+def _collecting(record: MakeRecorder | None) -> Iterator[Callable[[], None]]:
+    """What is to be called now and then; the recording begins before and ends after."""
+    if record is None:
+        yield lambda: None
+        return
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        while not stop():
-            ended = [node for node, child in children.items() if child.poll() is not None]
-            if ended:
-                return max(children[node].returncode != 0 for node in ended)
-            sleep(LOOK)
-        return 0
+        recorder = record()
+        try:
+            yield recorder.collect
+        finally:
+            recorder.destroy_node()
     finally:
-        for child in children.values():
-            child.terminate()
-        for child in children.values():
-            try:
-                child.wait(GRACE)
-            except subprocess.TimeoutExpired:
-                child.kill()
-                child.wait()
+        rclpy.try_shutdown()
+
+
+def _end(children: list[subprocess.Popen[bytes]]) -> None:
+    for child in children:
+        child.terminate()
+    for child in children:
+        try:
+            child.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.wait()

@@ -11,8 +11,6 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-from rcl_interfaces.msg import ParameterEvent
-from rclpy.serialization import deserialize_message
 
 from furuta_analysis.recomputation import Recomputed, recompute
 from furuta_model.parameters import ParameterError
@@ -59,14 +57,11 @@ def read_session(bag: Path) -> Session:
         refuse_too_long(bag, chosen)
         for connection, _, data in reader.messages(chosen):
             name = last_part(connection.topic)
-            if name == PARAMETER_EVENTS.name.strip("/"):
-                # As ROS reads it: its padding is more than other readers bear.
-                event = deserialize_message(bytes(data), ParameterEvent)
-                given = {each.name: _value(each.value) for each in event.changed_parameters}
-                changes.append((len(rows), event.node.strip("/"), given))
-                continue
             message: Any = reader.deserialize(data, connection.msgtype)
-            if name in floats:
+            if name == PARAMETER_EVENTS.name.strip("/"):
+                given = {each.name: _value(each.value) for each in message.changed_parameters}
+                changes.append((len(rows), message.node.strip("/"), given))
+            elif name in floats:
                 floats[name].append(message.data)
             else:
                 stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec

@@ -3,44 +3,43 @@
 from __future__ import annotations
 
 import struct
-from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from threading import Event, Thread
-from time import monotonic
 from typing import Any
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
+from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
-from furuta_ros.topics import QOS, TOPICS, Topic, deep
+from furuta_ros.topics import QOS, TIMING, TOPICS, Topic, deep
 
-from .bag_writer import BagWriter
+from .bag_process import BagProcess
 from .mcap_file import Kind
 
-# Seconds between two turns of the writing thread, and between two times that it makes them last.
-TURN = 0.02
-LASTING = 0.25
-# Messages that the thread may lag behind.
-LONGEST_QUEUE = 100_000
-# Messages that may wait for this node while others of its executor run.
-RECEIVE_DEPTH = 10_000
+# Messages of a topic that may wait until they are collected.
+RECEIVE_DEPTH = 100_000
+# Seconds between two times that who runs the recorder lets it collect.
+COLLECT_EVERY = 0.005
 PARAMETER_EVENTS = Topic("/parameter_events", ParameterEvent)
 PARAMETERS_FILE = "parameters.yaml"
+RECORDABLE = (*TOPICS, TIMING)
 
 
 class Recorder(Node):
     """Writes topics as they are, undecoded, to ``path``.
 
-    A thread of its own writes: one write can take longer than many samples. What was received
-    is safe after ``LASTING`` seconds. With ``stamped`` a message is filed under the newest time
-    stamp seen, which makes the bag of a lock-step run repeatable; otherwise under the time of
-    its arrival. Where writing fails, on a full disk say, recording ends with a message and the
-    graph runs on; the bag holds what came before.
+    It belongs to no executor: the middleware keeps what arrives, with its time, until
+    :meth:`collect` hands it to a process that writes. So recording costs the loop no callback, and
+    no wait for a disk. What was collected is safe, whatever happens to this process. With
+    ``stamped``, for lock-step, a message is filed under the newest time stamp before it, which
+    makes the bag repeatable, and collecting waits for the writer; otherwise a message is filed
+    under the time of its arrival. Where writing fails, on a full disk say, recording ends with a
+    message and the graph runs on; the bag holds what came before.
 
     ``parameters`` (a ROS parameter file's text) is kept with the bag, and every change of a
     parameter is recorded from the topic /parameter_events.
@@ -53,89 +52,95 @@ class Recorder(Node):
         topics: Iterable[Topic] = TOPICS,
         parameters: str = "",
     ) -> None:
-        super().__init__("recorder")
+        super().__init__("recorder", start_parameter_services=False)
         self._stamped = stamped
         self._stamp = 0
         self.failure: str | None = None
-        self._queue: deque[tuple[int, int, bytes]] = deque()
+        self.lost = 0
+        self._closed = False
         chosen = [*topics, PARAMETER_EVENTS]
         kept = {PARAMETERS_FILE: parameters} if parameters else {}
-        self._writer = BagWriter(path, self._kinds(chosen), kept)
-        for index, topic in enumerate(chosen[:-1]):
-            self._subscribe(index, topic)
-        self._subscribe_to_parameters(len(chosen) - 1)
-        self._stop = Event()
-        self._thread = Thread(target=self._write, name="recorder")
-        self._thread.start()
-
-    def _kinds(self, topics: Sequence[Topic]) -> list[Kind]:
-        types = get_typestore(Stores.ROS2_JAZZY)
-        return [
-            Kind(
-                self.resolve_topic_name(topic.name),
-                name,
-                types.generate_msgdef(name, ros_version=2)[0],
-                _QOS,
-            )
-            for topic in topics
-            for name in [_type_name(topic)]
+        self._bag = BagProcess(path, [self._kind(topic) for topic in chosen], kept)
+        self._sources = [
+            self.create_subscription(topic.type, topic.name, _never, deep(RECEIVE_DEPTH), raw=True)
+            for topic in chosen
         ]
+        self._numbers = [0] * len(chosen)
 
-    def _subscribe(self, index: int, topic: Topic) -> None:
-        stamped = self._stamped and topic.type is JointState
+    def _kind(self, topic: Topic) -> Kind:
+        name = _type_name(topic)
+        text = get_typestore(Stores.ROS2_JAZZY).generate_msgdef(name, ros_version=2)[0]
+        return Kind(self.resolve_topic_name(topic.name), name, text, _QOS)
 
-        def receive(data: bytes) -> None:
-            if self.failure is not None:
-                return
-            if stamped:
+    def collect(self) -> None:
+        """Hand all that has arrived to the process that writes."""
+        if self.failure is not None:
+            return
+        arrived = [each for index in range(len(self._sources)) for each in self._take(index)]
+        for time, index, data in sorted(arrived):
+            source = self._sources[index]
+            if source.msg_type is ParameterEvent and not _changes(data):
+                continue
+            if source.msg_type is JointState:
                 seconds, nanoseconds = struct.unpack_from("<iI", data, 4)
                 self._stamp = seconds * NANOSECONDS + nanoseconds
-            time = self._stamp if self._stamped else self.get_clock().now().nanoseconds
-            self._queue.append((index, time, data))
-            if self._stamped and len(self._queue) > LONGEST_QUEUE:
-                self._stop.wait(TURN)
-
-        self.create_subscription(topic.type, topic.name, receive, deep(RECEIVE_DEPTH), raw=True)
-
-    def _subscribe_to_parameters(self, index: int) -> None:
-        """Keep changes of parameters; their declaration at a node's start is none."""
-
-        def receive(event: ParameterEvent) -> None:
-            if event.changed_parameters and self.failure is None:
-                now = self.get_clock().now().nanoseconds
-                time = self._stamp if self._stamped else now
-                self._queue.append((index, time, serialize_message(event)))
-
-        self.create_subscription(
-            ParameterEvent, PARAMETER_EVENTS.name, receive, deep(RECEIVE_DEPTH)
-        )
-
-    def _write(self) -> None:
-        queue, writer = self._queue, self._writer
-        lasting = monotonic()
-        try:
-            while not (self._stop.wait(TURN) and not queue):
-                for _ in range(len(queue)):
-                    writer.add(*queue.popleft())
-                if monotonic() - lasting >= LASTING:
-                    writer.flush()
-                    lasting = monotonic()
-            writer.close()
-        except OSError as error:
-            self.failure = f"{writer.path}: {error.strerror}"
-            queue.clear()
+            self._bag.add(index, self._stamp if self._stamped else time, data)
+        self._bag.push(wait=self._stamped)
+        if self._bag.failure is not None:
+            self.failure = self._bag.failure
             self.get_logger().error(f"recording ended: {self.failure}; what came before is kept")
 
+    def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
+        """Time of arrival [ns], topic and content of what has arrived on a topic."""
+        source = self._sources[index]
+        with source.handle:
+            while (taken := source.handle.take_message(source.msg_type, True)) is not None:
+                data, about = taken
+                self._count(source, index, about["publication_sequence_number"])
+                yield about["received_timestamp"], index, data
+
+    def _count(self, source: Subscription, index: int, number: int) -> None:
+        """Tell of messages that the middleware dropped, by the numbers of the only publisher."""
+        missing = number - self._numbers[index] - 1
+        if missing > 0 < self._numbers[index] and source.get_publisher_count() == 1:
+            self.lost += missing
+            self.get_logger().warning(f"{missing} messages on {source.topic} did not arrive")
+        self._numbers[index] = number
+
     def close(self) -> None:
-        """Write what is left and finish the bag."""
-        self._stop.set()
-        self._thread.join()
+        """Collect what is left and finish the bag."""
+        if not self._closed:
+            self._closed = True
+            self.collect()
+            self._bag.close()
+            self.failure = self.failure or self._bag.failure
 
     def destroy_node(self) -> None:
         """Finish the bag with the node."""
-        if self._thread.is_alive():
-            self.close()
+        self.close()
         super().destroy_node()
+
+
+# What makes the recorder of a run once ROS is up.
+MakeRecorder = Callable[[], Recorder]
+
+
+def chosen_topics(names: Iterable[str]) -> tuple[Topic, ...]:
+    """The topics of these names; all of the graph where none is named."""
+    known = {topic.name: topic for topic in RECORDABLE}
+    unknown = [name for name in names if name.strip("/") not in known]
+    if unknown:
+        raise ParameterError(f"no topic {unknown[0]} to record; there are {', '.join(known)}")
+    return tuple(known[name.strip("/")] for name in names) or TOPICS
+
+
+def _changes(data: bytes) -> bool:
+    """Whether an event changes parameters; their declaration at a node's start is no change."""
+    return bool(deserialize_message(data, ParameterEvent).changed_parameters)
+
+
+def _never(message: Any) -> None:
+    """Callback of subscriptions that no executor serves."""
 
 
 def _type_name(topic: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,10 @@ import click
 
 from furuta_bringup.composed import run_composed, run_on_hardware
 from furuta_bringup.hardware import find_rig, rig_file, rig_settings
+from furuta_bringup.parameter_files import settings_file
 from furuta_bringup.processes import HARDWARE, run_processes
-from furuta_bringup.settings import gather
+from furuta_bringup.recorder import MakeRecorder, Recorder, chosen_topics
+from furuta_bringup.settings import Settings, gather
 from furuta_model.parameters import ParameterError
 from furuta_ros.scheduling import Scheduling
 from furuta_ros.spinning import Stop
@@ -28,6 +31,7 @@ from ..options import model_options
 @click.option("--realtime", "clock", flag_value="realtime", help="At the sample time (default).")
 @click.option("--processes", is_flag=True, help="One process per node instead of one for all.")
 @click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record a bag.")
+@click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
 @click.option("--seconds", type=float, help="Stop after this pendulum time.")
 @click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
 @click.option("--cores", metavar="N,N", help="Run on these cores only.")
@@ -44,6 +48,7 @@ def command(
     clock: str | None,
     processes: bool,
     record: Path | None,
+    topics: tuple[str, ...],
     seconds: float | None,
     priority: int | None,
     cores: str | None,
@@ -61,17 +66,16 @@ def command(
     scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
     if seconds is not None and not seconds > 0:
         raise ParameterError(f"--seconds must be above 0, given {seconds:g}")
-    if processes and (record or seconds is not None or timing or scheduling != Scheduling()):
-        raise ParameterError(
-            "--processes goes with neither --record, --seconds, --timing nor scheduling"
-        )
+    if processes and (seconds is not None or timing or scheduling != Scheduling()):
+        raise ParameterError("--processes goes with neither --seconds, --timing nor scheduling")
+    recorder = partial(_recorder, record, topics, settings)
     if plant == "hardware":
         if clock or timing:
             raise ParameterError("a rig keeps its own time: no --lockstep, --realtime or --timing")
         _on_a_rig(settings["hardware_bridge"], port, rig, read_only)
         if processes:
-            sys.exit(run_processes(settings, Stop(), HARDWARE))
-        run_on_hardware(settings, record, seconds, scheduling)
+            sys.exit(run_processes(settings, Stop(), HARDWARE, recorder(stamped=False)))
+        run_on_hardware(settings, recorder(stamped=False), seconds, scheduling)
         return
     if port or read_only:
         raise ParameterError("--port and --read-only go with --plant hardware")
@@ -81,9 +85,21 @@ def command(
         settings["plant"]["run_until"] = seconds
     if timing is not None and settings["plant"].get("clock") == "lockstep":
         raise ParameterError("--timing is of real time; in lock-step nothing is late")
+    record_it = recorder(stamped=settings["plant"].get("clock") == "lockstep")
     if processes:
-        sys.exit(run_processes(settings, Stop()))
-    run_composed(settings, record, seconds, scheduling, timing)
+        sys.exit(run_processes(settings, Stop(), record=record_it))
+    run_composed(settings, record_it, seconds, scheduling, timing)
+
+
+def _recorder(
+    path: Path | None, topics: tuple[str, ...], settings: Settings, stamped: bool
+) -> MakeRecorder | None:
+    """What makes the recorder that was asked for."""
+    if path is None:
+        if topics:
+            raise ParameterError("--topic chooses what --record records")
+        return None
+    return partial(Recorder, path, stamped, chosen_topics(topics), settings_file(settings))
 
 
 def _on_a_rig(bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool) -> None:

@@ -1,0 +1,164 @@
+"""A bag written by a process of its own, which is fed through a pipe.
+
+Who records hands over bytes and goes on: it shares neither a slow disk nor the interpreter with
+the writer. What is in the pipe is the system's, so when the recording process is killed the
+writer writes the rest and finishes the bag.
+
+Both ends are here: :class:`BagProcess`, and :func:`main` of the process that writes.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import select
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from time import monotonic, sleep
+
+from furuta_model.parameters import ParameterError
+
+from .bag_writer import BagWriter
+from .mcap_file import Kind
+
+# Bytes that the pipe holds: a second of the graph at 1 kHz.
+PIPE = 2**20
+# Bytes that wait for room in the pipe at most; a disk that needs more does not keep up.
+LONGEST_WAIT = 2**26
+# Seconds that the writer sleeps where no more than LITTLE [bytes] came: so nobody has to wake it.
+TURN = 0.02
+LITTLE = 2**16
+# Seconds between two times that the writer makes last what it was given.
+LASTING = 0.1
+READY = "ready"
+_FRAME = struct.Struct("<IHQ")  # length of the data, kind, time [ns]
+
+
+class BagProcess:
+    """The end of who records.
+
+    The bag is on the disk once this is made; raises :class:`ParameterError` if it cannot be.
+    ``failure`` says why writing ended before its time.
+    """
+
+    def __init__(self, path: Path, kinds: list[Kind], parameters: dict[str, str]) -> None:
+        self.path = path
+        self.failure: str | None = None
+        self._added: list[bytes] = []
+        self._waiting = memoryview(b"")
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", __name__, str(path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # out of Ctrl-C's reach: its end is the pipe's
+        )
+        assert self._process.stdin is not None
+        self._pipe = self._process.stdin.fileno()
+        fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
+        os.set_blocking(self._pipe, False)
+        self.add(0, 0, json.dumps([kinds, parameters]).encode())
+        self.push(wait=True)
+        answer = self._said()
+        if answer != READY:
+            self._process.wait()
+            raise ParameterError(answer)
+
+    def add(self, kind: int, time: int, data: bytes) -> None:
+        """Take a message of one of the kinds (index), received at ``time`` [ns]."""
+        self._added += (_FRAME.pack(len(data), kind, time), data)
+
+    def push(self, wait: bool = False) -> None:
+        """Hand over what was added: what there is room for or, with ``wait``, all of it."""
+        self._waiting = memoryview(b"".join((self._waiting, *self._added)))
+        self._added.clear()
+        while self._waiting and self.failure is None:
+            try:
+                self._waiting = self._waiting[os.write(self._pipe, self._waiting) :]
+            except BlockingIOError:
+                if not wait:
+                    break
+                select.select([], [self._pipe], [])
+            except BrokenPipeError:
+                self.failure = self._said()
+        if len(self._waiting) > LONGEST_WAIT:
+            self.failure = f"{self.path}: the disk does not keep up"
+
+    def close(self) -> None:
+        """Hand over what is left and wait until the bag is finished."""
+        assert self._process.stdin is not None
+        self.push(wait=True)
+        self._process.stdin.close()
+        if self._process.wait() and self.failure is None:
+            self.failure = self._said()
+
+    def _said(self) -> str:
+        """What the writer says next; the last is why it ended."""
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline().decode().strip()
+        return line or f"{self.path}: the process that wrote it was ended"
+
+
+def main(path: Path) -> int:
+    """Write what comes through standard input until it ends; returns the exit status."""
+    # The recording process may be one that must not be disturbed; this one may.
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    length, _, _ = _FRAME.unpack(_exactly(_FRAME.size))
+    kinds, parameters = json.loads(_exactly(length))
+    try:
+        writer = BagWriter(path, [Kind(*kind) for kind in kinds], parameters)
+        print(READY, flush=True)
+        _write(writer)
+    except ParameterError as error:
+        print(error, flush=True)
+        return 1
+    except OSError as error:
+        print(f"{path}: {error.strerror}", flush=True)
+        return 1
+    return 0
+
+
+def _exactly(length: int) -> bytes:
+    data = b""
+    while len(data) < length:
+        data += os.read(0, length - len(data)) or sys.exit(1)
+    return data
+
+
+def _write(writer: BagWriter) -> None:
+    """Write frames until the pipe's other end is closed, by whatever."""
+    os.set_blocking(0, False)
+    rest, lasting = b"", 0.0
+    while True:
+        try:
+            data = os.read(0, PIPE)
+            if not data:
+                break
+        except BlockingIOError:
+            data = b""
+        rest = _add(writer, rest + data)
+        if monotonic() - lasting >= LASTING:
+            writer.flush()
+            lasting = monotonic()
+        if len(data) <= LITTLE:
+            sleep(TURN)
+    writer.close()
+
+
+def _add(writer: BagWriter, data: bytes) -> bytes:
+    """Give the writer every whole frame; returns the part of one at the end."""
+    at = 0
+    while len(data) - at >= _FRAME.size:
+        length, kind, time = _FRAME.unpack_from(data, at)
+        end = at + _FRAME.size + length
+        if end > len(data):
+            break
+        writer.add(kind, time, data[at + _FRAME.size : end])
+        at = end
+    return data[at:]
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))
