@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from rosbags.highlevel import AnyReader
 
 from furuta_analysis.closed_loop import simulate
 from furuta_analysis.oscillation import measure_oscillation
-from furuta_bringup.bag import read_recording
+from furuta_bringup.bag import read_course
 from furuta_bringup.graph import Graph
 from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import Settings, gather, loop
@@ -22,7 +23,7 @@ IDEAL = ["sensors.ideal=true"]
 def record(settings: Settings, seconds: float, bag: Path) -> Path:
     """Run the graph in lock-step and record it."""
     settings["plant"] |= {"clock": "lockstep", "run_until": seconds}
-    graph = Graph(settings, recorder=Recorder(bag, stamped=True))
+    graph = Graph(settings, record=partial(Recorder, bag, stamped=True))
     graph.run_until(seconds)
     graph.close()
     return bag
@@ -42,7 +43,7 @@ def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str)
     """Nodes and offline simulation call the same functions: equal to the last bit."""
     settings = gather([], [f"compensation={compensation}"])
     expected = simulate(loop(settings), 3.0)
-    got = read_recording(record(settings, 3.0, tmp_path / "bag"))
+    got = read_course(record(settings, 3.0, tmp_path / "bag"))
     assert len(got.time) == 3000
     np.testing.assert_array_equal(got.state, expected.state)
     np.testing.assert_array_equal(got.friction, expected.friction)
@@ -67,7 +68,7 @@ def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
 def test_limit_cycle_with_ideal_sensors(ros: None, tmp_path: Path) -> None:
     """Through the graph: 0.5106 rad, 0.0918 rad, 2.370 s, each within 1 %."""
     bag = record(gather([], IDEAL), 30.0, tmp_path / "bag")
-    settled = read_recording(bag).between(15.0, 30.0)
+    settled = read_course(bag).between(15.0, 30.0)
     measured = measure_oscillation(settled.state, 0.001)
     assert measured.phi_peak_to_peak_rad == pytest.approx(0.5106, rel=0.01)
     assert measured.theta_peak_to_peak_rad == pytest.approx(0.0918, rel=0.01)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -23,8 +24,8 @@ def bag(ros: None, tmp_path: Path) -> Path:
     )
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     person = Node("person")
-    recorder = Recorder(tmp_path / "bag", stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [person], recorder)
+    record = partial(Recorder, tmp_path / "bag", stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [person], record)
     operator = Operator(person, graph.executor)
     operator.set("plant", run_until=2.0)
     graph.run_until(2.0)

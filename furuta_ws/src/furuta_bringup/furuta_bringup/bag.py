@@ -69,8 +69,8 @@ def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
             )
 
 
-class Recording(NamedTuple):
-    """The series of a recorded run, one row per sample.
+class Course(NamedTuple):
+    """What a lock-step run of the graph was in truth, one row per sample.
 
     ``time`` (n,) [s], true ``state`` (n, 4), true ``friction`` (n,) [V], ``friction_estimate``
     (n,) [V], ``command`` (n,) [V].
@@ -82,13 +82,13 @@ class Recording(NamedTuple):
     friction_estimate: np.ndarray
     command: np.ndarray
 
-    def between(self, start: float, end: float) -> Recording:
+    def between(self, start: float, end: float) -> Course:
         """The part with start ≤ time < end."""
         chosen = (self.time >= start - 1e-9) & (self.time < end - 1e-9)
-        return Recording(*(series[chosen] for series in self))
+        return Course(*(series[chosen] for series in self))
 
 
-def read_recording(path: Path) -> Recording:
+def read_course(path: Path) -> Course:
     """Read a lock-step recording with ground truth."""
     rows: list[tuple[float, ...]] = []
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
@@ -104,7 +104,7 @@ def read_recording(path: Path) -> Recording:
                 floats[name].append(message.data)
     samples = min(len(rows), *map(len, floats.values()))
     table = np.array(rows[:samples])
-    return Recording(
+    return Course(
         table[:, 0],
         table[:, 1 : 1 + RIGID_STATES],
         table[:, -1],

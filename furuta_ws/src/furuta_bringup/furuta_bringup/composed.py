@@ -73,7 +73,7 @@ def _running(
         print(granted)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        graph = make(settings, recorder=record() if record is not None else None)
+        graph = make(settings, record=record)
         try:
             yield graph
         finally:

@@ -7,6 +7,7 @@ the compensation is switched. Both use the parameter services, as a person would
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -19,7 +20,7 @@ from furuta_analysis.tuning import Plan, Report, Tuned, tune
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.parameters import ParameterError
 
-from .bag import Recording
+from .bag import Course
 from .graph import Graph
 from .operator import Operator
 from .parameter_files import settings_file
@@ -96,8 +97,8 @@ def run_demo(
     """
     person = Node("person")
     settings = _in_lockstep(settings)
-    recorder = Recorder(bag, stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [person], recorder)
+    record = partial(Recorder, bag, stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [person], record)
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         operator = Operator(person, graph.executor)
@@ -116,11 +117,11 @@ def run_demo(
         graph.close()
 
 
-def evaluate(phases: list[Phase], recording: Recording) -> list[dict[str, Any]]:
+def evaluate(phases: list[Phase], course: Course) -> list[dict[str, Any]]:
     """What each phase came to, on the recorded truth."""
     rows = []
     for phase in phases:
-        settled = recording.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
+        settled = course.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
         oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
         rows.append(
             {
@@ -129,7 +130,7 @@ def evaluate(phases: list[Phase], recording: Recording) -> list[dict[str, Any]]:
                 "theta_peak_to_peak_rad": oscillation.theta_peak_to_peak_rad,
                 "period_s": oscillation.period_s,
                 "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
-                "samples": len(recording.between(phase.start, phase.end).time),
+                "samples": len(course.between(phase.start, phase.end).time),
                 "sim_seconds": phase.end - phase.start,
                 "wall_seconds": phase.wall_seconds,
             }

@@ -19,7 +19,7 @@ from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
 from furuta_sim.plant_node import Plant
 
-from .recorder import COLLECT_EVERY, Recorder
+from .recorder import COLLECT_EVERY, MakeRecorder
 from .settings import Settings
 
 # Longest wait for the nodes of this process to find each other [s].
@@ -29,8 +29,8 @@ DISCOVERY_TIMEOUT = 30.0
 class Ring:
     """Estimator, friction observer and controller around what they control, with others beside.
 
-    Time starts once all know each other, a ``recorder`` among them, so a bag holds the first
-    sample. The recorder collects between samples; it is closed with the graph.
+    Time starts once all know each other and the bag, if they are to ``record``, is on the disk, so
+    it holds the first sample. The recorder collects between samples; it ends with the graph.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Ring:
         controlled: Callable[[list[Parameter]], Node],
         settings: Settings,
         others: Iterable[Node] = (),
-        recorder: Recorder | None = None,
+        record: MakeRecorder | None = None,
     ) -> None:
         def overrides(node: str) -> list[Parameter]:
             return [Parameter(name, value=value) for name, value in settings[node].items()]
@@ -53,11 +53,11 @@ class Ring:
             self.controller,
             *others,
         ]
-        self._recorder = recorder
-        if recorder is not None:
+        self._recorder = record() if record is not None else None
+        if self._recorder is not None:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self.nodes[0].create_timer(COLLECT_EVERY, recorder.collect, clock=steady)
-        _wait_until_matched([*self.nodes, *([recorder] if recorder else [])])
+            self.nodes[0].create_timer(COLLECT_EVERY, self._recorder.collect, clock=steady)
+        _wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
         self.executor: Executor = executor_of(self.nodes)
         settle_memory()
 
@@ -77,9 +77,9 @@ class Graph(Ring):
         self,
         settings: Settings,
         others: Iterable[Node] = (),
-        recorder: Recorder | None = None,
+        record: MakeRecorder | None = None,
     ) -> None:
-        super().__init__(Plant, settings, others, recorder)
+        super().__init__(Plant, settings, others, record)
         self.plant = cast(Plant, self.nodes[0])
 
     def run_until(self, seconds: float) -> None:
@@ -94,9 +94,9 @@ class HardwareGraph(Ring):
         self,
         settings: Settings,
         others: Iterable[Node] = (),
-        recorder: Recorder | None = None,
+        record: MakeRecorder | None = None,
     ) -> None:
-        super().__init__(HardwareBridge, settings, others, recorder)
+        super().__init__(HardwareBridge, settings, others, record)
         self.bridge = cast(HardwareBridge, self.nodes[0])
 
 

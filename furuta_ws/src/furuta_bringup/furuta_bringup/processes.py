@@ -81,6 +81,7 @@ def run_processes(
                 sleep(LOOK)
             return 0
         finally:
+            collect()  # what a node said is forgotten with it
             _end(list(children.values()))
 
 

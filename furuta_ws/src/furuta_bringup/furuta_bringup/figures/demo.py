@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 from furuta_analysis.closed_loop import Record
 from furuta_model.state import PHI, THETA
 
-from ..bag import Recording
+from ..bag import Course
 from ..demo import Phase
 
 TITLES = {
@@ -42,13 +42,13 @@ def draw_run(run: Record, path: Path) -> None:
     plt.close(figure)
 
 
-def draw(recording: Recording, phases: list[Phase], path: Path) -> None:
+def draw(course: Course, phases: list[Phase], path: Path) -> None:
     """One column per phase, one row per signal, each row with one scale."""
     figure, axes = plt.subplots(
         4, len(phases), sharex="col", sharey="row", figsize=(14, 8), layout="constrained"
     )
     for column, phase in zip(axes.T, phases, strict=True):
-        part = recording.between(max(phase.start, phase.end - SHOWN), phase.end)
+        part = course.between(max(phase.start, phase.end - SHOWN), phase.end)
         column[0].set_title(TITLES[phase.compensation])
         column[0].plot(part.time, part.state[:, PHI], lw=1.2)
         column[1].plot(part.time, part.state[:, THETA], lw=1.2)

@@ -17,7 +17,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from furuta_analysis.tuning import Plan
-from furuta_bringup.bag import read_recording
+from furuta_bringup.bag import read_course
 from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
 from furuta_bringup.figures.demo import draw
 from furuta_bringup.settings import gather
@@ -84,11 +84,11 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     finally:
         rclpy.try_shutdown()
     with console.status("reading the bag, drawing"):
-        recording = read_recording(bag)
+        course = read_course(bag)
         figure = directory / "demo.png"
-        draw(recording, phases, figure)
+        draw(course, phases, figure)
     return {
-        "runs": evaluate(phases, recording),
+        "runs": evaluate(phases, course),
         "tuned_parameters": parameters(tuned.after.observer),
         "figure": str(figure),
         "bag": str(bag),
