@@ -5,22 +5,26 @@ from __future__ import annotations
 import errno
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from time import sleep
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup import mcap_file
-from furuta_bringup.bag import open_bag, refuse_too_long
+from furuta_bringup.bag import Bag, refuse_too_long
 from furuta_bringup.bag_writer import BagWriter
 from furuta_bringup.mcap_file import Kind
 from furuta_bringup.recovery import recover
@@ -74,7 +78,7 @@ def test_a_bag_is_whole_after_every_flush(tmp_path: Path) -> None:
     (file,) = writer.path.glob("*.mcap")
     assert file.stat().st_size < 20_000
     assert (writer.path / "parameters.yaml").read_text() == "plant: {}\n"
-    with open_bag(writer.path) as reader:
+    with Bag(writer.path) as reader:
         assert {c.topic: c.msgcount for c in reader.connections} == {"/a": 26, "/b": 25}
         assert [time for _, time, _ in reader.messages()][-1] == 99
 
@@ -94,7 +98,6 @@ def test_a_full_file_is_followed_by_another(tmp_path: Path, monkeypatch: Any) ->
 
 def test_sigkill_at_any_moment(tmp_path: Path) -> None:
     """Twelve writers killed while they write without pause: all that was flushed is there."""
-    rng = random.Random(0)
     for k in range(12):
         bag = tmp_path / f"bag{k}"
         child = subprocess.Popen(
@@ -102,7 +105,7 @@ def test_sigkill_at_any_moment(tmp_path: Path) -> None:
         )
         assert child.stdout is not None
         child.stdout.readline()
-        sleep(rng.uniform(0.0, 0.1))
+        sleep(random.uniform(0.0, 0.1))
         child.send_signal(signal.SIGKILL)
         said = [int(line) for line in child.communicate()[0].splitlines() if line.endswith("\n")]
         by_rosbags, by_mcap = counts(bag)
@@ -142,7 +145,7 @@ def test_recover_truncated(tmp_path: Path, part: float) -> None:
     bag = written(tmp_path / "bag")
     (file,) = bag.glob("*.mcap")
     os.truncate(file, int(part * file.stat().st_size))
-    with pytest.raises(ParameterError, match="no readable bag"), open_bag(bag):
+    with pytest.raises(ParameterError, match="no readable bag"), Bag(bag):
         pass
     result = recover(bag, tmp_path / "mended")
     assert 0.7 * part * 1000 < result["messages"] <= 1000
@@ -165,7 +168,7 @@ def test_recover_without_metadata(tmp_path: Path) -> None:
     """A bag whose metadata.yaml is gone."""
     bag = written(tmp_path / "bag")
     (bag / "metadata.yaml").unlink()
-    with pytest.raises(ParameterError, match="no readable bag"), open_bag(bag):
+    with pytest.raises(ParameterError, match="no readable bag"), Bag(bag):
         pass
     assert recover(bag, tmp_path / "mended")["messages"] == 1000
 
@@ -178,9 +181,76 @@ def test_foreign_bags(tmp_path: Path, plugin: StoragePlugin) -> None:
         connection = writer.add_connection("/a", "std_msgs/msg/Float64", typestore=types)
         for k in range(10):
             writer.write(connection, k, DATA)
-    with open_bag(tmp_path / "bag") as reader:
+    with Bag(tmp_path / "bag") as reader:
         assert reader.message_count == 10
     assert recover(tmp_path / "bag", tmp_path / "mended")["messages"] == 10
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: Any) -> list[Path]:
+    """A bag of ours that was closed, one that was not, and one of another writer."""
+    directory = tmp_path_factory.mktemp("sound")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mcap_file, "DATA_ROOM", 2**16)
+        patch.setattr(mcap_file, "SUMMARY_ROOM", 2**14)
+        killed = BagWriter(directory / "killed", KINDS, {})
+        killed.add(0, 1, DATA)
+        killed.flush()
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    with Writer(directory / "foreign", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connection = writer.add_connection("/a", "std_msgs/msg/Float64", typestore=types)
+        writer.write(connection, 1, DATA)
+    return [written(directory / "closed"), killed.path, directory / "foreign"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    which=st.integers(0, 2),
+    place=st.floats(0.0, 1.0),
+    near_the_start=st.booleans(),
+    damage=st.binary(min_size=1, max_size=30),
+    cut=st.booleans(),
+)
+def test_whatever_is_damaged_gets_an_answer(
+    sound: list[Path],
+    tmp_path_factory: Any,
+    which: int,
+    place: float,
+    near_the_start: bool,
+    damage: bytes,
+    cut: bool,
+) -> None:
+    """Reading and recovery work or refuse in one line; what was recovered reads."""
+    bag = tmp_path_factory.mktemp("damaged") / "bag"
+    shutil.copytree(sound[which], bag)
+    (file,) = (each for each in bag.iterdir() if each.suffix in (".mcap", ".db3"))
+    size = file.stat().st_size
+    with file.open("r+b") as stream:
+        stream.seek(int(place * (min(size, 5000) if near_the_start else size)))
+        stream.write(damage)
+        if cut:
+            stream.truncate()
+    read, mended = refusal(lambda: everything(bag)), bag.with_name("mended")
+    assert read is None or "no readable bag" in read
+    mending = refusal(lambda: recover(bag, mended))
+    assert mending is None or "nothing that can be read" in mending
+    if mending is None:
+        everything(mended)
+
+
+def everything(bag: Path) -> None:
+    with Bag(bag) as reader:
+        for connection, _, data in reader.messages():
+            reader.deserialize(data, connection.msgtype)
+
+
+def refusal(do: Callable[[], Any]) -> str | None:
+    try:
+        do()
+    except ParameterError as error:
+        assert "\n" not in str(error)
+        return str(error)
+    return None
 
 
 @pytest.mark.parametrize("content", [b"", b"not a bag", b"\x89MCAP0\r\n" + b"\xff" * 100])
@@ -188,7 +258,7 @@ def test_rubbish_is_no_bag(tmp_path: Path, content: bytes) -> None:
     """Empty and foreign files are refused in one line, by reading and by recovery."""
     file = tmp_path / "x.mcap"
     file.write_bytes(content)
-    with pytest.raises(ParameterError, match="no readable bag"), open_bag(file):
+    with pytest.raises(ParameterError, match="no readable bag"), Bag(file):
         pass
     with pytest.raises(ParameterError, match="nothing that can be read"):
         recover(file, tmp_path / "mended")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sqlite3
-import struct
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,9 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from rosbags.highlevel import AnyReader
-from rosbags.highlevel.anyreader import AnyReaderError
 from rosbags.interfaces import Connection
-from rosbags.rosbag2 import ReaderError
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
@@ -26,37 +21,56 @@ from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
 LONGEST = 1_000_000
 
 
-@contextmanager
-def open_bag(path: Path) -> Iterator[AnyReader]:
-    """A reader of a bag of any origin; what is wrong with it is said in one line."""
-    if not path.exists():
-        raise ParameterError(f"no bag {path}")
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
-            yield reader
-    except ParameterError:
-        raise
-    except UNREADABLE as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ParameterError(
-            f"{path} is no readable bag: {reason} (`furuta bag recover` mends what it can)"
-        ) from None
+class Bag:
+    """A bag of any origin, to be read in a ``with``; says in one line what is wrong with it.
 
+    ``connections`` are its topics with types and counts, ``start`` its first time [ns].
+    """
 
-# What reading a bag that is not one, or not a whole one, ends in.
-UNREADABLE = (
-    AnyReaderError,
-    ReaderError,
-    OSError,
-    EOFError,
-    ValueError,
-    KeyError,
-    TypeError,
-    AssertionError,
-    struct.error,
-    sqlite3.Error,
-    zlib.error,
-)
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        if not path.exists():
+            raise ParameterError(f"no bag {path}")
+        with self._reading():
+            self._reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
+
+    def __enter__(self) -> Bag:
+        with self._reading():
+            self._reader.open()
+            self.connections: list[Connection] = self._reader.connections
+            self.message_count: int = self._reader.message_count
+            self.start: int = self._reader.start_time
+            self.seconds = max(0, self._reader.duration - 1) / NANOSECONDS
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._reader.close()
+
+    def messages(
+        self, connections: Iterable[Connection] | None = None
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        """Messages of ``connections``, by default of all, with their times [ns]."""
+        chosen = self.connections if connections is None else list(connections)
+        if chosen:
+            with self._reading():
+                yield from self._reader.messages(chosen)
+
+    def deserialize(self, data: bytes, kind: str) -> Any:
+        """A message from its content."""
+        with self._reading():
+            return self._reader.deserialize(data, kind)
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """Whatever is raised by reading a bag that is none, or not a whole one."""
+        try:
+            yield
+        except Exception as error:
+            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise ParameterError(
+                f"{self._path} is no readable bag: {reason} "
+                "(`furuta bag recover` mends what it can)"
+            ) from None
 
 
 def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
@@ -92,7 +106,7 @@ def read_course(path: Path) -> Course:
     """Read a lock-step recording with ground truth."""
     rows: list[tuple[float, ...]] = []
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
-    with open_bag(path) as reader:
+    with Bag(path) as reader:
         wanted = {GROUND_TRUTH.name, *floats}
         connections = [c for c in reader.connections if last_part(c.topic) in wanted]
         for connection, _, data in reader.messages(connections):

@@ -18,7 +18,7 @@ from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
-from .bag import last_part, open_bag, refuse_too_long
+from .bag import Bag, last_part, refuse_too_long
 from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
 from .settings import Settings, gather, loop, merged, read_file
 
@@ -51,7 +51,7 @@ def read_session(bag: Path) -> Session:
     estimate: dict[int, list[float]] = {}
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
     changes: list[tuple[int, str, dict[str, Any]]] = []
-    with open_bag(bag) as reader:
+    with Bag(bag) as reader:
         wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
         chosen = [c for c in reader.connections if last_part(c.topic) in wanted]
         refuse_too_long(bag, chosen)

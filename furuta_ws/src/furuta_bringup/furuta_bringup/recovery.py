@@ -5,14 +5,16 @@ from __future__ import annotations
 import sqlite3
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.stream_reader import breakup_chunk
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from furuta_model.parameters import ParameterError
 
@@ -50,7 +52,7 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
     if out.exists():
         raise ParameterError(f"{out} exists already; name another directory for the bag")
     reasons: list[str] = []
-    kinds = _kinds(files)
+    kinds = _kinds(files, reasons)
     if not kinds:
         raise ParameterError(f"{bag} holds nothing that can be read as a bag")
     kept = bag / PARAMETERS_FILE
@@ -59,18 +61,38 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
     place = {(kind.topic, kind.type_name): index for index, kind in enumerate(kinds)}
     messages = 0
     for found in _messages(files, reasons):
-        writer.add(place[found.kind.topic, found.kind.type_name], found.time, found.data)
-        messages += 1
+        index = place.get((found.kind.topic, found.kind.type_name))
+        if index is not None:
+            writer.add(index, found.time, found.data)
+            messages += 1
     writer.close()
     return {"bag": str(out), "messages": messages, "problems": reasons}
 
 
-def _kinds(files: list[Path]) -> list[Kind]:
-    """Topics of all messages, in the order of their first ones."""
+def _kinds(files: list[Path], reasons: list[str]) -> list[Kind]:
+    """Topics of all messages whose type is known, in the order of their first ones."""
     kinds: dict[tuple[str, str], Kind] = {}
     for found in _messages(files, []):
         kinds.setdefault((found.kind.topic, found.kind.type_name), found.kind)
-    return list(kinds.values())
+    sound = []
+    for kind in kinds.values():
+        try:
+            sound.append(kind._replace(definition=_definition(kind)))
+        except BrokenError as broken:
+            reasons.append(f"left out {kind.topic}: {broken}")
+    return sound
+
+
+def _definition(kind: Kind) -> str:
+    """The definition of a topic's type: as the bag has it if that is sound, or ROS's own."""
+    if kind.definition:
+        with suppress(Exception):  # whatever a parser raises
+            get_types_from_msg(kind.definition, kind.type_name)
+            return kind.definition
+    types = get_typestore(Stores.ROS2_JAZZY)
+    if kind.type_name not in types.types:
+        raise BrokenError(f"nothing defines its type {kind.type_name!r}")
+    return types.generate_msgdef(kind.type_name, ros_version=2)[0]
 
 
 def _messages(files: list[Path], reasons: list[str]) -> Iterator[Found]:
@@ -82,14 +104,12 @@ def _messages(files: list[Path], reasons: list[str]) -> Iterator[Found]:
 
 
 def _of_sqlite(file: Path) -> Iterator[Found]:
-    types = get_typestore(Stores.ROS2_JAZZY)
     connection = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
     try:
-        kinds = {}
-        for number, topic, name in connection.execute("SELECT id, name, type FROM topics"):
-            known = name in types.types
-            text = types.generate_msgdef(name, ros_version=2)[0] if known else ""
-            kinds[number] = Kind(topic, name, text, "")
+        kinds = {
+            number: Kind(str(topic), str(name), "", "")
+            for number, topic, name in connection.execute("SELECT id, name, type FROM topics")
+        }
         for number, time, data in connection.execute(
             "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
         ):
@@ -114,7 +134,7 @@ def _of_records(
 ) -> Iterator[Found]:
     """Messages of the records of a file or of a chunk, until there is no more or one is broken.
 
-    A broken chunk of a file is left out, for the next may be sound, and its reason noted.
+    A broken record of a file is left out, for the next may be sound, and its reason noted.
     """
     while True:
         head = stream.read(_HEAD.size)
@@ -138,11 +158,18 @@ def _of_records(
             if reasons is None:
                 raise
             reasons.append(f"left out {broken}")
-        except (struct.error, ValueError, KeyError, UnicodeDecodeError, EOFError) as error:
-            raise BrokenError(f"a malformed record ({type(error).__name__})") from None
 
 
 def _of_record(
+    opcode: int, content: bytes, schemas: dict[int, Schema], channels: dict[int, Channel]
+) -> Iterator[Found]:
+    try:
+        yield from _of_sound_record(opcode, content, schemas, channels)
+    except (struct.error, ValueError, KeyError, EOFError, ArithmeticError, McapError) as error:
+        raise BrokenError(f"a malformed record ({type(error).__name__})") from None
+
+
+def _of_sound_record(
     opcode: int, content: bytes, schemas: dict[int, Schema], channels: dict[int, Channel]
 ) -> Iterator[Found]:
     stream = ReadDataStream(BytesIO(content))

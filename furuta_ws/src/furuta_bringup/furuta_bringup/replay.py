@@ -17,7 +17,7 @@ from furuta_ros.errors import UserError
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import deep
 
-from .bag import open_bag
+from .bag import Bag
 
 # Depth of the publishers' queues: what a reader may lag behind at full speed.
 DEPTH = 1000
@@ -47,7 +47,7 @@ class Replay(Node):
         self.published = 0
         self.latest = 0.0
         self._channels: dict[str, Publisher] = {}
-        with open_bag(bag) as reader:
+        with Bag(bag) as reader:
             kinds = {c.topic: c.msgtype for c in reader.connections}
         wanted = {_full(topic) for topic in wishes.topics}
         unknown = wanted - {_full(topic) for topic in kinds}
@@ -75,7 +75,7 @@ class Replay(Node):
         if self._wishes.wait:
             self._wait(stop)
         began, first, tick = 0.0, None, -1
-        with open_bag(self._bag) as reader:
+        with Bag(self._bag) as reader:
             chosen = [c for c in reader.connections if c.topic in self._channels]
             for connection, time, data in reader.messages(chosen):
                 if first is None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from furuta_bringup.bag import last_part, open_bag, refuse_too_long
+from furuta_bringup.bag import Bag, last_part, refuse_too_long
 from furuta_bringup.recorder import PARAMETERS_FILE
 from furuta_identification.record import Recording
 from furuta_model.parameters import ParameterError
@@ -25,7 +25,7 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     joints: list[tuple[float, ...]] = []
     commands: list[tuple[float, float]] = []
     findings: list[str] = []
-    with open_bag(path) as reader:
+    with Bag(path) as reader:
         kinds = {c.topic: c.msgtype for c in reader.connections}
         states = _states_topic(path, kinds, mapping)
         command = _command_topic(path, kinds, states, mapping)

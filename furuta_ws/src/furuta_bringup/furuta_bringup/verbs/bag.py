@@ -9,7 +9,7 @@ import click
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_bringup.bag import open_bag
+from furuta_bringup.bag import Bag
 from furuta_bringup.recompute import compare, draw_difference, recomputed
 from furuta_bringup.recorder import PARAMETERS_FILE
 from furuta_bringup.recovery import recover as mend
@@ -33,13 +33,11 @@ def command() -> None:
 @json_option
 def info(bag: Path, as_json: bool) -> None:
     """What is in BAG: topics, types, messages, time."""
-    with open_bag(bag) as reader:
+    with Bag(bag) as reader:
         result: dict[str, Any] = {
             "messages": reader.message_count,
-            "start_s": reader.start_time / NANOSECONDS if reader.message_count else None,
-            "duration_s": max(0, reader.duration - 1) / NANOSECONDS
-            if reader.message_count
-            else 0.0,
+            "start_s": reader.start / NANOSECONDS if reader.message_count else None,
+            "duration_s": reader.seconds if reader.message_count else 0.0,
             "topics": {
                 c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in reader.connections
             },
