@@ -191,7 +191,7 @@ def sound(tmp_path_factory: Any) -> list[Path]:
     """A bag of ours that was closed, one that was not, and one of another writer."""
     directory = tmp_path_factory.mktemp("sound")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mcap_file, "DATA_ROOM", 2**16)
+        patch.setattr(mcap_file, "DATA_ROOM", 2**20 + 2**16)
         patch.setattr(mcap_file, "SUMMARY_ROOM", 2**14)
         killed = BagWriter(directory / "killed", KINDS, {})
         killed.add(0, 1, DATA)

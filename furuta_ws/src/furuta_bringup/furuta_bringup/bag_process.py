@@ -87,8 +87,10 @@ class BagProcess:
             self.failure = f"{self.path}: the disk does not keep up"
 
     def close(self) -> None:
-        """Hand over what is left and wait until the bag is finished."""
+        """Hand over what is left and wait until the bag is finished; a second time does nothing."""
         assert self._process.stdin is not None
+        if self._process.stdin.closed:
+            return
         self.push(wait=True)
         self._process.stdin.close()
         if self._process.wait() and self.failure is None:
@@ -115,7 +117,7 @@ def main(path: Path) -> int:
         print(error, flush=True)
         return 1
     except OSError as error:
-        print(f"{path}: {error.strerror}", flush=True)
+        print(f"{error.filename or path}: {error.strerror}", flush=True)
         return 1
     return 0
 

@@ -39,7 +39,8 @@ class Recorder(Node):
     ``stamped``, for lock-step, a message is filed under the newest time stamp before it, which
     makes the bag repeatable, and collecting waits for the writer; otherwise a message is filed
     under the time of its arrival. Where writing fails, on a full disk say, recording ends with a
-    message and the graph runs on; the bag holds what came before.
+    message and the graph runs on; the bag holds what came before. ``kept`` and ``lost`` count
+    messages handed over and those that the middleware dropped.
 
     ``parameters`` (a ROS parameter file's text) is kept with the bag, and every change of a
     parameter is recorded from the topic /parameter_events.
@@ -56,8 +57,7 @@ class Recorder(Node):
         self._stamped = stamped
         self._stamp = 0
         self.failure: str | None = None
-        self.lost = 0
-        self._closed = False
+        self.kept = self.lost = 0
         chosen = [*topics, PARAMETER_EVENTS]
         kept = {PARAMETERS_FILE: parameters} if parameters else {}
         self._bag = BagProcess(path, [self._kind(topic) for topic in chosen], kept)
@@ -85,10 +85,9 @@ class Recorder(Node):
                 seconds, nanoseconds = struct.unpack_from("<iI", data, 4)
                 self._stamp = seconds * NANOSECONDS + nanoseconds
             self._bag.add(index, self._stamp if self._stamped else time, data)
+            self.kept += 1
         self._bag.push(wait=self._stamped)
-        if self._bag.failure is not None:
-            self.failure = self._bag.failure
-            self.get_logger().error(f"recording ended: {self.failure}; what came before is kept")
+        self._tell_failure()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
         """Time of arrival [ns], topic and content of what has arrived on a topic."""
@@ -107,13 +106,16 @@ class Recorder(Node):
             self.get_logger().warning(f"{missing} messages on {source.topic} did not arrive")
         self._numbers[index] = number
 
+    def _tell_failure(self) -> None:
+        if self.failure is None and self._bag.failure is not None:
+            self.failure = self._bag.failure
+            self.get_logger().error(f"recording ended: {self.failure}; what came before is kept")
+
     def close(self) -> None:
         """Collect what is left and finish the bag."""
-        if not self._closed:
-            self._closed = True
-            self.collect()
-            self._bag.close()
-            self.failure = self.failure or self._bag.failure
+        self.collect()
+        self._bag.close()
+        self._tell_failure()
 
     def destroy_node(self) -> None:
         """Finish the bag with the node."""

@@ -1,0 +1,93 @@
+"""The recorder node: what comes on the topics, collected when it is asked to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+from testbench import joint_state
+
+from furuta_bringup import recorder as module
+from furuta_bringup.bag import Bag
+from furuta_bringup.recorder import Recorder, chosen_topics
+from furuta_model.parameters import ParameterError
+from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
+
+X = (0.1, 0.2, 0.3, 0.4)
+
+
+def publish(bench: Any, count: int, topics: tuple[Topic, ...] = (MEASUREMENT, COMMAND)) -> None:
+    """Publish ``count`` messages on each topic, in turn, to who is known to listen."""
+    publishers = [bench.publisher(topic) for topic in topics]
+    for k in range(count):
+        for topic, publisher in zip(topics, publishers, strict=True):
+            stamped = topic is MEASUREMENT
+            publisher.publish(joint_state(X, k) if stamped else topic.type(data=float(k)))
+
+
+def read(bag: Path) -> list[tuple[str, int, Any]]:
+    with Bag(bag) as reader:
+        return [
+            (c.topic, time, reader.deserialize(data, c.msgtype))
+            for c, time, data in reader.messages()
+        ]
+
+
+def test_messages_in_their_order(bench: Any, tmp_path: Path) -> None:
+    """Topics alternate as they were published; stamped, each is filed under the stamp before."""
+    recorder = Recorder(tmp_path / "bag", stamped=True)
+    publish(bench, 20)
+    recorder.collect()
+    recorder.destroy_node()
+    got = read(tmp_path / "bag")
+    assert [topic for topic, _, _ in got] == ["/measurement", "/command"] * 20
+    assert [time for _, time, _ in got] == [k // 2 for k in range(40)]
+    assert [m.data for topic, _, m in got if topic == "/command"] == list(range(20))
+
+
+def test_only_chosen_topics(bench: Any, tmp_path: Path) -> None:
+    """And nothing else; closing collects what is left."""
+    recorder = Recorder(tmp_path / "bag", topics=chosen_topics(["/command"]))
+    publish(bench, 5, (COMMAND,))
+    recorder.destroy_node()
+    assert [topic for topic, _, _ in read(tmp_path / "bag")] == ["/command"] * 5
+
+
+def test_topics_by_name() -> None:
+    """Without a name those of the graph; an unknown one is refused with what there is."""
+    assert chosen_topics([]) == TOPICS
+    assert chosen_topics(["timing", "ground_truth"]) == (TIMING, GROUND_TRUTH)
+    with pytest.raises(ParameterError, match=f"no topic elbow.*{GROUND_TRUTH.name}"):
+        chosen_topics(["elbow"])
+
+
+def test_changed_parameters_decode(bench: Any, tmp_path: Path) -> None:
+    """A change is kept, a declaration is not, and another library reads it."""
+    recorder = Recorder(tmp_path / "bag")
+    bench.probe.declare_parameter("level", 0.1)
+    bench.probe.declare_parameter("law", "none")
+    changed = [Parameter("level", value=0.2), Parameter("law", value="lugre")]
+    bench.probe.set_parameters_atomically(changed)
+    bench.spin(lambda: recorder.collect() or recorder.kept)  # type: ignore[func-returns-value]
+    recorder.destroy_node()
+    ((topic, _, event),) = read(tmp_path / "bag")
+    assert (topic, event.node) == ("/parameter_events", "/probe")
+    level, law = (each.value for each in event.changed_parameters)
+    assert (level.double_value, law.string_value) == (0.2, "lugre")
+
+
+def test_what_the_middleware_drops_is_counted(bench: Any, tmp_path: Path, monkeypatch: Any) -> None:
+    """A queue that is too short loses the oldest, and the recorder says how many."""
+    monkeypatch.setattr(module, "RECEIVE_DEPTH", 5)
+    recorder = Recorder(tmp_path / "bag", topics=[COMMAND])
+    publish(bench, 1, (COMMAND,))
+    recorder.collect()
+    (publisher,) = (p for p in bench.probe.publishers if p.topic_name == "/command")
+    for k in range(20):
+        publisher.publish(COMMAND.type(data=float(k)))
+    recorder.collect()
+    assert recorder.lost == 15
+    recorder.destroy_node()
+    assert len(read(tmp_path / "bag")) == 6
