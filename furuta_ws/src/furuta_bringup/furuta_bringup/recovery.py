@@ -6,6 +6,7 @@ import sqlite3
 import struct
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -97,14 +98,16 @@ def _definition(kind: Kind) -> str:
 
 def _messages(files: list[Path], reasons: list[str]) -> Iterator[Found]:
     for file in files:
+        read = _of_sqlite if file.suffix == ".db3" else _of_mcap
         try:
-            yield from _of_sqlite(file) if file.suffix == ".db3" else _of_mcap(file, reasons)
-        except (BrokenError, OSError, sqlite3.Error) as error:
+            yield from read(file, reasons)
+        except (BrokenError, OSError, ValueError, sqlite3.Error) as error:
             reasons.append(f"{file.name}: {error}")
 
 
-def _of_sqlite(file: Path) -> Iterator[Found]:
+def _of_sqlite(file: Path, reasons: list[str]) -> Iterator[Found]:
     connection = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
+    connection.text_factory = partial(str, encoding="utf-8", errors="replace")
     try:
         kinds = {
             number: Kind(str(topic), str(name), "", "")
@@ -113,10 +116,16 @@ def _of_sqlite(file: Path) -> Iterator[Found]:
         for number, time, data in connection.execute(
             "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
         ):
-            if number in kinds:
+            if number in kinds and isinstance(data, bytes) and _is_time(time):
                 yield Found(kinds[number], time, data)
+            else:
+                reasons.append(f"{file.name}: left out a damaged message")
     finally:
         connection.close()
+
+
+def _is_time(value: object) -> bool:
+    return isinstance(value, int) and 0 <= value < 2**63
 
 
 def _of_mcap(file: Path, reasons: list[str]) -> Iterator[Found]:
