@@ -141,7 +141,7 @@ def _write(writer: BagWriter) -> None:
         except BlockingIOError:
             data = b""
         rest = _add(writer, rest + data)
-        if monotonic() - lasting >= LASTING:
+        if writer.waiting and monotonic() - lasting >= LASTING:
             writer.flush()
             lasting = monotonic()
         if len(data) <= LITTLE:

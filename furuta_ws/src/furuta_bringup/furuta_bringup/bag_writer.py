@@ -57,6 +57,11 @@ class BagWriter:
         self._note()
 
     @property
+    def waiting(self) -> int:
+        """Bytes that do not last yet."""
+        return self._file.waiting
+
+    @property
     def _name(self) -> str:
         return f"{self.path.name}_{len(self._done)}.mcap"
 

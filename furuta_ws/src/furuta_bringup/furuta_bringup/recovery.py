@@ -44,9 +44,12 @@ class BrokenError(Exception):
 def recover(bag: Path, out: Path) -> dict[str, object]:
     """Write what can be read of ``bag`` (directory or file) into a new bag ``out``."""
     files = sorted(
-        file
-        for file in ([bag] if bag.is_file() else bag.iterdir() if bag.is_dir() else [])
-        if file.suffix in (".mcap", ".db3")
+        (
+            file
+            for file in ([bag] if bag.is_file() else bag.iterdir() if bag.is_dir() else [])
+            if file.suffix in (".mcap", ".db3")
+        ),
+        key=lambda file: (len(file.name), file.name),  # bag_2 before bag_10
     )
     if not files:
         raise ParameterError(f"{bag} holds no .mcap and no .db3 file: nothing to recover")
@@ -57,7 +60,7 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
     if not kinds:
         raise ParameterError(f"{bag} holds nothing that can be read as a bag")
     kept = bag / PARAMETERS_FILE
-    parameters = {PARAMETERS_FILE: kept.read_text()} if kept.is_file() else {}
+    parameters = {PARAMETERS_FILE: kept.read_text(errors="replace")} if kept.is_file() else {}
     writer = BagWriter(out, kinds, parameters)
     place = {(kind.topic, kind.type_name): index for index, kind in enumerate(kinds)}
     messages = 0
