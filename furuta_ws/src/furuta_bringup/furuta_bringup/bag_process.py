@@ -16,6 +16,7 @@ import select
 import struct
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -57,7 +58,8 @@ class BagProcess:
         )
         assert self._process.stdin is not None
         self._pipe = self._process.stdin.fileno()
-        fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
+        with suppress(OSError):  # a user may have as much of pipes as is allowed
+            fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
         os.set_blocking(self._pipe, False)
         self.add(0, 0, json.dumps([kinds, parameters]).encode())
         self.push(wait=True)
@@ -105,8 +107,9 @@ class BagProcess:
 
 def main(path: Path) -> int:
     """Write what comes through standard input until it ends; returns the exit status."""
-    # The recording process may be one that must not be disturbed; this one may.
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    # Its share of time is as any other's, but when it wakes it takes no core from the loop; and a
+    # real-time priority is for the loop alone.
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     length, _, _ = _FRAME.unpack(_exactly(_FRAME.size))
     kinds, parameters = json.loads(_exactly(length))
     try:

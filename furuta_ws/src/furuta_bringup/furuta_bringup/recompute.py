@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,10 +47,10 @@ class Session(NamedTuple):
 
 def read_session(bag: Path) -> Session:
     """Read a bag of the graph, sample by sample."""
-    rows: list[tuple[float, ...]] = []
-    stamps: dict[int, int] = {}
-    estimate: dict[int, list[float]] = {}
-    floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
+    measured = array("d")
+    samples: dict[int, int] = {}  # of the stamps of measurements
+    estimated, estimated_at = array("d"), array("q")
+    floats = {FRICTION_ESTIMATE.name: array("d"), COMMAND.name: array("d")}
     changes: list[tuple[int, str, dict[str, Any]]] = []
     with Bag(bag) as reader:
         wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
@@ -60,35 +61,41 @@ def read_session(bag: Path) -> Session:
             message: Any = reader.deserialize(data, connection.msgtype)
             if name == PARAMETER_EVENTS.name.strip("/"):
                 given = {each.name: _value(each.value) for each in message.changed_parameters}
-                changes.append((len(rows), message.node.strip("/"), given))
+                changes.append((len(samples), message.node.strip("/"), given))
             elif name in floats:
                 floats[name].append(message.data)
             else:
                 stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
-                x = [0.0] * SIGNALS
-                x[PHI], x[THETA] = message.position
-                x[PHI_DOT], x[THETA_DOT] = message.velocity
-                x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
-                if name == MEASUREMENT.name and stamp not in stamps:
-                    stamps[stamp] = len(rows)
-                    rows.append((stamp / NANOSECONDS, *x))
-                elif name == JOINT_STATES.name:
-                    estimate[stamp] = x
-    if not rows:
+                if name == JOINT_STATES.name:
+                    estimated_at.append(stamp)
+                    estimated.extend(_signals(message))
+                elif stamp not in samples:
+                    samples[stamp] = len(samples)
+                    measured.extend(_signals(message))
+    if not samples:
         raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to compute from")
-    table = np.array(rows)
-    n = len(table)
-    estimates = np.full((n, SIGNALS), np.nan)
-    for stamp, x in estimate.items():
-        if stamp in stamps:
-            estimates[stamps[stamp]] = x
+    stamps = np.fromiter(samples, np.int64)
+    n = len(stamps)
+    estimates = np.full((n + 1, SIGNALS), np.nan)
+    places = [samples.get(stamp, n) for stamp in estimated_at]  # of no measurement: the last row
+    estimates[places] = np.array(estimated).reshape(-1, SIGNALS)
     recorded = Recomputed(
-        estimates, _filled(floats[FRICTION_ESTIMATE.name], n), _filled(floats[COMMAND.name], n)
+        estimates[:n], _filled(floats[FRICTION_ESTIMATE.name], n), _filled(floats[COMMAND.name], n)
     )
-    return Session(table[:, 0] - table[0, 0], table[:, 1:], recorded, changes)
+    measurement = np.array(measured).reshape(-1, SIGNALS)
+    return Session((stamps - stamps[0]) / NANOSECONDS, measurement, recorded, changes)
 
 
-def _filled(series: list[float], n: int) -> np.ndarray:
+def _signals(message: Any) -> list[float]:
+    """Angles, speeds and the arm's effort, NaN if there is none."""
+    x = [0.0] * SIGNALS
+    x[PHI], x[THETA] = message.position
+    x[PHI_DOT], x[THETA_DOT] = message.velocity
+    x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
+    return x
+
+
+def _filled(series: array[float], n: int) -> np.ndarray:
     """One value a sample; those that came after the last measurement go, missing ones are NaN."""
     filled = np.full(n, np.nan)
     filled[: min(n, len(series))] = series[:n]
