@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from itertools import pairwise
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import pytest
@@ -105,3 +106,27 @@ def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
     with AnyReader([bag]) as reader:
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
     assert counts == {topic.name: 500 for topic in TOPICS} | {"parameter_events": 0}
+
+
+def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
+    """With ``--processes`` too, chosen topics only; Ctrl-C finishes the bag."""
+    bag = tmp_path / "bag"
+    process = processes.furuta(
+        "run", "--processes", "--lockstep", "--record", bag, "--topic", "command"
+    )
+    deadline = monotonic() + 60.0
+    while not (bag / "metadata.yaml").exists() or not messages(bag):
+        assert monotonic() < deadline
+        sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate()
+    assert process.returncode == 0, err
+    with AnyReader([bag]) as reader:
+        assert {c.topic for c in reader.connections} == {"/command", "/parameter_events"}
+        (file,) = bag.glob("*.mcap")
+        assert file.stat().st_size < 2**26  # an ordinary file, without its room
+
+
+def messages(bag: Path) -> int:
+    with AnyReader([bag]) as reader:
+        return int(reader.message_count)

@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from rosbags.highlevel import AnyReader
 
+from furuta_bringup.settings import read_file
+
 pytestmark = pytest.mark.realtime
 
 
@@ -71,7 +73,7 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
 
 
 def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> None:
-    """Not armed, it drives nothing; the bag has what the sensors said and what was answered."""
+    """Not armed, it drives nothing; the bag has what was said and answered, and by what values."""
     rig, bag = emulate(), tmp_path / "bag"
     status, out, err = furuta(
         *("run", "--plant", "hardware", "--port", rig.port, "--rig", "paper"),
@@ -84,6 +86,9 @@ def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> N
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
     assert counts["measurement"] > 500
     assert counts["command"] > 400
+    kept = read_file(bag / "parameters.yaml")
+    assert kept["hardware_bridge"]["port"] == str(rig.port)
+    assert kept["plant"]["actuator.bits"] == 12
 
 
 def test_arming_by_the_verb(furuta: Any, processes: Any, emulate: Any) -> None:
