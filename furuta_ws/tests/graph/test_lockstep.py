@@ -11,7 +11,7 @@ from rosbags.highlevel import AnyReader
 
 from furuta_analysis.closed_loop import simulate
 from furuta_analysis.oscillation import measure_oscillation
-from furuta_bringup.bag import read_course
+from furuta_bringup.course import read_course
 from furuta_bringup.graph import Graph
 from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import Settings, gather, loop

@@ -20,7 +20,7 @@ from furuta_analysis.tuning import Plan, Report, Tuned, tune
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.parameters import ParameterError
 
-from .bag import Course
+from .course import Course
 from .graph import Graph
 from .operator import Operator
 from .parameter_files import settings_file
