@@ -16,6 +16,7 @@ import select
 import struct
 import subprocess
 import sys
+from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
@@ -49,7 +50,7 @@ class BagProcess:
         self.path = path
         self.failure: str | None = None
         self._added: list[bytes] = []
-        self._waiting = memoryview(b"")
+        self._waiting: deque[memoryview] = deque()
         self._process = subprocess.Popen(
             [sys.executable, "-m", __name__, str(path)],
             stdin=subprocess.PIPE,
@@ -74,19 +75,26 @@ class BagProcess:
 
     def push(self, wait: bool = False) -> None:
         """Hand over what was added: what there is room for or, with ``wait``, all of it."""
-        self._waiting = memoryview(b"".join((self._waiting, *self._added)))
-        self._added.clear()
+        if self._added:
+            self._waiting.append(memoryview(b"".join(self._added)))
+            self._added.clear()
         while self._waiting and self.failure is None:
             try:
-                self._waiting = self._waiting[os.write(self._pipe, self._waiting) :]
+                written = os.write(self._pipe, self._waiting[0])
             except BlockingIOError:
                 if not wait:
                     break
                 select.select([], [self._pipe], [])
             except BrokenPipeError:
                 self.failure = self._said()
-        if len(self._waiting) > LONGEST_WAIT:
+            else:
+                self._waiting[0] = self._waiting[0][written:]
+                if not self._waiting[0]:
+                    self._waiting.popleft()
+        if sum(map(len, self._waiting)) > LONGEST_WAIT:
             self.failure = f"{self.path}: the disk does not keep up"
+        if self.failure is not None:
+            self._waiting.clear()
 
     def close(self) -> None:
         """Hand over what is left and wait until the bag is finished; a second time does nothing."""
@@ -109,7 +117,8 @@ def main(path: Path) -> int:
     """Write what comes through standard input until it ends; returns the exit status."""
     # Its share of time is as any other's, but when it wakes it takes no core from the loop; and a
     # real-time priority is for the loop alone.
-    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+    with suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     length, _, _ = _FRAME.unpack(_exactly(_FRAME.size))
     kinds, parameters = json.loads(_exactly(length))
     try:
