@@ -11,9 +11,9 @@ from rosbags.highlevel import AnyReader
 
 from furuta_analysis.closed_loop import simulate
 from furuta_analysis.oscillation import measure_oscillation
-from furuta_bringup.course import read_course
+from furuta_bringup.bags.course import read_course
+from furuta_bringup.bags.recorder import Recorder
 from furuta_bringup.graph import Graph
-from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import Settings, gather, loop
 from furuta_ros.topics import TOPICS
 

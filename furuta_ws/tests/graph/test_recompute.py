@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
+from furuta_bringup.bags.recompute import compare, recomputed
+from furuta_bringup.bags.recorder import Recorder
+from furuta_bringup.figures.difference import draw_difference
 from furuta_bringup.graph import Graph
 from furuta_bringup.operator import Operator
 from furuta_bringup.parameter_files import settings_file
-from furuta_bringup.recompute import compare, draw_difference, recomputed
-from furuta_bringup.recorder import Recorder
 from furuta_bringup.settings import gather
 
 

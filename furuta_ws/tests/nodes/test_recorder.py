@@ -9,9 +9,9 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import joint_state
 
-from furuta_bringup import recorder as module
-from furuta_bringup.bag import Bag
-from furuta_bringup.recorder import Recorder, chosen_topics
+from furuta_bringup.bags import recorder as module
+from furuta_bringup.bags.bag import Bag
+from furuta_bringup.bags.recorder import Recorder, chosen_topics
 from furuta_model.parameters import ParameterError
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from furuta_bringup import bag_process
-from furuta_bringup.bag import Bag
-from furuta_bringup.bag_process import BagProcess
-from furuta_bringup.mcap_file import Kind
+from furuta_bringup.bags import process as bag_process
+from furuta_bringup.bags.bag import Bag
+from furuta_bringup.bags.mcap_file import Kind
+from furuta_bringup.bags.process import BagProcess
 from furuta_model.parameters import ParameterError
 
 KINDS = [Kind("/a", "std_msgs/msg/Float64", "float64 data\n", "")]

@@ -15,8 +15,8 @@ from furuta_ros.scheduling import Scheduling, schedule
 from furuta_ros.spinning import Stop, spin_until
 from furuta_sim.realtime import RealTime
 
+from .bags.recorder import MakeRecorder
 from .graph import Graph, HardwareGraph, Ring
-from .recorder import MakeRecorder
 from .settings import Settings
 
 AnyRing = TypeVar("AnyRing", bound=Ring)

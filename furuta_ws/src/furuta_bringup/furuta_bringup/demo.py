@@ -20,11 +20,11 @@ from furuta_analysis.tuning import Plan, Report, Tuned, tune
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.parameters import ParameterError
 
-from .course import Course
+from .bags.course import Course
+from .bags.recorder import Recorder
 from .graph import Graph
 from .operator import Operator
 from .parameter_files import settings_file
-from .recorder import Recorder
 from .running_rig import Estimates, RunningRig
 from .settings import Settings
 from .tuning_report import parameters

@@ -19,7 +19,7 @@ from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
 from furuta_sim.plant_node import Plant
 
-from .recorder import COLLECT_EVERY, MakeRecorder
+from .bags.recorder import COLLECT_EVERY, MakeRecorder
 from .settings import Settings
 
 # Longest wait for the nodes of this process to find each other [s].

@@ -14,7 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from furuta_model.parameters import ParameterError
 
-from .recorder import MakeRecorder
+from .bags.recorder import MakeRecorder
 from .settings import Settings
 
 # Node name → package; the executable bears the node's name.

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 from furuta_analysis.closed_loop import Record
 from furuta_model.state import PHI, THETA
 
-from ..course import Course
+from ..bags.course import Course
 from ..demo import Phase
 
 TITLES = {

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from furuta_bringup.bag import Bag, last_part, refuse_too_long
-from furuta_bringup.recorder import PARAMETERS_FILE
+from furuta_bringup.bags.bag import Bag, last_part, refuse_too_long
+from furuta_bringup.bags.recorder import PARAMETERS_FILE
 from furuta_identification.record import Recording
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT

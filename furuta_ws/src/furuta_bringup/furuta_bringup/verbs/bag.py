@@ -9,11 +9,11 @@ import click
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_bringup.bag import Bag
-from furuta_bringup.recompute import compare, draw_difference, recomputed
-from furuta_bringup.recorder import PARAMETERS_FILE
-from furuta_bringup.recovery import recover as mend
-from furuta_bringup.replay import Replay, Wishes
+from furuta_bringup.bags.bag import Bag
+from furuta_bringup.bags.recompute import compare, recomputed
+from furuta_bringup.bags.recorder import PARAMETERS_FILE
+from furuta_bringup.bags.recovery import recover as mend
+from furuta_bringup.bags.replay import Replay, Wishes
 from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.spinning import Stop
@@ -128,6 +128,8 @@ def recompute(
     session, again = recomputed(bag, files, assignments)
     result = compare(session, again)
     if out is not None:
+        from ..figures.difference import draw_difference
+
         draw_difference(session, again, out)
         result["figure"] = str(out)
     if as_json:

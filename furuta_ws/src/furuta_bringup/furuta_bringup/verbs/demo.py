@@ -17,7 +17,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from furuta_analysis.tuning import Plan
-from furuta_bringup.course import read_course
+from furuta_bringup.bags.course import read_course
 from furuta_bringup.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
 from furuta_bringup.figures.demo import draw
 from furuta_bringup.settings import gather

@@ -9,11 +9,11 @@ from typing import Any
 
 import click
 
+from furuta_bringup.bags.recorder import MakeRecorder, Recorder, chosen_topics
 from furuta_bringup.composed import run_composed, run_on_hardware
 from furuta_bringup.hardware import find_rig, rig_file, rig_settings
 from furuta_bringup.parameter_files import settings_file
 from furuta_bringup.processes import HARDWARE, run_processes
-from furuta_bringup.recorder import MakeRecorder, Recorder, chosen_topics
 from furuta_bringup.settings import Settings, gather
 from furuta_model.parameters import ParameterError
 from furuta_ros.scheduling import Scheduling

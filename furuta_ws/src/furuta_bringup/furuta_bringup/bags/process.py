@@ -23,8 +23,8 @@ from time import monotonic, sleep
 
 from furuta_model.parameters import ParameterError
 
-from .bag_writer import BagWriter
 from .mcap_file import Kind
+from .writer import BagWriter
 
 # Bytes that the pipe holds: a second of the graph at 1 kHz.
 PIPE = 2**20

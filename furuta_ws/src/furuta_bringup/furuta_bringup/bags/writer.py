@@ -7,8 +7,8 @@ from pathlib import Path
 
 from furuta_model.parameters import ParameterError
 
-from .bag_metadata import Part, write_metadata
 from .mcap_file import Kind, McapFile
+from .metadata import Part, write_metadata
 
 # Bytes that wait at most: a chunk that is damaged is lost whole.
 LARGEST_CHUNK = 2**18

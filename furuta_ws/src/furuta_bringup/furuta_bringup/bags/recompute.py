@@ -6,11 +6,6 @@ from array import array
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib
-
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
 
 from furuta_analysis.recomputation import Recomputed, recompute
@@ -19,17 +14,9 @@ from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
+from ..settings import Settings, gather, loop, merged, read_file
 from .bag import Bag, last_part, refuse_too_long
 from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
-from .settings import Settings, gather, loop, merged, read_file
-
-SERIES = (
-    ("arm speed [rad/s]", "estimate", PHI_DOT),
-    ("pendulum θ [rad]", "estimate", THETA),
-    ("pendulum speed [rad/s]", "estimate", THETA_DOT),
-    ("friction estimate [V]", "friction_estimate", None),
-    ("command [V]", "command", None),
-)
 
 
 class Session(NamedTuple):
@@ -151,24 +138,3 @@ def compare(session: Session, again: Recomputed) -> dict[str, Any]:
             "rms_difference": float(np.sqrt(np.mean(difference**2))) if len(difference) else 0.0,
         }
     return result
-
-
-def draw_difference(session: Session, again: Recomputed, path: Path) -> None:
-    """Each series recorded and computed again."""
-    figure, axes = plt.subplots(
-        len(SERIES), 1, sharex=True, figsize=(10, 2 * len(SERIES)), layout="constrained"
-    )
-    for axis, (label, name, channel) in zip(axes, SERIES, strict=True):
-        old, new = getattr(session.recorded, name), getattr(again, name)
-        if channel is not None:
-            old, new = old[:, channel], new[:, channel]
-        axis.plot(session.time, old, lw=1.4, label="recorded")
-        axis.plot(session.time, new, lw=0.8, label="computed again")
-        axis.set_ylabel(label)
-        axis.grid(alpha=0.3)
-        axis.margins(x=0)
-    axes[0].legend(loc="upper right")
-    axes[-1].set_xlabel("time [s]")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=100)
-    plt.close(figure)

@@ -9,10 +9,10 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from furuta_model.parameters import ParameterError
 
-from .bag_writer import BagWriter
 from .mcap_file import Kind
 from .recorder import PARAMETERS_FILE
 from .salvage import BrokenError, salvage
+from .writer import BagWriter
 
 
 def recover(bag: Path, out: Path) -> dict[str, object]:

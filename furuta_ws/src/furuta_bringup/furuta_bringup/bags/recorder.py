@@ -18,8 +18,8 @@ from furuta_model.parameters import ParameterError
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import QOS, TIMING, TOPICS, Topic, deep
 
-from .bag_process import BagProcess
 from .mcap_file import Kind
+from .process import BagProcess
 
 # Messages of a topic that may wait until they are collected.
 RECEIVE_DEPTH = 100_000

@@ -1,0 +1,1 @@
+"""Bags: recorded, read, mended, replayed, computed again."""
