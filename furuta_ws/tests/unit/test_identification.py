@@ -9,7 +9,8 @@ from rig_log import Truth, swing
 from furuta_analysis.closed_loop import Loop, simulate
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_identification.fit import Model, identify
+from furuta_identification.fit import identify
+from furuta_identification.model import Model
 from furuta_identification.momentum import momentum_fit, ratios, speed_lag, with_speeds
 from furuta_identification.preparation import Options, prepare
 from furuta_identification.quality import fit_percent, follow, held_out

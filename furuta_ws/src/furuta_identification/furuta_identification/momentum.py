@@ -60,14 +60,25 @@ class MomentumFit(NamedTuple):
 
 def speed_lag(recording: Recording) -> float:
     """How far measured arm speeds lag behind measured angles [s]; 0 where either is missing."""
-    v, phi = recording.measured[:, PHI_DOT], recording.measured[:, PHI]
-    if not np.all(np.isfinite(v)) or np.ptp(phi) == 0.0:
-        return 0.0
+    found = _speed_as_slope(recording, PHI, PHI_DOT)
+    return 0.0 if found is None else float(np.clip(found[1] / (found[0] or 1.0), 0.0, 0.05))
+
+
+def slope_factor(recording: Recording, angle: int, speed: int) -> float | None:
+    """How many times the measured ``speed`` the ``angle``'s slope is; None without motion."""
+    found = _speed_as_slope(recording, angle, speed)
+    return None if found is None else float(found[0])
+
+
+def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray | None:
+    """(k, l) of: slope of the angle = k·speed + l·slope of the speed; None without motion."""
+    v, position = recording.measured[:, speed], recording.measured[:, angle]
+    if not np.all(np.isfinite(v)) or np.ptp(position) == 0.0 or not np.any(v):
+        return None
     windows = _Windows(recording.time)
-    behind = -windows.slope(phi) - windows.mean(v)
-    rise = -windows.slope(v)
-    lag = float(rise @ behind / (rise @ rise)) if np.any(rise) else 0.0
-    return float(np.clip(lag, 0.0, 0.05))
+    columns = np.array([windows.mean(v), -windows.slope(v)]).T
+    found: np.ndarray = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
+    return found
 
 
 def with_speeds(recording: Recording, lag: float) -> Recording:
@@ -129,14 +140,36 @@ class _Windows:
 
 def ratios(recording: Recording) -> np.ndarray:
     """(β/δ, γ/δ) [s²/rad…] by the pendulum's equation; their signs tell the angles' orientation."""
-    return _pendulum_equation(recording, _Windows(recording.time))[0][:2]
+    return _pendulum_equation(recording, _Windows(recording.time)).found[:2]
+
+
+def pendulum_misfit(recording: Recording) -> float:
+    """Part of the pendulum's equation that no coefficients explain, 0 to 1."""
+    return _pendulum_equation(recording, _Windows(recording.time)).misfit
+
+
+def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
+    """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
+    windows = _Windows(recording.time)
+    beta, gamma = _pendulum_equation(recording, windows).found[:2]
+    return np.array(
+        [
+            _arm_equation(
+                recording._replace(command_time=recording.command_time + delay),
+                windows,
+                beta,
+                gamma,
+            ).misfit
+            for delay in delays
+        ]
+    )
 
 
 def momentum_fit(recording: Recording) -> MomentumFit:
     """Regress recording ``recording``, whose speeds are all there and θ = 0 is upright."""
     windows = _Windows(recording.time)
-    pendulum, pendulum_errors = _pendulum_equation(recording, windows)
-    arm, arm_errors = _arm_equation(recording, windows, *pendulum[:2])
+    pendulum, pendulum_errors, _ = _pendulum_equation(recording, windows)
+    arm, arm_errors, _ = _arm_equation(recording, windows, *pendulum[:2])
     alpha, delta, viscous, forth, back = arm
     one_way = not np.all(np.isfinite(arm_errors[3:]))
     coulomb = forth + back if one_way else 0.5 * (forth + back)
@@ -170,7 +203,15 @@ def momentum_fit(recording: Recording) -> MomentumFit:
     )
 
 
-def _pendulum_equation(recording: Recording, windows: _Windows) -> tuple[np.ndarray, np.ndarray]:
+class _Regression(NamedTuple):
+    """Coefficients (k,), their standard errors, and the part left unexplained."""
+
+    found: np.ndarray
+    errors: np.ndarray
+    misfit: float
+
+
+def _pendulum_equation(recording: Recording, windows: _Windows) -> _Regression:
     """β/δ, γ/δ, viscous/δ, Coulomb/δ of the joint, then zero and tilt."""
     phi, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
@@ -188,7 +229,7 @@ def _pendulum_equation(recording: Recording, windows: _Windows) -> tuple[np.ndar
 
 def _arm_equation(
     recording: Recording, windows: _Windows, beta: float, gamma: float
-) -> tuple[np.ndarray, np.ndarray]:
+) -> _Regression:
     """α, δ, viscous, Coulomb level forth and back, with β and γ in units of δ.
 
     Windows in which the arm rests do not count. Where it always turned one way, its Coulomb
@@ -219,7 +260,7 @@ def _arm_equation(
     return _regress(np.array(columns).T[moving], u[moving])
 
 
-def _regress(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _regress(x: np.ndarray, y: np.ndarray) -> _Regression:
     """Least squares with standard errors that allow for the windows' overlap.
 
     What the data never excite stays zero, its standard error infinite.
@@ -233,4 +274,5 @@ def _regress(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     variance = 2.0 * residual @ residual / max(1, len(y) - len(scale))
     solution[used] = found / scale
     errors[used] = np.sqrt(variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))) / scale
-    return solution, errors
+    size = float(np.linalg.norm(y))
+    return _Regression(solution, errors, float(np.linalg.norm(residual)) / size if size else 1.0)

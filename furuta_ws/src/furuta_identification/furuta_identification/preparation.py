@@ -12,6 +12,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
+from .consistency import in_radians, with_true_speeds
 from .momentum import ratios, speed_lag, with_speeds
 from .record import Recording
 
@@ -29,19 +30,29 @@ ZEROS = ("auto", "upright", "hanging")
 
 
 class Options(NamedTuple):
-    """What the user says: the pendulum's ``zero`` (auto, upright, hanging), stretch [s] or None."""
+    """What the user says.
+
+    The pendulum's ``zero`` (auto, upright, hanging), the stretch [s] or None, the ``angles``' unit
+    (auto, rad, deg).
+    """
 
     zero: str = "auto"
     window: float | None = None
+    angles: str = "auto"
 
 
 def prepare(recording: Recording, options: Options) -> tuple[Recording, list[str]]:
     """Clean, turn upright, complete; and what was found on the way."""
     recording, findings = checked(recording)
-    recording, more = with_first_command(recording)
-    findings += more
-    recording, more = oriented(recording, options.zero)
-    return recording, [f"{recording.name}: {each}" for each in findings + more]
+    for step in (
+        lambda each: in_radians(each, options.angles),
+        with_true_speeds,
+        with_first_command,
+        lambda each: oriented(each, options.zero),
+    ):
+        recording, found = step(recording)
+        findings += found
+    return recording, [f"{recording.name}: {each}" for each in findings]
 
 
 def checked(recording: Recording) -> tuple[Recording, list[str]]:
@@ -62,7 +73,11 @@ def checked(recording: Recording) -> tuple[Recording, list[str]]:
             f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time went back)"
         )
     recording = recording._replace(time=time[usable], measured=measured[usable].copy())
-    if not len(recording.command):
+    given = np.isfinite(recording.command) & np.isfinite(recording.command_time)
+    recording = recording._replace(
+        command=recording.command[given], command_time=recording.command_time[given]
+    )
+    if not np.any(given):
         raise ParameterError(
             f"{recording.name}: no command in it; name its topic or column with --command"
         )
@@ -78,8 +93,6 @@ def checked(recording: Recording) -> tuple[Recording, list[str]]:
         findings.append(
             f"dropout of {gap:.3f} s; the usual interval is {recording.interval * 1e3:.2f} ms"
         )
-    for angle in (PHI, THETA):
-        recording.measured[:, angle] = np.unwrap(recording.measured[:, angle])
     return recording, findings
 
 

@@ -13,7 +13,7 @@ from .record import CHANNELS, Recording
 from .shooting import Shooting, stretches
 
 if TYPE_CHECKING:
-    from .fit import Model
+    from .model import Model
 
 # Rest angle [rad] off the model's by which a recording has another zero.
 OTHER_ZERO = 0.03
@@ -70,6 +70,8 @@ def held_out(model: Model, recording: Recording, options: Options) -> tuple[Foll
     started elsewhere, and its zero is taken from that rest.
     """
     ready, findings = prepare(recording, options)
+    if model.turned:
+        ready = ready.with_command_turned()
     at_rest = ready.between(ready.time[0], ready.time[0] + 0.1).measured[:, THETA]
     if np.isinf(model.window) and np.ptp(at_rest) < OTHER_ZERO:
         g = model.guess

@@ -50,6 +50,10 @@ class Recording(NamedTuple):
         measured[:, PHI_DOT] *= arm
         return self._replace(measured=measured)
 
+    def with_command_turned(self) -> Recording:
+        """The same with the command's sign turned."""
+        return self._replace(command=-self.command)
+
     def commanded_at(self, time: np.ndarray) -> np.ndarray:
         """The command in force at each time [V]."""
         if not len(self.command):

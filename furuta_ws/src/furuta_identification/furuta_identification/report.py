@@ -10,7 +10,7 @@ from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
-from .fit import Model
+from .model import Model
 from .unknowns import BY_NAME, FRICTION, LOGARITHMIC, LUGRE
 
 # Part of the prior's spread, and of the value itself, that an error must be below.

@@ -28,6 +28,8 @@ from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 JOINT_SPEED = 0.05
 # Longest integration step [s]: a hundredth of the shortest motion of interest.
 LONGEST_STEP = 1e-3
+# Shortest one [s]: a model that would need a shorter one is far from any rig.
+SHORTEST_STEP = 3e-5
 NO_RIPPLE = np.zeros((0, 3))
 
 
@@ -99,4 +101,5 @@ def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
 
 def longest_step(m: RigModel) -> float:
     """Integration step [s] that resolves the stuck arm on its bristle."""
-    return min(LONGEST_STEP, 0.01 / substeps_for(0.01, m.body, m.arm))
+    resolved = 0.01 / substeps_for(0.01, m.body, m.arm)
+    return min(LONGEST_STEP, max(resolved, SHORTEST_STEP))

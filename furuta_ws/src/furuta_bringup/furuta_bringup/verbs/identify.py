@@ -10,7 +10,8 @@ import numpy as np
 import yaml
 
 from furuta_bringup.recordings import Mapping, read
-from furuta_identification.fit import Model, identify
+from furuta_identification.fit import identify
+from furuta_identification.model import Model
 from furuta_identification.preparation import ZEROS, Options
 from furuta_identification.quality import Followed, follow, held_out
 from furuta_identification.report import node_parameters, summary
