@@ -14,6 +14,8 @@ DEGREE = np.pi / 180.0
 # How much better the pendulum's equation must hold with degrees for them to be found: a small
 # swing is as good in either.
 BETTER = 0.5
+# Errors of the pendulum's zero [rad] that must not be taken for another unit.
+ZEROS = (-0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4)
 # Slope of the angle over what is called its speed, by the unit of the latter.
 SPEED_UNITS = {"rad/s": 1.0, "deg/s": DEGREE, "rpm": 2.0 * np.pi / 60.0}
 # How far a factor may be from a unit's, for noise and ripples.
@@ -25,8 +27,9 @@ def in_radians(recording: Recording, angles: str) -> tuple[Recording, list[str]]
     candidates = {"rad": _unwrapped(recording, 1.0), "deg": _unwrapped(recording, DEGREE)}
     if angles != "auto":
         return candidates[angles], [f"angles in {angles} (as given)"] if angles == "deg" else []
-    misfit = {unit: pendulum_misfit(_with_slopes(each)) for unit, each in candidates.items()}
-    if misfit["deg"] < BETTER * misfit["rad"]:
+    slopes = {unit: _with_slopes(each) for unit, each in candidates.items()}
+    in_rad = min(pendulum_misfit(slopes["rad"].turned(zero, 1.0, 1.0)) for zero in ZEROS)
+    if pendulum_misfit(slopes["deg"]) < BETTER * in_rad:
         return candidates["deg"], ["angles in deg (found)"]
     return candidates["rad"], []
 

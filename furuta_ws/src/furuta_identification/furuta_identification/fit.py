@@ -9,7 +9,7 @@ from furuta_model.state import THETA
 
 from .balanced import fit_balanced
 from .model import Model
-from .momentum import MomentumFit, momentum_fit, speed_lag, with_speeds
+from .momentum import MomentumFit, arm_misfits, momentum_fit, speed_lag, with_speeds
 from .pieces import pieces
 from .preparation import Options, prepare
 from .record import Recording
@@ -18,6 +18,9 @@ from .unknowns import Guess
 
 # Pendulum angle [rad] within which it was balanced, not swinging.
 BALANCED = 0.7
+# Delays [s] looked through, and how much worse than with the best one the regression may be.
+LONGEST_DELAY = 0.15
+AS_GOOD = 1.5
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
@@ -32,10 +35,10 @@ def identify(recordings: list[Recording], options: Options) -> Model:
             prepared.append(ready)
             findings += found
     lag = float(np.median([speed_lag(each) for each in prepared]))
-    prepared, regression, turned = _regress(prepared, lag)
+    prepared, regression, delay, turned = _regress(prepared, lag)
     if turned:
         findings.append("a positive command turns the arm in its negative direction: sign turned")
-    guess = _first_guess(regression, lag)
+    guess = _first_guess(regression, lag, delay)
     balanced = all(np.max(np.abs(each.measured[:, THETA])) < BALANCED for each in prepared)
     fit = fit_balanced if balanced else fit_swinging
     return fit(prepared, guess, regression, findings, options)._replace(turned=turned)
@@ -43,28 +46,35 @@ def identify(recordings: list[Recording], options: Options) -> Model:
 
 def _regress(
     recordings: list[Recording], lag: float
-) -> tuple[list[Recording], MomentumFit, bool]:
-    """The best of the recordings' regressions, with the command's sign turned if need be."""
-    best = _surest(recordings, lag)
-    turned = best.alpha < 0.0
-    if turned:
-        recordings = [each.with_command_turned() for each in recordings]
-        best = _surest(recordings, lag)
-    if min(best.alpha, best.beta, best.gamma, best.delta) <= 0.0:
-        raise ParameterError(
-            f"{', '.join(each.name for each in recordings)}: no Furuta pendulum under this command "
-            "moves so (the regression finds a negative inertia); are joints and command the right "
-            "ones, and does the arm speed up and slow down in it?"
-        )
-    return recordings, best, turned
+) -> tuple[list[Recording], MomentumFit, float, bool]:
+    """The recordings, their best regression, a delay [s], and whether the command was turned.
+
+    The delay is the least with which the regression is about as good as can be and finds a
+    pendulum, not the best one: in slow motion a delay is much like an inertia.
+    """
+    delays = np.arange(-LONGEST_DELAY, LONGEST_DELAY + 1e-9, 0.01)
+    misfits = [arm_misfits(with_speeds(each, lag), delays) for each in recordings]
+    total = np.sqrt(np.sum(np.square(misfits), axis=0))
+    good = delays[total <= AS_GOOD * np.min(total)]
+    for delay in good[np.argsort(np.abs(good), kind="stable")]:
+        for turned in (False, True):
+            each_turned = [each.with_command_turned() if turned else each for each in recordings]
+            best = _surest(each_turned, lag, float(delay))
+            if min(best.alpha, best.beta, best.gamma, best.delta) > 0.0:
+                return each_turned, best, float(delay), turned
+    raise ParameterError(
+        f"{', '.join(each.name for each in recordings)}: no Furuta pendulum under this command "
+        "moves so (the regression finds a negative inertia); are joints and command the right "
+        "ones, and does the arm speed up and slow down in it?"
+    )
 
 
-def _surest(recordings: list[Recording], lag: float) -> MomentumFit:
-    fits = [momentum_fit(with_speeds(each, lag)) for each in recordings]
+def _surest(recordings: list[Recording], lag: float, delay: float) -> MomentumFit:
+    fits = [momentum_fit(with_speeds(each.with_command_later(delay), lag)) for each in recordings]
     return min(fits, key=lambda fit: abs(fit.standard_errors[0] / fit.alpha))
 
 
-def _first_guess(fit: MomentumFit, lag: float) -> Guess:
+def _first_guess(fit: MomentumFit, lag: float, delay: float) -> Guess:
     inertia = max(fit.alpha - fit.gamma**2 / fit.beta, 0.05 * fit.alpha)
     return Guess.of(
         arm_inertia=inertia,
@@ -76,5 +86,6 @@ def _first_guess(fit: MomentumFit, lag: float) -> Guess:
         asymmetry=float(np.clip(fit.coulomb_asymmetry, -0.5, 0.5)),
         pendulum_viscous=max(fit.pendulum_viscous, 1e-6 * fit.beta),
         pendulum_coulomb=max(fit.pendulum_coulomb, 0.0),
+        delay=delay,
         lag=lag,
     )

@@ -21,11 +21,16 @@ MOVING = 0.03
 SLOWEST = 0.05
 # Samples in a row that make a motion.
 SAMPLES = 5
-# Time [s] before the first command that motion must begin for that command to be the second.
-EARLY = 0.02
 # Interval [s] between commands that are set and held rather than streamed.
 HELD = 0.1
+# Time [s] before the first command that motion must begin for that command to be the second, of
+# those streamed; of those held so little may be a delay.
+EARLY = 0.02
+# Time [s] that a command is taken to have been in force when a log begins in motion.
+BEFORE = 1.0
 LONGEST_GAP = 10.0
+# Largest command [V] of a motor of this size.
+LARGEST_COMMAND = 100.0
 ZEROS = ("auto", "upright", "hanging")
 
 
@@ -33,17 +38,19 @@ class Options(NamedTuple):
     """What the user says.
 
     The pendulum's ``zero`` (auto, upright, hanging), the stretch [s] or None, the ``angles``' unit
-    (auto, rad, deg).
+    (auto, rad, deg), and how many volts one of the command is.
     """
 
     zero: str = "auto"
     window: float | None = None
     angles: str = "auto"
+    command_scale: float = 1.0
 
 
 def prepare(recording: Recording, options: Options) -> tuple[Recording, list[str]]:
     """Clean, turn upright, complete; and what was found on the way."""
-    recording, findings = checked(recording)
+    scaled = recording._replace(command=options.command_scale * recording.command)
+    recording, findings = checked(scaled)
     for step in (
         lambda each: in_radians(each, options.angles),
         with_true_speeds,
@@ -80,6 +87,12 @@ def checked(recording: Recording) -> tuple[Recording, list[str]]:
     if not np.any(given):
         raise ParameterError(
             f"{recording.name}: no command in it; name its topic or column with --command"
+        )
+    largest = float(np.max(np.abs(recording.command)))
+    if largest > LARGEST_COMMAND:
+        raise ParameterError(
+            f"{recording.name}: commands up to {largest:g} are no volts; say what one is with "
+            "--command-scale (0.001 for millivolts)"
         )
     for speed in (PHI_DOT, THETA_DOT):
         # A speed that is missing now and then is bridged; one that never comes stays NaN.
@@ -124,20 +137,18 @@ def oriented(recording: Recording, zero: str) -> tuple[Recording, list[str]]:
 def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
     """Adds a first command that the log lacks: the arm moves before there is any."""
     onset = _onset(recording)
+    if onset is not None and onset <= recording.time[SAMPLES]:
+        return _in_motion(recording)
     first = recording.command_time[0]
-    if onset is None or onset >= first - EARLY or recording.command[0] == 0.0:
-        return recording, []
-    if onset <= recording.time[SAMPLES]:
-        kept = recording.between(first, np.inf)
-        if len(kept.time) < 100:
-            raise ParameterError(f"{recording.name}: next to nothing after the first command")
-        return kept, [f"in motion from the start, commands only after {first:.3f} s: began there"]
     intervals = np.diff(recording.command_time)
+    period = float(np.median(intervals)) if len(intervals) else np.inf
+    early = HELD if period > HELD else EARLY
+    if onset is None or onset >= first - early or recording.command[0] == 0.0:
+        return recording, []
     start, why = onset, "when the arm begins to move"
-    if len(intervals) and np.median(intervals) > HELD:
-        period = float(np.median(intervals))
+    if HELD < period < np.inf:
         candidate = first - period * max(1, round((first - onset) / period))
-        if abs(candidate - onset) < 0.05:
+        if abs(candidate - onset) < HELD:
             start, why = candidate, f"one interval of {period:.3f} s earlier"
     return recording._replace(
         command_time=np.append(start, recording.command_time),
@@ -146,6 +157,23 @@ def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
         f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been set {why}, "
         f"at {start:.3f} s"
+    ]
+
+
+def _in_motion(recording: Recording) -> tuple[Recording, list[str]]:
+    """The part with commands; before the first one the same was in force."""
+    first = recording.command_time[0]
+    kept = recording.between(first - EARLY, np.inf)
+    if len(kept.time) < 100:
+        raise ParameterError(f"{recording.name}: next to nothing after the first command")
+    held = kept._replace(
+        command_time=np.append(first - BEFORE, recording.command_time),
+        command=np.append(recording.command[0], recording.command),
+    )
+    late = first > recording.time[0] + EARLY
+    return held, [
+        "in motion from the start: its state there is fitted too"
+        + (f", from the first command at {first:.3f} s on" if late else "")
     ]
 
 

@@ -23,6 +23,8 @@ from .unknowns import Guess
 
 # Rounds of solving for the initial states each time the model changes.
 ROUNDS = 2
+# Speed [rad/s] at the start of a free run from which it does not start from rest.
+MOVING = 0.3
 # Relative size of the steps by which slopes are taken.
 STEP = 1e-6
 # Largest step of an initial state [rad, rad/s] by which slopes are taken.
@@ -58,8 +60,9 @@ class Stretches(NamedTuple):
 def stretches(recording: Recording, window: float, noise: np.ndarray, guess: Guess) -> Stretches:
     """Cut a recording every ``window`` [s] (infinite: not at all).
 
-    The state at each start is what a line through the next samples says; a free run keeps it,
-    shorter stretches may correct it by as much as ``noise`` (4,) allows.
+    The state at each start is what a line through the next samples says. A free run from rest
+    keeps it; one that starts in motion, and shorter stretches, may correct it by as much as
+    ``noise`` (4,) allows.
     """
     time = recording.time
     count = max(1, int((time[-1] - time[0]) // window)) if np.isfinite(window) else 1
@@ -73,7 +76,7 @@ def stretches(recording: Recording, window: float, noise: np.ndarray, guess: Gue
     bristle = bristle_along(recording.time, speeds.measured[:, PHI_DOT].copy(), guess.friction)
     initial[:, BRISTLE] = bristle[starts]
     spread = np.zeros((count, PLANT_STATES))
-    if count > 1:
+    if count > 1 or np.max(np.abs(initial[0, [PHI_DOT, THETA_DOT]])) > MOVING:
         spread[:, :RIGID_STATES] = LOOSE * noise
         level = max(guess["coulomb"] + guess["alpha1"], SMALLEST_LEVEL)
         spread[:, BRISTLE] = 0.5 * level / guess["sigma0"]
