@@ -43,15 +43,15 @@ def fit_balanced(
     names += LUGRE
     guess = optimise(recordings, names, guess, 0.5 * window, scale, tolerance=NEAR).guess
     names.append("delay")
-    fitted = optimise(recordings, names, guess, window, scale)
-    covariance, information = uncertainty(fitted.shooting, fitted.vector, {})
-    delay = fitted.guess["delay"]
-    if abs(delay) < max(3.0 * np.sqrt(covariance[-1, -1]), 0.5 * recordings[0].interval):
+    fitted = optimise(recordings, names, guess, window, scale, tolerance=NEAR)
+    delay, error = fitted.guess["delay"], np.sqrt(uncertainty(fitted.shooting, fitted.vector, {})[0][-1, -1])
+    guess = fitted.guess
+    if abs(delay) < max(3.0 * error, 0.5 * recordings[0].interval):
         findings.append(f"no delay of the command: {delay * 1e3:.3f} ms, taken for none")
         names.remove("delay")
-        guess = fitted.guess.changed(["delay"], [0.0])
-        fitted = optimise(recordings, names, guess, window, scale)
-        covariance, information = uncertainty(fitted.shooting, fitted.vector, {})
+        guess = guess.changed(["delay"], [0.0])
+    fitted = optimise(recordings, names, guess, window, scale)
+    covariance, information = uncertainty(fitted.shooting, fitted.vector, {})
     return Model(
         fitted.guess,
         names,

@@ -15,7 +15,7 @@ DEGREE = np.pi / 180.0
 # swing is as good in either.
 BETTER = 0.5
 # Errors of the pendulum's zero [rad] that must not be taken for another unit.
-ZEROS = (-0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4)
+ZEROS = (0.0, -0.4, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.4)
 # Slope of the angle over what is called its speed, by the unit of the latter.
 SPEED_UNITS = {"rad/s": 1.0, "deg/s": DEGREE, "rpm": 2.0 * np.pi / 60.0}
 # How far a factor may be from a unit's, for noise and ripples.
@@ -28,8 +28,8 @@ def in_radians(recording: Recording, angles: str) -> tuple[Recording, list[str]]
     if angles != "auto":
         return candidates[angles], [f"angles in {angles} (as given)"] if angles == "deg" else []
     slopes = {unit: _with_slopes(each) for unit, each in candidates.items()}
-    in_rad = min(pendulum_misfit(slopes["rad"].turned(zero, 1.0, 1.0)) for zero in ZEROS)
-    if pendulum_misfit(slopes["deg"]) < BETTER * in_rad:
+    limit = pendulum_misfit(slopes["deg"]) / BETTER
+    if all(pendulum_misfit(slopes["rad"].turned(zero, 1.0, 1.0)) > limit for zero in ZEROS):
         return candidates["deg"], ["angles in deg (found)"]
     return candidates["rad"], []
 

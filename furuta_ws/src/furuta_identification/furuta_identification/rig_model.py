@@ -53,15 +53,16 @@ def model_accelerations(
     phi: float, v: float, theta: float, w: float, torque: float, m: RigModel
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V]."""
-    sine, cosine = sin(phi), cos(phi)
-    along = m.tilt_x * cosine + m.tilt_y * sine
-    across = m.tilt_y * cosine - m.tilt_x * sine
-    torque += m.body.delta * sin(theta) * along
+    joint = -m.pendulum_viscous * w
+    if m.pendulum_coulomb != 0.0:
+        joint -= m.pendulum_coulomb * tanh(w / JOINT_SPEED)
+    if m.tilt_x != 0.0 or m.tilt_y != 0.0:
+        sine, cosine = sin(phi), cos(phi)
+        torque += m.body.delta * sin(theta) * (m.tilt_x * cosine + m.tilt_y * sine)
+        joint -= m.body.delta * cos(theta) * (m.tilt_y * cosine - m.tilt_x * sine)
     for k in range(m.ripple.shape[0]):
         order, a, b = m.ripple[k]
         torque += a * cos(order * phi) + b * sin(order * phi)
-    joint = -m.pendulum_viscous * w - m.pendulum_coulomb * tanh(w / JOINT_SPEED)
-    joint -= m.body.delta * cos(theta) * across
     v_dot, w_dot = accelerations(v, theta, w, torque, m.body)
     # The joint's torque acts through the inverse inertia matrix, which (1) has none of.
     s, c = sin(theta), cos(theta)

@@ -112,6 +112,7 @@ class Shooting:
         self.parts, self.names, self.guess = parts, names, guess
         self._initial = [part.measured.copy() for part in parts]
         self._weights = [_weights(part, guess) for part in parts]
+        self._local: list[np.ndarray | None] = [None] * len(parts)
         self._solved_for: bytes = b""
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
@@ -134,7 +135,8 @@ class Shooting:
                 moved[j] += step
                 columns[:, j] = (self._residuals(i, moved, self._initial[i]) - base) / step
             if np.any(part.spread):
-                columns = _projected(columns, self._local_slopes(i, vector, base), part)
+                local = self._local[i] = self._local_slopes(i, vector, base)
+                columns = _projected(columns, local, part)
             blocks.append(columns)
         return np.concatenate(blocks)
 
@@ -180,7 +182,10 @@ class Shooting:
         return columns
 
     def _solve(self, vector: np.ndarray) -> None:
-        """Gauss-Newton for the initial states of all stretches, warm from the last ones."""
+        """Gauss-Newton for the initial states of all stretches, warm from the last ones.
+
+        With the slopes last taken: these hardly change from one model to the next.
+        """
         if vector.tobytes() == self._solved_for:
             return
         self._solved_for = vector.tobytes()
@@ -189,7 +194,9 @@ class Shooting:
                 continue
             for _ in range(ROUNDS):
                 base = self._residuals(i, vector, self._initial[i])
-                local = self._local_slopes(i, vector, base)
+                local = self._local[i]
+                if local is None:
+                    local = self._local[i] = self._local_slopes(i, vector, base)
                 self._initial[i] = self._initial[i] - _local_steps(local, base, part)
 
 
