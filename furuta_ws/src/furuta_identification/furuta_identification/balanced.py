@@ -9,8 +9,9 @@ from furuta_model.state import PHI
 from .momentum import MomentumFit
 from .model import Model
 from .optimisation import NEAR, optimise
-from .preparation import Options, noise_of
+from .preparation import Options
 from .record import Recording
+from .sensing import noise_of
 from .uncertainty import uncertainty
 from .unknowns import BODY, LUGRE, Guess
 
@@ -44,7 +45,10 @@ def fit_balanced(
     guess = optimise(recordings, names, guess, 0.5 * window, scale, tolerance=NEAR).guess
     names.append("delay")
     fitted = optimise(recordings, names, guess, window, scale, tolerance=NEAR)
-    delay, error = fitted.guess["delay"], np.sqrt(uncertainty(fitted.shooting, fitted.vector, {})[0][-1, -1])
+    delay, error = (
+        fitted.guess["delay"],
+        np.sqrt(uncertainty(fitted.shooting, fitted.vector, {})[0][-1, -1]),
+    )
     guess = fitted.guess
     if abs(delay) < max(3.0 * error, 0.5 * recordings[0].interval):
         findings.append(f"no delay of the command: {delay * 1e3:.3f} ms, taken for none")

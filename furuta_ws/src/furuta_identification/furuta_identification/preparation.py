@@ -183,23 +183,3 @@ def _onset(recording: Recording) -> float | None:
     moving = speed > max(SLOWEST, MOVING * float(np.max(speed)))
     run = np.convolve(moving, np.ones(SAMPLES), "valid") == SAMPLES
     return float(recording.time[np.argmax(run)]) if np.any(run) else None
-
-
-def noise_of(recording: Recording) -> np.ndarray:
-    """Size of each channel's noise (4,): what a smooth curve cannot follow, at least a code."""
-    scale = np.empty(4)
-    for channel, column in enumerate(recording.measured.T):
-        series = column[np.isfinite(column)]
-        if len(series) < 10:
-            scale[channel] = 1.0
-            continue
-        steps = np.abs(np.diff(series))
-        code = float(np.min(steps[steps > 1e-12], initial=np.inf))
-        quantised = code / np.sqrt(12.0) if np.isfinite(code) else 0.0
-        rough = float(np.sqrt(np.mean(np.diff(series, n=3) ** 2) / 20.0))
-        scale[channel] = max(quantised, rough, SMALLEST_NOISE[channel])
-    return scale
-
-
-# Nothing is measured better than this [rad, rad/s, rad, rad/s].
-SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)

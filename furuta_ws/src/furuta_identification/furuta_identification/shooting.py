@@ -164,11 +164,17 @@ class Shooting:
     def _residuals(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:
         """Weighted residuals (4n + 5s,) of one recording: outputs, then initial states."""
         part = self.parts[i]
-        error = part.recording.measured - self._predicted(i, vector, initial)
-        error = np.where(self._weights[i] > 0.0, error, 0.0) * self._weights[i]
+        residuals = self.weighted(i, part.recording.measured - self._predicted(i, vector, initial))
         known = part.spread > 0.0
         prior = np.where(known, (part.measured - initial) / np.where(known, part.spread, 1.0), 0.0)
-        return np.concatenate((error.ravel(), prior.ravel()))
+        residuals[-prior.size :] = prior.ravel()
+        return residuals
+
+    def weighted(self, i: int, error: np.ndarray) -> np.ndarray:
+        """Residuals (4n + 5s,) of the outputs' ``error`` (n, 4), those of initial states zero."""
+        weights = self._weights[i]
+        outputs = np.where(weights > 0.0, error, 0.0) * weights
+        return np.append(outputs.ravel(), np.zeros(self.parts[i].measured.size))
 
     def _local_slopes(self, i: int, vector: np.ndarray, base: np.ndarray) -> np.ndarray:
         """∂residuals/∂initial state (4n + 5s, 5): every stretch moves at once, each its own."""

@@ -11,9 +11,10 @@ from furuta_model.state import PHI_DOT
 from .model import Model
 from .momentum import MomentumFit, with_speeds
 from .optimisation import NEAR, Fitted, misfit, optimise, residual_scale
-from .preparation import Options, noise_of
+from .preparation import Options
 from .quality import pendulum_fit
 from .record import Recording
+from .sensing import noise_of
 from .ripple import strongest_order
 from .shooting import Shooting, stretches
 from .uncertainty import prior, uncertainty

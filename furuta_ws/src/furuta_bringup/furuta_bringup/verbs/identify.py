@@ -96,7 +96,9 @@ def command(
         raise ParameterError(f"--window must be 0.05 to 10000 s, given {window:g}")
     mapping = Mapping(arm, pendulum, command_name, states)
     if not np.isfinite(command_scale) or command_scale == 0.0:
-        raise ParameterError(f"--command-scale must be a number other than 0, given {command_scale:g}")
+        raise ParameterError(
+            f"--command-scale must be a number other than 0, given {command_scale:g}"
+        )
     options = Options(zero, window, angles, command_scale)
     recordings, findings = _read_all(paths, mapping)
     model = identify(recordings, options)
@@ -111,7 +113,7 @@ def command(
             findings += more
     result = _result(model, followed, others, findings)
     if out is not None:
-        draw_residuals([*followed, *others], out)
+        draw_residuals(followed, others, out)
         result["figure"] = str(out)
     if write is not None:
         write.write_text(_parameter_file(model, result))
