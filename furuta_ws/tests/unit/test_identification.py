@@ -159,17 +159,17 @@ def test_regression_on_momenta() -> None:
 
 
 def test_another_rig_s_units_signs_and_clock(swung: tuple[Recording, Model]) -> None:
-    """Degrees, rpm, a motor the other way round, commands logged 40 ms late: the same model."""
+    """Degrees, rpm, a motor the other way round, commands logged 10 ms late: the same model."""
     usual, model = swung
     odd = usual._replace(
         measured=usual.measured * np.array([180 / np.pi, 30 / np.pi, 180 / np.pi, -30 / np.pi]),
         command=-usual.command,
-        command_time=usual.command_time + 0.04,
+        command_time=usual.command_time + 0.01,
     )
     found = identify([odd], Options())
     for name in ("beta", "gamma", "delta", "viscous", "coulomb"):
         assert found.guess[name] == pytest.approx(model.guess[name], rel=0.05)
-    assert found.guess["delay"] == pytest.approx(model.guess["delay"] - 0.04, abs=0.002)
+    assert found.guess["delay"] == pytest.approx(model.guess["delay"] - 0.01, abs=0.002)
     said = " ".join(found.findings)
     for words in (
         "in deg (found)",

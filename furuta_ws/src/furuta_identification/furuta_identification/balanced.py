@@ -6,8 +6,8 @@ import numpy as np
 
 from furuta_model.state import PHI
 
-from .momentum import MomentumFit
 from .model import Model
+from .momentum import MomentumFit
 from .optimisation import NEAR, optimise
 from .preparation import Options
 from .record import Recording

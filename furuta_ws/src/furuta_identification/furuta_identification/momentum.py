@@ -124,6 +124,8 @@ class _Windows:
         self._rows = []
         for centre in centres:
             a, b = np.searchsorted(time, (centre - half, centre + half))
+            if a == b:
+                continue
             s = (time[a:b] - centre) / half
             bump = weights[a:b] * (1.0 - s * s) ** 3
             steep = weights[a:b] * -6.0 * s * (1.0 - s * s) ** 2 / half
@@ -134,8 +136,10 @@ class _Windows:
         return np.array([bump @ series[rows] for rows, bump, _ in self._rows])
 
     def slope(self, series: np.ndarray) -> np.ndarray:
-        """∫ψ̇y of each window, which is −∫ψẏ."""
-        return np.array([steep @ series[rows] for rows, _, steep in self._rows])
+        """∫ψ̇y of each window, which is −∫ψẏ; less the constant, which sums to 0 but for gaps."""
+        return np.array(
+            [steep @ (series[rows] - series[rows.start]) for rows, _, steep in self._rows]
+        )
 
 
 def ratios(recording: Recording) -> np.ndarray:

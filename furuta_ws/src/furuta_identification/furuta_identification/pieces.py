@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from furuta_model.parameters import ParameterError
@@ -27,7 +29,7 @@ def pieces(recording: Recording) -> tuple[list[Recording], list[str]]:
     # Commands come in the order of the log, as samples do; theirs are cut in the same places.
     command_cuts = _command_cuts(recording, cuts)
     found = []
-    for k, (first, end) in enumerate(zip(bounds, bounds[1:], strict=False)):
+    for k, (first, end) in enumerate(itertools.pairwise(bounds)):
         own = slice(command_cuts[k], command_cuts[k + 1])
         piece = recording._replace(
             name=f"{recording.name} ({k + 1})",
@@ -39,8 +41,8 @@ def pieces(recording: Recording) -> tuple[list[Recording], list[str]]:
         if len(piece.time) >= FEWEST and np.ptp(piece.time) >= SHORTEST and len(piece.command):
             found.append(piece)
     told = (
-        f"{recording.name}: stops or begins anew {len(cuts)} times: {len(found)} of {len(bounds) - 1} "
-        f"pieces used, those of {SHORTEST:g} s and more with a command"
+        f"{recording.name}: stops or begins anew {len(cuts)} times: {len(found)} of "
+        f"{len(bounds) - 1} pieces used, those of {SHORTEST:g} s and more with a command"
     )
     if not found:
         raise ParameterError(told)

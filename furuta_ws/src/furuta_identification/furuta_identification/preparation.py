@@ -13,7 +13,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 from .consistency import in_radians, with_true_speeds
-from .momentum import ratios, speed_lag, with_speeds
+from .momentum import arm_misfits, ratios, speed_lag, with_speeds
 from .record import Recording
 
 # Part of the largest arm speed, and speed [rad/s], beyond which the arm moves.
@@ -28,6 +28,10 @@ HELD = 0.1
 EARLY = 0.02
 # Time [s] that a command is taken to have been in force when a log begins in motion.
 BEFORE = 1.0
+# Commands of so few sizes are steps, of which a missing one was another; and how much worse than
+# with another one the motion may agree with the usual one.
+FEW = 10
+AS_GOOD = 1.2
 LONGEST_GAP = 10.0
 # Largest command [V] of a motor of this size.
 LARGEST_COMMAND = 100.0
@@ -150,14 +154,33 @@ def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
         candidate = first - period * max(1, round((first - onset) / period))
         if abs(candidate - onset) < HELD:
             start, why = candidate, f"one interval of {period:.3f} s earlier"
-    return recording._replace(
-        command_time=np.append(start, recording.command_time),
-        command=np.append(recording.command[0], recording.command),
-    ), [
+    value = _likeliest(recording, start)
+    return _with_command(recording, start, value), [
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
-        f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been set {why}, "
-        f"at {start:.3f} s"
+        f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been {value:g} V, set "
+        f"{why}, at {start:.3f} s"
     ]
+
+
+def _with_command(recording: Recording, time: float, value: float) -> Recording:
+    """The recording with one more command before the others."""
+    return recording._replace(
+        command_time=np.append(time, recording.command_time),
+        command=np.append(value, recording.command),
+    )
+
+
+def _likeliest(recording: Recording, time: float) -> float:
+    """The command at ``time`` [s] by which the arm's equation holds best: one of the others [V]."""
+    own = float(recording.command[0])
+    others = np.unique(recording.command)
+    candidates = [own, -own, *(float(u) for u in others if len(others) <= FEW)]
+    with_all = with_speeds(recording, speed_lag(recording))
+    misfits = [
+        float(arm_misfits(_with_command(with_all, time, u), np.zeros(1))[0]) for u in candidates
+    ]
+    best = int(np.argmin(misfits))
+    return own if misfits[0] <= AS_GOOD * misfits[best] else candidates[best]
 
 
 def _in_motion(recording: Recording) -> tuple[Recording, list[str]]:
@@ -166,10 +189,7 @@ def _in_motion(recording: Recording) -> tuple[Recording, list[str]]:
     kept = recording.between(first - EARLY, np.inf)
     if len(kept.time) < 100:
         raise ParameterError(f"{recording.name}: next to nothing after the first command")
-    held = kept._replace(
-        command_time=np.append(first - BEFORE, recording.command_time),
-        command=np.append(recording.command[0], recording.command),
-    )
+    held = _with_command(kept, first - BEFORE, float(recording.command[0]))
     late = first > recording.time[0] + EARLY
     return held, [
         "in motion from the start: its state there is fitted too"

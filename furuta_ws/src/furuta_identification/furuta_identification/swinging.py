@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from furuta_model.state import PHI_DOT
@@ -14,21 +12,26 @@ from .optimisation import NEAR, Fitted, misfit, optimise, residual_scale
 from .preparation import Options
 from .quality import pendulum_fit
 from .record import Recording
-from .sensing import noise_of
 from .ripple import strongest_order
+from .sensing import noise_of
 from .shooting import Shooting, stretches
 from .uncertainty import prior, uncertainty
-from .unknowns import BODY, FRICTION, LUGRE, PLACE, RIPPLE, SETUP, TIMING, Guess
+from .unknowns import BODY, BY_NAME, FRICTION, LUGRE, PLACE, RIPPLE, SETUP, TIMING, Guess
 
 # Stretches [s] over which a swinging pendulum is followed, one after the other: the longer one is,
 # the nearer a start must be.
 LADDERS = ((0.5, 1.5, np.inf), (0.3, 0.6, 1.2, 2.4, np.inf), (0.5, np.inf))
 # Residuals [rad, rad/s] that count as one at first, for a model that still lacks parts.
 FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
-# Coulomb friction as a part of the largest command, where the data cannot tell.
+# Coulomb friction as a part of the largest command, where the data cannot tell, and at most.
 USUAL_COULOMB = 0.03
+MOST_COULOMB = 0.25
+# Part of what is expected of Coulomb friction below which a fit has found none.
+LITTLE = 0.3
 # Fit of the pendulum's angle [%] from which no other way to it is looked for.
 GOOD = 95.0
+# Fit [%] below which a model is none.
+POOR = 50.0
 # Part of its prior's spread within which an unknown must be for the data to have told it.
 TOLD = 0.3
 # Recordings whose own fits the common one is started from.
@@ -54,6 +57,8 @@ def fit_swinging(
     fitted = _together(recordings, names, starts, window, scale)
     scale = residual_scale(fitted.shooting, fitted.vector)
     fitted = optimise(recordings, names, fitted.guess, window, scale, robust=True, tolerance=NEAR)
+    if "coulomb" in names and fitted.guess["coulomb"] < LITTLE * BY_NAME["coulomb"].spread:
+        fitted = _with_friction(fitted, recordings, names, window, scale)
     order, size = strongest_order(fitted.shooting, fitted.vector)
     if order:
         findings.append(
@@ -64,6 +69,12 @@ def fit_swinging(
     names = [*names, *_told(fitted, [name for name in LUGRE if name not in names])]
     fitted = optimise(recordings, names, fitted.guess, window, scale, robust=True)
     covariance, information = uncertainty(fitted.shooting, fitted.vector, held)
+    follows = pendulum_fit(fitted.shooting, fitted.vector)
+    if follows < POOR:
+        findings.append(
+            "the model does not follow these recordings (the pendulum's angle to "
+            f"{follows:.0f} %): its numbers mean nothing"
+        )
     return Model(
         fitted.guess,
         [*names, *held],
@@ -83,11 +94,12 @@ def _without_coulomb_if_one_way(
     """Names, guess, what is held with its spread, and why, where no recording turns both ways."""
     if not all(_one_way(each) for each in recordings):
         return names, guess, {}, []
-    level = USUAL_COULOMB * max(float(np.max(np.abs(each.command))) for each in recordings)
+    largest = max(float(np.max(np.abs(each.command))) for each in recordings)
+    usual = max(USUAL_COULOMB * largest, BY_NAME["coulomb"].spread)
+    level = min(usual, MOST_COULOMB * largest)
     why = (
         "the arm turns one way only, where Coulomb friction cannot be told from a smaller "
-        f"command: taken as {USUAL_COULOMB:.0%} of the largest command, {level:.3g} V, give or "
-        "take as much"
+        f"command: taken as {level:.3g} V, give or take as much"
     )
     kept = [name for name in names if name not in ("coulomb", "asymmetry")]
     return kept, guess.changed(["coulomb", "asymmetry"], [level, 0.0]), {"coulomb": level}, [why]
@@ -141,6 +153,18 @@ def _together(
         for start in sorted(starts, key=before)[:MOST_STARTS]
     ]
     return min(reached, key=lambda each: misfit(each.shooting, each.vector))
+
+
+def _with_friction(
+    fitted: Fitted, recordings: list[Recording], names: list[str], window: float, scale: np.ndarray
+) -> Fitted:
+    """The better of the fit and one begun with Coulomb friction: a fit without is often a trap."""
+    level = BY_NAME["coulomb"].spread
+    speeds = np.concatenate([with_speeds(each, 0.0).measured[:, PHI_DOT] for each in recordings])
+    instead = fitted.guess["viscous"] - level / float(np.sqrt(np.mean(speeds**2)))
+    begun = fitted.guess.changed(["coulomb", "viscous"], [level, max(instead, 0.0)])
+    other = optimise(recordings, names, begun, window, scale, robust=True, tolerance=NEAR)
+    return min((fitted, other), key=lambda each: misfit(each.shooting, each.vector))
 
 
 def _told(fitted: Fitted, names: list[str]) -> list[str]:

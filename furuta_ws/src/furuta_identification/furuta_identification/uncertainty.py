@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from furuta_model.state import PHI
@@ -33,10 +35,10 @@ def uncertainty(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Covariance of the unknowns, then of those ``held`` (value: its spread); and information.
 
-    The information is what the data alone say. The covariance has three parts: the scatter of
-    the residuals over blocks of time with the prior's (a sandwich); what residuals beyond the
-    sensors' noise could have shifted, were they a torque that waves over the arm's turn; and what
-    an assumed value could have, were it wrong by its spread.
+    The information is what the data alone say. The covariance has the prior's part and three
+    more: of stretches, what the sensors' errors make of the fit, of free runs, what each block of
+    time does; what residuals beyond the sensors' noise could have shifted, were they a torque that
+    waves over the arm's turn; and what an assumed value could have, were it wrong by its spread.
     """
     slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
     information = slopes.T @ slopes
@@ -44,7 +46,9 @@ def uncertainty(
     own = np.diag(1.0 / spread**2)
     inverse = np.linalg.pinv(information + own)
     gain = inverse @ slopes.T
-    covariance = inverse @ (_scatter(shooting, slopes, residuals) + own) @ inverse
+    covariance = (
+        _by_blocks(shooting, slopes, residuals, information + own) + inverse @ own @ inverse
+    )
     if all(len(part.starts) > 1 for part in shooting.parts):
         covariance = _by_sensors(shooting, vector, residuals, gain) + inverse @ own @ inverse
     waves = _wave_slopes(shooting, vector, residuals)
@@ -54,18 +58,27 @@ def uncertainty(
     return _with_held(shooting, vector, held, covariance, information, gain)
 
 
-def _scatter(shooting: Shooting, slopes: np.ndarray, residuals: np.ndarray) -> np.ndarray:
-    total = np.zeros((slopes.shape[1], slopes.shape[1]))
-    first = 0
+def _by_blocks(
+    shooting: Shooting, slopes: np.ndarray, residuals: np.ndarray, whole: np.ndarray
+) -> np.ndarray:
+    """Covariance by leaving out each block of time in turn, within which all may go together.
+
+    The cluster jackknife CR3 (MacKinnon, Nielsen and Webb 2023), one Gauss-Newton step each: with
+    few blocks a sandwich forgets how much each has drawn the fit to itself.
+    """
+    covariance = np.zeros_like(whole)
+    first = count = 0
     for part in shooting.parts:
-        n = len(part.recording.time)
-        blocks = ((part.recording.time - part.recording.time[0]) // BLOCK).astype(int)
-        score = slopes[first : first + 4 * n] * residuals[first : first + 4 * n, None]
-        score = score.reshape(n, 4, -1).sum(axis=1)
-        sums = np.array([np.bincount(blocks, column) for column in score.T])
-        total += sums @ sums.T
-        first += 4 * n + 5 * len(part.starts)
-    return total
+        time = part.recording.time
+        edges = np.searchsorted(time, np.arange(time[0], time[-1], BLOCK))
+        for begin, end in itertools.pairwise([*edges, len(time)]):
+            rows = slice(first + 4 * begin, first + 4 * end)
+            rest = np.linalg.pinv(whole - slopes[rows].T @ slopes[rows])
+            shift = rest @ (slopes[rows].T @ residuals[rows])
+            covariance += np.outer(shift, shift)
+            count += 1
+        first += 4 * len(time) + part.measured.size
+    return covariance * (count - 1) / count
 
 
 def _by_sensors(
