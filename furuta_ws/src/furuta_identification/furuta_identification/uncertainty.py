@@ -18,6 +18,9 @@ BLOCK = 0.5
 REPLICATES = 200
 # Waves a turn that an unmodelled torque may have.
 ORDERS = range(2, 43)
+# Size of them all, as part of the largest command, that a motor's torque has as a rule, where the
+# residuals show that the model lacks something: a short way of the arm hides them.
+RIPPLE = 0.01
 # Size [V] of the waves by which slopes are taken.
 WAVE = 1e-4
 
@@ -111,7 +114,10 @@ def _by_sensors(
 def _wave_slopes(
     shooting: Shooting, vector: np.ndarray, residuals: np.ndarray
 ) -> np.ndarray | None:
-    """Residuals' slopes by waves of the torque, as large as what is left beyond noise; or None."""
+    """What waves of the torque add to the residuals, as large as they may be; or None.
+
+    They are at least as large as what the model leaves beyond noise.
+    """
     if all(len(part.starts) > 1 for part in shooting.parts):
         return None
     noise = sum(
@@ -133,7 +139,9 @@ def _wave_slopes(
                 (moved.residuals(values) - _reference(shooting, vector, residuals)) / WAVE
             )
     waves = np.array(columns).T
-    size: float = np.sqrt(left / float(np.sum(waves**2)))
+    largest = max(float(np.max(np.abs(part.recording.command))) for part in shooting.parts)
+    expected = RIPPLE * largest / np.sqrt(waves.shape[1] / 2)
+    size: float = max(expected, np.sqrt(left / float(np.sum(waves**2))))
     return size * waves
 
 
