@@ -16,8 +16,9 @@ from .unknowns import BY_NAME, FRICTION, LOGARITHMIC, LUGRE
 # Part of the prior's spread, and of the value itself, that an error must be below.
 TOLD_BY_DATA = 0.7
 LARGEST_RELATIVE = 0.5
+HELD = "the arm turns one way only: a smaller command would do the same"
+LOST = "its effect is lost in the others'"
 REASONS = {
-    "coulomb": "the arm turns one way only: a smaller command would do the same",
     "asymmetry": "the arm hardly slides, or slides one way only",
     "alpha1": "no slow sliding and no slow reversals in it",
     "stribeck_velocity": "no slow sliding and no slow reversals in it",
@@ -38,7 +39,7 @@ def undetermined(model: Model) -> dict[str, str]:
             vague = np.isfinite(unknown.spread) and error > TOLD_BY_DATA * unknown.spread
             vague = vague or (name in LOGARITHMIC and error > LARGEST_RELATIVE)
             if held or vague:
-                found[name] = REASONS.get(name, "its effect is lost in the others'")
+                found[name] = HELD if held else REASONS.get(name, LOST)
         elif name in LUGRE or name == "asymmetry":
             found[name] = REASONS[name]
     return found

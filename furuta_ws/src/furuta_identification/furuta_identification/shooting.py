@@ -23,6 +23,8 @@ from .unknowns import Guess
 
 # Rounds of solving for the initial states each time the model changes.
 ROUNDS = 2
+# The same for predictions, which may begin far off.
+PATIENT = 8
 # Speed [rad/s] at the start of a free run from which it does not start from rest.
 MOVING = 0.3
 # Relative size of the steps by which slopes are taken.
@@ -113,21 +115,20 @@ class Shooting:
         self._initial = [part.measured.copy() for part in parts]
         self._weights = [_weights(part, guess) for part in parts]
         self._local: list[np.ndarray | None] = [None] * len(parts)
+        self._solved: list[np.ndarray] = []
         self._solved_for: bytes = b""
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
         """All weighted residuals after the initial states are solved for."""
         self._solve(vector)
-        return np.concatenate(
-            [self._residuals(i, vector, self._initial[i]) for i in range(len(self.parts))]
-        )
+        return np.concatenate(self._solved)
 
     def slopes(self, vector: np.ndarray) -> np.ndarray:
         """∂residuals/∂vector, with what the initial states take up projected out."""
         self._solve(vector)
         blocks = []
         for i, part in enumerate(self.parts):
-            base = self._residuals(i, vector, self._initial[i])
+            base = self._solved[i]
             columns = np.empty((len(base), len(vector)))
             for j, value in enumerate(vector):
                 step = STEP * max(1.0, abs(value))
@@ -142,7 +143,7 @@ class Shooting:
 
     def predictions(self, vector: np.ndarray) -> list[np.ndarray]:
         """Each recording's predicted outputs (n, 4), in the recording's own zero."""
-        self._solve(vector)
+        self._solve(vector, PATIENT)
         return [self._predicted(i, vector, self._initial[i]) for i in range(len(self.parts))]
 
     def _predicted(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:
@@ -187,23 +188,36 @@ class Shooting:
             columns[:, state] = (self._residuals(i, vector, moved) - base) / step
         return columns
 
-    def _solve(self, vector: np.ndarray) -> None:
+    def _solve(self, vector: np.ndarray, rounds: int = ROUNDS) -> None:
         """Gauss-Newton for the initial states of all stretches, warm from the last ones.
 
         With the slopes last taken: these hardly change from one model to the next.
         """
-        if vector.tobytes() == self._solved_for:
+        if vector.tobytes() == self._solved_for and rounds == ROUNDS:
             return
         self._solved_for = vector.tobytes()
-        for i, part in enumerate(self.parts):
-            if not np.any(part.spread):
-                continue
-            for _ in range(ROUNDS):
-                base = self._residuals(i, vector, self._initial[i])
-                local = self._local[i]
-                if local is None:
-                    local = self._local[i] = self._local_slopes(i, vector, base)
-                self._initial[i] = self._initial[i] - _local_steps(local, base, part)
+        self._solved = [self._solve_part(i, vector, rounds) for i in range(len(self.parts))]
+
+    def _solve_part(self, i: int, vector: np.ndarray, rounds: int) -> np.ndarray:
+        """Solve for the initial states of one recording; its residuals there.
+
+        A stretch that a step makes worse stays where it was: some are chaotic.
+        """
+        part, base = self.parts[i], self._residuals(i, vector, self._initial[i])
+        if not np.any(part.spread):
+            return base
+        for _ in range(rounds):
+            local = self._local[i]
+            if local is None:
+                local = self._local[i] = self._local_slopes(i, vector, base)
+            tried = self._initial[i] - _local_steps(local, base, part)
+            after = self._residuals(i, vector, tried)
+            worse = ~(_sizes(after, part) <= _sizes(base, part))
+            if np.any(worse):
+                tried[worse] = self._initial[i][worse]
+                after = self._residuals(i, vector, tried)
+            self._initial[i], base = tried, after
+        return base
 
 
 def _weights(part: Stretches, guess: Guess) -> np.ndarray:
@@ -225,6 +239,14 @@ def _rows(part: Stretches) -> list[np.ndarray]:
         np.append(np.arange(4 * bounds[s], 4 * bounds[s + 1]), np.arange(own[s], own[s] + 5))
         for s in range(len(part.starts))
     ]
+
+
+def _sizes(residuals: np.ndarray, part: Stretches) -> np.ndarray:
+    """Sum of squares of each stretch (s,)."""
+    outputs = 4 * len(part.recording.time)
+    squares = residuals**2
+    sizes: np.ndarray = np.add.reduceat(squares[:outputs], 4 * part.starts)
+    return sizes + squares[outputs:].reshape(len(part.starts), -1).sum(axis=1)
 
 
 def _local_steps(local: np.ndarray, base: np.ndarray, part: Stretches) -> np.ndarray:

@@ -30,7 +30,9 @@ MOST_COULOMB = 0.25
 LITTLE = 0.3
 # Fit of the pendulum's angle [%] from which no other way to it is looked for.
 GOOD = 95.0
-# Fit [%] below which a model is none.
+# Fit [%] of free runs below which stretches [s] are fitted instead, for a pendulum that tumbles over
+# the top is chaotic; and of stretches, below which a model is none.
+FOLLOWED, TAMED = 80.0, 1.0
 POOR = 50.0
 # Part of its prior's spread within which an unknown must be for the data to have told it.
 TOLD = 0.3
@@ -68,8 +70,14 @@ def fit_swinging(
         fitted = fitted._replace(guess=fitted.guess.changed(["ripple_order"], [order]))
     names = [*names, *_told(fitted, [name for name in LUGRE if name not in names])]
     fitted = optimise(recordings, names, fitted.guess, window, scale, robust=True)
-    covariance, information = uncertainty(fitted.shooting, fitted.vector, held)
     follows = pendulum_fit(fitted.shooting, fitted.vector)
+    if follows < FOLLOWED and options.window is None:
+        findings.append(
+            f"no free run follows these recordings to the end: run in stretches of {TAMED:g} s"
+        )
+        tamed = options._replace(window=TAMED)
+        return fit_swinging(recordings, guess, regression, findings, tamed)
+    covariance, information = uncertainty(fitted.shooting, fitted.vector, held)
     if follows < POOR:
         findings.append(
             "the model does not follow these recordings (the pendulum's angle to "
@@ -173,7 +181,8 @@ def _told(fitted: Fitted, names: list[str]) -> list[str]:
     wider = Shooting(fitted.shooting.parts, both, fitted.guess)
     slopes = wider.slopes(fitted.guess.vector(both))
     _, spread = prior(both)
-    errors = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes + np.diag(1.0 / spread**2))))
+    variances = np.diag(np.linalg.pinv(slopes.T @ slopes + np.diag(1.0 / spread**2)))
+    errors = np.sqrt(np.maximum(variances, 0.0))
     return [n for n, e, s in zip(both, errors, spread, strict=True) if n in names and e < TOLD * s]
 
 
@@ -188,9 +197,12 @@ def _between(fitted: Fitted, starts: list[Fitted], held: dict[str, float]) -> np
     if len(starts) == 1:
         return spread
     for start in starts:
+        one_way = _one_way(start.shooting.parts[0].recording)
         own, _ = uncertainty(start.shooting, start.vector, held)
         beyond = np.zeros(len(names))
         for k, (name, value) in enumerate(zip(start.shooting.names, start.vector, strict=True)):
+            if one_way and name in ("coulomb", "asymmetry"):
+                continue
             off = value - fitted.guess.values[PLACE[name]]
             beyond[names.index(name)] = np.sign(off) * np.sqrt(max(0.0, off**2 - own[k, k]))
         spread += np.outer(beyond, beyond) / len(starts)

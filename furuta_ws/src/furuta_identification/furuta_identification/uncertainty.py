@@ -96,7 +96,7 @@ def _by_sensors(
     rng = np.random.default_rng(0)
     predicted = shooting.predictions(vector)
     sensors = [sensor_of(part.recording) for part in shooting.parts]
-    shifts, size = [], 0.0
+    shifts, sizes = [], []
     for _ in range(REPLICATES):
         error = np.concatenate(
             [
@@ -105,8 +105,9 @@ def _by_sensors(
             ]
         )
         shifts.append(gain @ error)
-        size += float(error @ error) / REPLICATES
-    beyond = max(1.0, float(residuals @ residuals) / size)
+        sizes.append(np.median(error[error != 0.0] ** 2))
+    # By medians: one stretch that the model lost is no measure of the others.
+    beyond = max(1.0, float(np.median(residuals[residuals != 0.0] ** 2) / np.median(sizes)))
     covariance: np.ndarray = beyond * np.cov(np.array(shifts).T)
     return covariance
 
