@@ -34,8 +34,6 @@ def fit_balanced(
     window = options.window or SHORT
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     names = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
-    # In so slow a motion the regression hardly tells a delay from an inertia.
-    guess = guess.changed(["delay"], [0.0])
     if guess["lag"] > LAGGING * recordings[0].interval:
         names.append("lag")
     else:

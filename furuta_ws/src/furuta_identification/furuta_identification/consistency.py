@@ -6,8 +6,9 @@ import numpy as np
 
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-from .momentum import pendulum_misfit, slope_factor, with_speeds
+from .momentum import pendulum_misfit
 from .record import Recording
+from .speeds import slope_factor, with_speeds
 
 ANGLES = ("auto", "rad", "deg")
 DEGREE = np.pi / 180.0

@@ -9,10 +9,11 @@ from furuta_model.state import THETA
 
 from .balanced import fit_balanced
 from .model import Model
-from .momentum import MomentumFit, arm_misfits, momentum_fit, speed_lag, with_speeds
+from .momentum import MomentumFit, arm_misfits, momentum_fit
 from .pieces import pieces
 from .preparation import Options, prepare
 from .record import Recording
+from .speeds import speed_lag, with_speeds
 from .swinging import fit_swinging
 from .unknowns import Guess
 
@@ -38,10 +39,14 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     prepared, regression, delay, turned = _regress(prepared, lag)
     if turned:
         findings.append("a positive command turns the arm in its negative direction: sign turned")
-    guess = _first_guess(regression, lag, delay)
-    balanced = all(np.max(np.abs(each.measured[:, THETA])) < BALANCED for each in prepared)
-    fit = fit_balanced if balanced else fit_swinging
-    return fit(prepared, guess, regression, findings, options)._replace(turned=turned)
+    guess = _first_guess(regression, lag)
+    if all(np.max(np.abs(each.measured[:, THETA])) < BALANCED for each in prepared):
+        # In so slow a motion the regression hardly tells a delay from an inertia.
+        model, delay = fit_balanced(prepared, guess, regression, findings, options), 0.0
+    else:
+        later = [each.with_command_later(delay) for each in prepared]
+        model = fit_swinging(later, guess, regression, findings, options)
+    return model._replace(turned=turned, shift=delay)
 
 
 def _regress(
@@ -74,7 +79,7 @@ def _surest(recordings: list[Recording], lag: float, delay: float) -> MomentumFi
     return min(fits, key=lambda fit: abs(fit.standard_errors[0] / fit.alpha))
 
 
-def _first_guess(fit: MomentumFit, lag: float, delay: float) -> Guess:
+def _first_guess(fit: MomentumFit, lag: float) -> Guess:
     inertia = max(fit.alpha - fit.gamma**2 / fit.beta, 0.05 * fit.alpha)
     return Guess.of(
         arm_inertia=inertia,
@@ -86,6 +91,5 @@ def _first_guess(fit: MomentumFit, lag: float, delay: float) -> Guess:
         asymmetry=float(np.clip(fit.coulomb_asymmetry, -0.5, 0.5)),
         pendulum_viscous=max(fit.pendulum_viscous, 1e-6 * fit.beta),
         pendulum_coulomb=max(fit.pendulum_coulomb, 0.0),
-        delay=delay,
         lag=lag,
     )

@@ -16,7 +16,8 @@ class Model(NamedTuple):
 
     ``names`` the unknowns fitted, ``covariance`` of their vector, ``information`` the data's own
     part of its inverse; ``window`` [s] infinite for free runs; ``regression`` the first step;
-    ``turned`` whether a positive command turns the arm in its negative direction.
+    ``turned`` whether a positive command turns the arm in its negative direction, ``shift`` [s] by
+    which the recordings' commands were moved before the rest of their delay was fitted.
     """
 
     guess: Guess
@@ -29,3 +30,4 @@ class Model(NamedTuple):
     recordings: list[Recording]
     findings: list[str]
     turned: bool = False
+    shift: float = 0.0

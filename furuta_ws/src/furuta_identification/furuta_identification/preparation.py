@@ -13,8 +13,9 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 from .consistency import in_radians, with_true_speeds
-from .momentum import arm_misfits, ratios, speed_lag, with_speeds
+from .momentum import arm_misfits, ratios
 from .record import Recording
+from .speeds import speed_lag, with_speeds
 
 # Part of the largest arm speed, and speed [rad/s], beyond which the arm moves.
 MOVING = 0.03

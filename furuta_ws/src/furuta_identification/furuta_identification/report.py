@@ -51,7 +51,8 @@ def values(model: Model) -> dict[str, float]:
     return {
         **_of_body(body),
         **{name: guess[name] for name in FRICTION},
-        **{name: guess[name] for name in (*LUGRE, "delay", "lag", "zero", "tilt_x", "tilt_y")},
+        **{name: guess[name] for name in (*LUGRE, "lag", "zero", "tilt_x", "tilt_y")},
+        "delay": guess["delay"] + model.shift,
     }
 
 

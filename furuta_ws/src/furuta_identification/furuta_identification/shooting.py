@@ -16,9 +16,9 @@ from furuta_model.compiled import compiled
 from furuta_model.lugre import LuGre, bristle_after, highest_level
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 
-from .momentum import with_speeds
 from .prediction import predict
 from .record import Recording
+from .speeds import with_speeds
 from .unknowns import Guess
 
 # Rounds of solving for the initial states each time the model changes.

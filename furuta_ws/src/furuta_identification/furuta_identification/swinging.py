@@ -7,7 +7,7 @@ import numpy as np
 from furuta_model.state import PHI_DOT
 
 from .model import Model
-from .momentum import MomentumFit, with_speeds
+from .momentum import MomentumFit
 from .optimisation import NEAR, Fitted, misfit, optimise, residual_scale
 from .preparation import Options
 from .quality import pendulum_fit
@@ -15,6 +15,7 @@ from .record import Recording
 from .ripple import strongest_order
 from .sensing import noise_of
 from .shooting import Shooting, stretches
+from .speeds import with_speeds
 from .uncertainty import prior, uncertainty
 from .unknowns import BODY, BY_NAME, FRICTION, LUGRE, PLACE, RIPPLE, SETUP, TIMING, Guess
 
@@ -30,8 +31,8 @@ MOST_COULOMB = 0.25
 LITTLE = 0.3
 # Fit of the pendulum's angle [%] from which no other way to it is looked for.
 GOOD = 95.0
-# Fit [%] of free runs below which stretches [s] are fitted instead, for a pendulum that tumbles over
-# the top is chaotic; and of stretches, below which a model is none.
+# Fit [%] of free runs below which stretches [s] are fitted instead, for a pendulum that tumbles
+# over the top is chaotic; and of stretches, below which a model is none.
 FOLLOWED, TAMED = 80.0, 1.0
 POOR = 50.0
 # Part of its prior's spread within which an unknown must be for the data to have told it.

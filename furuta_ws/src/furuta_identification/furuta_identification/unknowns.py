@@ -51,7 +51,7 @@ UNKNOWNS = (
     Unknown("asymmetry", "", -0.95, 0.95, 0.0, 0.2, 0.1),
     Unknown("pendulum_viscous", "V s/rad", -10.0, 100.0, *_FREE, 1e-3),
     Unknown("pendulum_coulomb", "V", -10.0, 100.0, 0.0, 0.02, 1e-3),
-    Unknown("delay", "s", -0.2, 0.2, 0.0, 0.01, 1e-3),
+    Unknown("delay", "s", -0.05, 0.05, 0.0, 0.005, 1e-3),
     Unknown("lag", "s", 0.0, 0.05, 0.0, 0.01, 1e-3),
     Unknown("tilt_x", "rad", -0.3, 0.3, 0.0, 0.05, 0.01),
     Unknown("tilt_y", "rad", -0.3, 0.3, 0.0, 0.05, 0.01),
