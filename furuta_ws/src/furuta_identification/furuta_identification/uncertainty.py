@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from scipy.special import stdtrit
 
 from furuta_model.state import PHI
 
@@ -81,7 +82,9 @@ def _by_blocks(
             covariance += np.outer(shift, shift)
             count += 1
         first += 4 * len(time) + part.measured.size
-    return covariance * (count - 1) / count
+    # So that two standard errors hold 95 % although the scatter is of a few blocks alone.
+    few = float(stdtrit(max(count - 1, 1), 0.975) / stdtrit(np.inf, 0.975))
+    return covariance * few**2 * (count - 1) / count
 
 
 def _by_sensors(
