@@ -133,3 +133,13 @@ def test_excitation_stays_within_the_limits_of_the_command() -> None:
     feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
     assert control(np.array([1.0, 0.0]), np.zeros(4), 0.0, feedback) == 10.0
     assert control(np.array([0.0, 0.0]), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0
+
+
+def test_open_loop_drives_a_hanging_pendulum() -> None:
+    """The signal alone at any pendulum angle, within its limits, and only while enabled."""
+    excitation = ExcitationParameters("steps", 0.5, speed_limit=3.0, open_loop=True)
+    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
+    hanging, fast = np.array([0.5, 1.0, np.pi, 2.0]), np.array([0.0, 3.1, np.pi, 0.0])
+    assert control(np.zeros(2), hanging, 0.2, feedback) == 0.5
+    assert control(np.zeros(2), fast, 0.2, feedback) == 0.0
+    assert control(np.zeros(2), hanging, 0.2, feedback._replace(enabled=False)) == 0.0

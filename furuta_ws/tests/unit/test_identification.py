@@ -9,12 +9,15 @@ from rig_log import Truth, swing
 from furuta_analysis.closed_loop import Loop, simulate
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_identification.fit import Model, identify
-from furuta_identification.momentum import momentum_fit, ratios, speed_lag, with_speeds
+from furuta_identification.fit import identify
+from furuta_identification.model import Model
+from furuta_identification.momentum import momentum_fit, ratios
+from furuta_identification.pieces import pieces
 from furuta_identification.preparation import Options, prepare
 from furuta_identification.quality import fit_percent, follow, held_out
 from furuta_identification.record import Recording
 from furuta_identification.report import node_parameters, standard_errors, summary, undetermined
+from furuta_identification.speeds import speed_lag, with_speeds
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
@@ -40,23 +43,33 @@ def balanced(
     return Recording("balanced", run.time, measured, run.time, command)
 
 
-@pytest.mark.parametrize(
-    ("ideal", "tolerance", "coulomb"), [(True, 1e-3, 1e-3), (False, 0.03, 0.05)]
-)
-def test_paper_s_numbers_from_the_closed_loop(
-    ideal: bool, tolerance: float, coulomb: float
-) -> None:
-    """a23, a43, b21, b41 and the Coulomb level, with ideal sensors and with the paper's."""
-    found = summary(identify([balanced(10.0 if ideal else 30.0, ideal)], Options()))
-    assert {name: found[name] for name in PAPER} == pytest.approx(PAPER, rel=tolerance)
-    assert found["coulomb"] == pytest.approx(0.21, rel=coulomb)
-    assert found["asymmetry"] == pytest.approx(0.1, rel=coulomb)
+def test_paper_s_numbers_from_ideal_sensors() -> None:
+    """a23, a43, b21, b41 and the Coulomb level, as exact as the model."""
+    found = summary(identify([balanced(5.0, ideal=True)], Options()))
+    assert {name: found[name] for name in PAPER} == pytest.approx(PAPER, rel=1e-3)
+    assert found["coulomb"] == pytest.approx(0.21, rel=1e-3)
+    assert found["asymmetry"] == pytest.approx(0.1, rel=1e-3)
 
 
-def test_excitation_tells_more() -> None:
-    """The same time of recording, driven, leaves less error; half at most where most was left."""
+@pytest.fixture(scope="module")
+def quiet() -> Model:
+    """What the limit cycle tells with the paper's sensors."""
+    return identify([balanced(20.0, ideal=False)], Options())
+
+
+def test_paper_s_numbers_from_the_closed_loop(quiet: Model) -> None:
+    """The same with the paper's sensors; the truth lies within what is stated."""
+    found, errors = summary(quiet), standard_errors(quiet)
+    assert {name: found[name] for name in PAPER} == pytest.approx(PAPER, rel=0.03)
+    assert found["coulomb"] == pytest.approx(0.21, rel=0.05)
+    assert found["asymmetry"] == pytest.approx(0.1, rel=0.05)
+    for name, truth in PAPER.items():
+        assert abs(found[name] - truth) < 4.0 * errors[name]
+
+
+def test_excitation_tells_more(quiet: Model) -> None:
+    """Half the time of recording, driven, leaves less error; half of it where most was left."""
     excitation = ExcitationParameters("multisine", amplitude=1.0)
-    quiet = identify([balanced(10.0, ideal=False)], Options())
     driven = identify([balanced(10.0, ideal=False, excitation=excitation)], Options())
     before, after, found = standard_errors(quiet), standard_errors(driven), summary(driven)
     for name, truth in PAPER.items():
@@ -144,6 +157,75 @@ def test_regression_on_momenta() -> None:
     fit = momentum_fit(with_speeds(ready, speed_lag(ready)))
     assert np.sqrt(fit.delta / fit.beta) == pytest.approx(np.sqrt(0.22 / 0.0025), rel=0.02)
     assert fit.viscous == pytest.approx(0.25, rel=0.1)
+
+
+def test_another_rig_s_units_signs_and_clock(swung: tuple[Recording, Model]) -> None:
+    """Degrees, rpm, a motor the other way round, commands logged 20 ms late: the same model."""
+    usual, model = swung
+    odd = usual._replace(
+        measured=usual.measured * np.array([180 / np.pi, 30 / np.pi, 180 / np.pi, -30 / np.pi]),
+        command=-usual.command,
+        command_time=usual.command_time + 0.02,
+    )
+    found = identify([odd], Options())
+    for name in ("beta", "gamma", "delta", "viscous", "coulomb"):
+        assert found.guess[name] == pytest.approx(model.guess[name], rel=0.05)
+    assert summary(found)["setup"]["delay"] == pytest.approx(Truth().delay - 0.02, abs=0.008)
+    said = " ".join(found.findings)
+    for words in (
+        "in deg (found)",
+        "arm's speed is in rpm",
+        "counted the other way",
+        "sign turned",
+    ):
+        assert words in said
+    fits = held_out(found, odd, Options())[0].fits()
+    assert min(fits["arm speed"], fits["pendulum angle"]) > 90.0
+
+
+def test_a_speed_that_is_none_is_left_out() -> None:
+    """A speed that is no slope of its angle, in no unit, does not count."""
+    log = swing("sine", seconds=3.0)
+    ready, findings = prepare(log._replace(measured=log.measured * [1, 2.0, 1, 1]), Options())
+    assert np.all(np.isnan(ready.measured[:, 1]))
+    assert any("arm's speed is not the slope of its angle" in each for each in findings)
+
+
+def test_commands_that_are_no_volts_are_asked_for() -> None:
+    """Millivolts are not fitted as volts."""
+    log = swing("sine", seconds=3.0)
+    odd = log._replace(command=1000.0 * log.command)
+    with pytest.raises(ParameterError, match="--command-scale"):
+        prepare(odd, Options())
+    back = prepare(odd, Options(command_scale=1e-3))[0]
+    np.testing.assert_allclose(back.command, log.command)
+
+
+def test_logs_one_after_the_other_are_taken_apart() -> None:
+    """Two runs in one file, the second with an earlier clock, and a stub."""
+    first, second = swing("sine", seconds=3.0), swing("step", seconds=3.5)
+    stub = first.between(0.0, 0.5)
+    both = Recording(
+        "both",
+        np.concatenate((first.time + 100.0, second.time, stub.time + 50.0)),
+        np.concatenate((first.measured, second.measured, stub.measured)),
+        np.concatenate((first.command_time + 100.0, second.command_time)),
+        np.concatenate((first.command, second.command)),
+    )
+    found, findings = pieces(both)
+    assert [each.name for each in found] == ["both (1)", "both (2)"]
+    np.testing.assert_array_equal(found[0].command, first.command)
+    np.testing.assert_array_equal(found[1].command_time, second.command_time)
+    assert "2 of 3 pieces used" in findings[0]
+    assert pieces(first) == ([first], [])
+
+
+def test_a_log_begun_in_motion_is_followed() -> None:
+    """Its state at the start is fitted, and the command before the first is no 0 V."""
+    log = swing("sine").between(1.0, np.inf)
+    ready, findings = prepare(log, Options())
+    assert ready.commanded_at(ready.time[:1]) != 0.0
+    assert any("in motion from the start" in each for each in findings)
 
 
 def test_dropouts_are_bridged_and_told() -> None:

@@ -54,14 +54,16 @@ def state_feedback(p: ControllerParameters) -> StateFeedback:
 @inlined
 def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback) -> float:
     """Command u [V] for the state estimate ``x`` (4,) and friction estimate [V]."""
-    tilt = abs(x[THETA])
+    tilt = 0.0 if p.excitation.open_loop else abs(x[THETA])
     if tilt > p.fall_angle:
         memory[0] = 0.0
     elif tilt <= p.catch_angle:
         memory[0] = 1.0
     if memory[0] == 0.0 or not p.enabled:
         return 0.0
-    u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    u = 0.0
+    if not p.excitation.open_loop:
+        u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
     if p.excitation.kind != NONE and calm(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
         memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN

@@ -1,7 +1,8 @@
 """A signal added to the command so that a recording tells more of the rig.
 
-Around the upright pendulum alone: outside declared limits of angles and speed it is silent and
-its time stands still, until the feedback has brought the pendulum back.
+Around the upright pendulum: outside declared limits of angles and speed it is silent and its time
+stands still, until the feedback has brought the pendulum back. In open loop it is the whole
+command, for a pendulum that hangs: where its limits end the arm is left alone.
 """
 
 from __future__ import annotations
@@ -44,6 +45,9 @@ class ExcitationParameters(NamedTuple):
     speed_limit: Annotated[
         float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
     ] = 2.0
+    open_loop: Annotated[
+        bool, About("the signal alone, without feedback, at any pendulum angle: from hanging")
+    ] = False
 
 
 class Excitation(NamedTuple):
@@ -55,6 +59,7 @@ class Excitation(NamedTuple):
     tilt_limit: float
     excursion_limit: float
     speed_limit: float
+    open_loop: bool
 
 
 def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
@@ -67,7 +72,7 @@ def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
 def calm(phi: float, phi_dot: float, theta: float, p: Excitation) -> bool:
     """Whether arm and pendulum are within the limits."""
     return (
-        abs(theta) <= p.tilt_limit
+        (p.open_loop or abs(theta) <= p.tilt_limit)
         and abs(phi) <= p.excursion_limit
         and abs(phi_dot) <= p.speed_limit
     )

@@ -21,17 +21,14 @@ import numpy as np
 
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 from .record import Recording
+from .windows import FEWEST, WINDOW, Windows
 
-# Length of a window [s]: long against noise, short against the unstable pole.
-WINDOW = 0.2
 # Arm speed [rad/s] below which friction may be anything up to its level, and the part of a window
 # that may be so slow.
 SLOW = 0.05
 SLOW_PART = 0.05
-FEWEST_WINDOWS = 12
 
 
 class MomentumFit(NamedTuple):
@@ -58,85 +55,33 @@ class MomentumFit(NamedTuple):
         return body
 
 
-def speed_lag(recording: Recording) -> float:
-    """How far measured arm speeds lag behind measured angles [s]; 0 where either is missing."""
-    v, phi = recording.measured[:, PHI_DOT], recording.measured[:, PHI]
-    if not np.all(np.isfinite(v)) or np.ptp(phi) == 0.0:
-        return 0.0
-    windows = _Windows(recording.time)
-    behind = -windows.slope(phi) - windows.mean(v)
-    rise = -windows.slope(v)
-    lag = float(rise @ behind / (rise @ rise)) if np.any(rise) else 0.0
-    return float(np.clip(lag, 0.0, 0.05))
-
-
-def with_speeds(recording: Recording, lag: float) -> Recording:
-    """The recording with speeds brought forward by ``lag`` [s] and made up where there are none."""
-    time, measured = recording.time, recording.measured.copy()
-    for angle, speed in ((PHI, PHI_DOT), (THETA, THETA_DOT)):
-        if np.all(np.isfinite(measured[:, speed])):
-            measured[:, speed] = np.interp(time + lag, time, measured[:, speed])
-        else:
-            measured[:, speed] = _slope(time, measured[:, angle])
-    return recording._replace(measured=measured)
-
-
-def _slope(time: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Slope of a straight line through the samples within 10 ms to either side."""
-    reach = max(2, round(0.01 / float(np.median(np.diff(time)))))
-    kernel = np.ones(2 * reach + 1)
-    pad = (reach, reach)
-    t, y = np.pad(time, pad, mode="reflect", reflect_type="odd"), np.pad(angle, pad, mode="edge")
-    y[:reach] = 2 * angle[0] - angle[reach:0:-1]
-    y[-reach:] = 2 * angle[-1] - angle[-2 : -reach - 2 : -1]
-    count = len(kernel)
-    t_mean = np.convolve(t, kernel, "valid") / count
-    y_mean = np.convolve(y, kernel, "valid") / count
-    ty = np.convolve(t * y, kernel, "valid") / count - t_mean * y_mean
-    tt = np.convolve(t * t, kernel, "valid") / count - t_mean * t_mean
-    slope: np.ndarray = ty / tt
-    return slope
-
-
-class _Windows:
-    """Integrals over bumps (1 − s²)³, s from −1 to 1, half overlapping, one a row."""
-
-    def __init__(self, time: np.ndarray) -> None:
-        half = 0.5 * WINDOW
-        centres = np.arange(time[0] + half, time[-1] - half, half)
-        if len(centres) < FEWEST_WINDOWS:
-            raise ParameterError(
-                f"the recording is too short: {time[-1] - time[0]:.2f} s with data, at least "
-                f"{(FEWEST_WINDOWS + 2) * half:.1f} s needed"
-            )
-        weights = np.gradient(time)
-        self._rows = []
-        for centre in centres:
-            a, b = np.searchsorted(time, (centre - half, centre + half))
-            s = (time[a:b] - centre) / half
-            bump = weights[a:b] * (1.0 - s * s) ** 3
-            steep = weights[a:b] * -6.0 * s * (1.0 - s * s) ** 2 / half
-            self._rows.append((slice(a, b), bump, steep))
-
-    def mean(self, series: np.ndarray) -> np.ndarray:
-        """∫ψy of each window."""
-        return np.array([bump @ series[rows] for rows, bump, _ in self._rows])
-
-    def slope(self, series: np.ndarray) -> np.ndarray:
-        """∫ψ̇y of each window, which is −∫ψẏ."""
-        return np.array([steep @ series[rows] for rows, _, steep in self._rows])
-
-
 def ratios(recording: Recording) -> np.ndarray:
     """(β/δ, γ/δ) [s²/rad…] by the pendulum's equation; their signs tell the angles' orientation."""
-    return _pendulum_equation(recording, _Windows(recording.time))[0][:2]
+    return _pendulum_equation(recording, Windows(recording.time)).found[:2]
+
+
+def pendulum_misfit(recording: Recording) -> float:
+    """Part of the pendulum's equation that no coefficients explain, 0 to 1."""
+    return _pendulum_equation(recording, Windows(recording.time)).misfit
+
+
+def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
+    """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
+    windows = Windows(recording.time)
+    beta, gamma = _pendulum_equation(recording, windows).found[:2]
+    return np.array(
+        [
+            _arm_equation(recording.with_command_later(delay), windows, beta, gamma).misfit
+            for delay in delays
+        ]
+    )
 
 
 def momentum_fit(recording: Recording) -> MomentumFit:
     """Regress recording ``recording``, whose speeds are all there and θ = 0 is upright."""
-    windows = _Windows(recording.time)
-    pendulum, pendulum_errors = _pendulum_equation(recording, windows)
-    arm, arm_errors = _arm_equation(recording, windows, *pendulum[:2])
+    windows = Windows(recording.time)
+    pendulum, pendulum_errors, _ = _pendulum_equation(recording, windows)
+    arm, arm_errors, _ = _arm_equation(recording, windows, *pendulum[:2])
     alpha, delta, viscous, forth, back = arm
     one_way = not np.all(np.isfinite(arm_errors[3:]))
     coulomb = forth + back if one_way else 0.5 * (forth + back)
@@ -170,7 +115,15 @@ def momentum_fit(recording: Recording) -> MomentumFit:
     )
 
 
-def _pendulum_equation(recording: Recording, windows: _Windows) -> tuple[np.ndarray, np.ndarray]:
+class _Regression(NamedTuple):
+    """Coefficients (k,), their standard errors, and the part left unexplained."""
+
+    found: np.ndarray
+    errors: np.ndarray
+    misfit: float
+
+
+def _pendulum_equation(recording: Recording, windows: Windows) -> _Regression:
     """β/δ, γ/δ, viscous/δ, Coulomb/δ of the joint, then zero and tilt."""
     phi, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
@@ -186,9 +139,7 @@ def _pendulum_equation(recording: Recording, windows: _Windows) -> tuple[np.ndar
     return _regress(np.array(columns).T, windows.mean(s))
 
 
-def _arm_equation(
-    recording: Recording, windows: _Windows, beta: float, gamma: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> _Regression:
     """α, δ, viscous, Coulomb level forth and back, with β and γ in units of δ.
 
     Windows in which the arm rests do not count. Where it always turned one way, its Coulomb
@@ -211,7 +162,7 @@ def _arm_equation(
     # What is held over a sample counts half at either end of it.
     earlier = recording.commanded_at(recording.time - recording.interval)
     u = windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
-    if np.sum(moving) < FEWEST_WINDOWS:
+    if np.sum(moving) < FEWEST:
         raise ParameterError(
             f"the arm moves in {np.sum(moving)} of {len(u)} windows of {WINDOW:g} s, too few to "
             "fit; record a motion in which it does not rest"
@@ -219,7 +170,7 @@ def _arm_equation(
     return _regress(np.array(columns).T[moving], u[moving])
 
 
-def _regress(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _regress(x: np.ndarray, y: np.ndarray) -> _Regression:
     """Least squares with standard errors that allow for the windows' overlap.
 
     What the data never excite stays zero, its standard error infinite.
@@ -233,4 +184,5 @@ def _regress(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     variance = 2.0 * residual @ residual / max(1, len(y) - len(scale))
     solution[used] = found / scale
     errors[used] = np.sqrt(variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))) / scale
-    return solution, errors
+    size = float(np.linalg.norm(y))
+    return _Regression(solution, errors, float(np.linalg.norm(residual)) / size if size else 1.0)

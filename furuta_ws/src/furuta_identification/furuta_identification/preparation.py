@@ -12,36 +12,59 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-from .momentum import ratios, speed_lag, with_speeds
+from .consistency import in_radians, with_true_speeds
+from .momentum import arm_misfits, ratios
 from .record import Recording
+from .speeds import speed_lag, with_speeds
 
 # Part of the largest arm speed, and speed [rad/s], beyond which the arm moves.
 MOVING = 0.03
 SLOWEST = 0.05
 # Samples in a row that make a motion.
 SAMPLES = 5
-# Time [s] before the first command that motion must begin for that command to be the second.
-EARLY = 0.02
 # Interval [s] between commands that are set and held rather than streamed.
 HELD = 0.1
+# Time [s] before the first command that motion must begin for that command to be the second, of
+# those streamed; of those held so little may be a delay.
+EARLY = 0.02
+# Time [s] that a command is taken to have been in force when a log begins in motion.
+BEFORE = 1.0
+# Commands of so few sizes are steps, of which a missing one was another; and how much worse than
+# with another one the motion may agree with the usual one.
+FEW = 10
+AS_GOOD = 1.2
 LONGEST_GAP = 10.0
+# Largest command [V] of a motor of this size.
+LARGEST_COMMAND = 100.0
 ZEROS = ("auto", "upright", "hanging")
 
 
 class Options(NamedTuple):
-    """What the user says: the pendulum's ``zero`` (auto, upright, hanging), stretch [s] or None."""
+    """What the user says.
+
+    The pendulum's ``zero`` (auto, upright, hanging), the stretch [s] or None, the ``angles``' unit
+    (auto, rad, deg), and how many volts one of the command is.
+    """
 
     zero: str = "auto"
     window: float | None = None
+    angles: str = "auto"
+    command_scale: float = 1.0
 
 
 def prepare(recording: Recording, options: Options) -> tuple[Recording, list[str]]:
     """Clean, turn upright, complete; and what was found on the way."""
-    recording, findings = checked(recording)
-    recording, more = with_first_command(recording)
-    findings += more
-    recording, more = oriented(recording, options.zero)
-    return recording, [f"{recording.name}: {each}" for each in findings + more]
+    scaled = recording._replace(command=options.command_scale * recording.command)
+    recording, findings = checked(scaled)
+    for step in (
+        lambda each: in_radians(each, options.angles),
+        with_true_speeds,
+        with_first_command,
+        lambda each: oriented(each, options.zero),
+    ):
+        recording, found = step(recording)
+        findings += found
+    return recording, [f"{recording.name}: {each}" for each in findings]
 
 
 def checked(recording: Recording) -> tuple[Recording, list[str]]:
@@ -62,9 +85,19 @@ def checked(recording: Recording) -> tuple[Recording, list[str]]:
             f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time went back)"
         )
     recording = recording._replace(time=time[usable], measured=measured[usable].copy())
-    if not len(recording.command):
+    given = np.isfinite(recording.command) & np.isfinite(recording.command_time)
+    recording = recording._replace(
+        command=recording.command[given], command_time=recording.command_time[given]
+    )
+    if not np.any(given):
         raise ParameterError(
             f"{recording.name}: no command in it; name its topic or column with --command"
+        )
+    largest = float(np.max(np.abs(recording.command)))
+    if largest > LARGEST_COMMAND:
+        raise ParameterError(
+            f"{recording.name}: commands up to {largest:g} are no volts; say what one is with "
+            "--command-scale (0.001 for millivolts)"
         )
     for speed in (PHI_DOT, THETA_DOT):
         # A speed that is missing now and then is bridged; one that never comes stays NaN.
@@ -78,8 +111,6 @@ def checked(recording: Recording) -> tuple[Recording, list[str]]:
         findings.append(
             f"dropout of {gap:.3f} s; the usual interval is {recording.interval * 1e3:.2f} ms"
         )
-    for angle in (PHI, THETA):
-        recording.measured[:, angle] = np.unwrap(recording.measured[:, angle])
     return recording, findings
 
 
@@ -111,28 +142,59 @@ def oriented(recording: Recording, zero: str) -> tuple[Recording, list[str]]:
 def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
     """Adds a first command that the log lacks: the arm moves before there is any."""
     onset = _onset(recording)
+    if onset is not None and onset <= recording.time[SAMPLES]:
+        return _in_motion(recording)
     first = recording.command_time[0]
-    if onset is None or onset >= first - EARLY or recording.command[0] == 0.0:
-        return recording, []
-    if onset <= recording.time[SAMPLES]:
-        kept = recording.between(first, np.inf)
-        if len(kept.time) < 100:
-            raise ParameterError(f"{recording.name}: next to nothing after the first command")
-        return kept, [f"in motion from the start, commands only after {first:.3f} s: began there"]
     intervals = np.diff(recording.command_time)
+    period = float(np.median(intervals)) if len(intervals) else np.inf
+    early = HELD if period > HELD else EARLY
+    if onset is None or onset >= first - early or recording.command[0] == 0.0:
+        return recording, []
     start, why = onset, "when the arm begins to move"
-    if len(intervals) and np.median(intervals) > HELD:
-        period = float(np.median(intervals))
+    if HELD < period < np.inf:
         candidate = first - period * max(1, round((first - onset) / period))
-        if abs(candidate - onset) < 0.05:
+        if abs(candidate - onset) < HELD:
             start, why = candidate, f"one interval of {period:.3f} s earlier"
-    return recording._replace(
-        command_time=np.append(start, recording.command_time),
-        command=np.append(recording.command[0], recording.command),
-    ), [
+    value = _likeliest(recording, start)
+    return _with_command(recording, start, value), [
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
-        f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been set {why}, "
-        f"at {start:.3f} s"
+        f"({recording.command[0]:g} V) is of {first:.3f} s; taken to have been {value:g} V, set "
+        f"{why}, at {start:.3f} s"
+    ]
+
+
+def _with_command(recording: Recording, time: float, value: float) -> Recording:
+    """The recording with one more command before the others."""
+    return recording._replace(
+        command_time=np.append(time, recording.command_time),
+        command=np.append(value, recording.command),
+    )
+
+
+def _likeliest(recording: Recording, time: float) -> float:
+    """The command at ``time`` [s] by which the arm's equation holds best: one of the others [V]."""
+    own = float(recording.command[0])
+    others = np.unique(recording.command)
+    candidates = [own, -own, *(float(u) for u in others if len(others) <= FEW)]
+    with_all = with_speeds(recording, speed_lag(recording))
+    misfits = [
+        float(arm_misfits(_with_command(with_all, time, u), np.zeros(1))[0]) for u in candidates
+    ]
+    best = int(np.argmin(misfits))
+    return own if misfits[0] <= AS_GOOD * misfits[best] else candidates[best]
+
+
+def _in_motion(recording: Recording) -> tuple[Recording, list[str]]:
+    """The part with commands; before the first one the same was in force."""
+    first = recording.command_time[0]
+    kept = recording.between(first - EARLY, np.inf)
+    if len(kept.time) < 100:
+        raise ParameterError(f"{recording.name}: next to nothing after the first command")
+    held = _with_command(kept, first - BEFORE, float(recording.command[0]))
+    late = first > recording.time[0] + EARLY
+    return held, [
+        "in motion from the start: its state there is fitted too"
+        + (f", from the first command at {first:.3f} s on" if late else "")
     ]
 
 
@@ -142,23 +204,3 @@ def _onset(recording: Recording) -> float | None:
     moving = speed > max(SLOWEST, MOVING * float(np.max(speed)))
     run = np.convolve(moving, np.ones(SAMPLES), "valid") == SAMPLES
     return float(recording.time[np.argmax(run)]) if np.any(run) else None
-
-
-def noise_of(recording: Recording) -> np.ndarray:
-    """Size of each channel's noise (4,): what a smooth curve cannot follow, at least a code."""
-    scale = np.empty(4)
-    for channel, column in enumerate(recording.measured.T):
-        series = column[np.isfinite(column)]
-        if len(series) < 10:
-            scale[channel] = 1.0
-            continue
-        steps = np.abs(np.diff(series))
-        code = float(np.min(steps[steps > 1e-12], initial=np.inf))
-        quantised = code / np.sqrt(12.0) if np.isfinite(code) else 0.0
-        rough = float(np.sqrt(np.mean(np.diff(series, n=3) ** 2) / 20.0))
-        scale[channel] = max(quantised, rough, SMALLEST_NOISE[channel])
-    return scale
-
-
-# Nothing is measured better than this [rad, rad/s, rad, rad/s].
-SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)

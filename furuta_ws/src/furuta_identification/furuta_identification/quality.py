@@ -13,8 +13,10 @@ from .record import CHANNELS, Recording
 from .shooting import Shooting, stretches
 
 if TYPE_CHECKING:
-    from .fit import Model
+    from .model import Model
 
+# Size of a series [rad, rad/s] below which nothing moves in it.
+STILL = 1e-6
 # Rest angle [rad] off the model's by which a recording has another zero.
 OTHER_ZERO = 0.03
 
@@ -23,8 +25,9 @@ def fit_percent(measured: np.ndarray, predicted: np.ndarray) -> float:
     """100·(1 − ‖y − ŷ‖/‖y − ȳ‖) [%], NaN for a series (n,) that is missing or does not move."""
     here = np.isfinite(measured)
     y, y_hat = measured[here], predicted[here]
-    size = np.linalg.norm(y - np.mean(y)) if len(y) else 0.0
-    return float(100.0 * (1.0 - np.linalg.norm(y - y_hat) / size)) if size > 0.0 else float("nan")
+    if not len(y) or np.std(y) < STILL:
+        return float("nan")
+    return float(100.0 * (1.0 - np.linalg.norm(y - y_hat) / np.linalg.norm(y - np.mean(y))))
 
 
 def pendulum_fit(shooting: Shooting, vector: np.ndarray) -> float:
@@ -53,8 +56,8 @@ class Followed:
 def follow(model: Model, recording: Recording) -> Followed:
     """Run the model along a prepared recording, freely or in the stretches it was fitted in.
 
-    In stretches, the state at the start of each is fitted; a free run starts from the state
-    measured there.
+    In stretches, the state at the start of each is fitted, and that of a free run where it starts
+    in motion; from rest, a free run starts from the state measured there.
     """
     names = [name for name in model.names if name not in ("coulomb",)]
     shooting = Shooting(
@@ -70,6 +73,9 @@ def held_out(model: Model, recording: Recording, options: Options) -> tuple[Foll
     started elsewhere, and its zero is taken from that rest.
     """
     ready, findings = prepare(recording, options)
+    if model.turned:
+        ready = ready.with_command_turned()
+    ready = ready.with_command_later(model.shift)
     at_rest = ready.between(ready.time[0], ready.time[0] + 0.1).measured[:, THETA]
     if np.isinf(model.window) and np.ptp(at_rest) < OTHER_ZERO:
         g = model.guess

@@ -50,6 +50,14 @@ class Recording(NamedTuple):
         measured[:, PHI_DOT] *= arm
         return self._replace(measured=measured)
 
+    def with_command_turned(self) -> Recording:
+        """The same with the command's sign turned."""
+        return self._replace(command=-self.command)
+
+    def with_command_later(self, delay: float) -> Recording:
+        """The same with the command's times ``delay`` [s] later."""
+        return self._replace(command_time=self.command_time + delay)
+
     def commanded_at(self, time: np.ndarray) -> np.ndarray:
         """The command in force at each time [V]."""
         if not len(self.command):

@@ -10,14 +10,15 @@ from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
-from .fit import Model
+from .model import Model
 from .unknowns import BY_NAME, FRICTION, LOGARITHMIC, LUGRE
 
 # Part of the prior's spread, and of the value itself, that an error must be below.
 TOLD_BY_DATA = 0.7
 LARGEST_RELATIVE = 0.5
+HELD = "the arm turns one way only: a smaller command would do the same"
+LOST = "its effect is lost in the others'"
 REASONS = {
-    "coulomb": "the arm turns one way only: a smaller command would do the same",
     "asymmetry": "the arm hardly slides, or slides one way only",
     "alpha1": "no slow sliding and no slow reversals in it",
     "stribeck_velocity": "no slow sliding and no slow reversals in it",
@@ -38,7 +39,7 @@ def undetermined(model: Model) -> dict[str, str]:
             vague = np.isfinite(unknown.spread) and error > TOLD_BY_DATA * unknown.spread
             vague = vague or (name in LOGARITHMIC and error > LARGEST_RELATIVE)
             if held or vague:
-                found[name] = REASONS.get(name, "its effect is lost in the others'")
+                found[name] = HELD if held else REASONS.get(name, LOST)
         elif name in LUGRE or name == "asymmetry":
             found[name] = REASONS[name]
     return found
@@ -50,7 +51,8 @@ def values(model: Model) -> dict[str, float]:
     return {
         **_of_body(body),
         **{name: guess[name] for name in FRICTION},
-        **{name: guess[name] for name in (*LUGRE, "delay", "lag", "zero", "tilt_x", "tilt_y")},
+        **{name: guess[name] for name in (*LUGRE, "lag", "zero", "tilt_x", "tilt_y")},
+        "delay": guess["delay"] + model.shift,
     }
 
 

@@ -28,6 +28,8 @@ from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 JOINT_SPEED = 0.05
 # Longest integration step [s]: a hundredth of the shortest motion of interest.
 LONGEST_STEP = 1e-3
+# Shortest one [s]: a model that would need a shorter one is far from any rig.
+SHORTEST_STEP = 3e-5
 NO_RIPPLE = np.zeros((0, 3))
 
 
@@ -51,15 +53,16 @@ def model_accelerations(
     phi: float, v: float, theta: float, w: float, torque: float, m: RigModel
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V]."""
-    sine, cosine = sin(phi), cos(phi)
-    along = m.tilt_x * cosine + m.tilt_y * sine
-    across = m.tilt_y * cosine - m.tilt_x * sine
-    torque += m.body.delta * sin(theta) * along
+    joint = -m.pendulum_viscous * w
+    if m.pendulum_coulomb != 0.0:
+        joint -= m.pendulum_coulomb * tanh(w / JOINT_SPEED)
+    if m.tilt_x != 0.0 or m.tilt_y != 0.0:
+        sine, cosine = sin(phi), cos(phi)
+        torque += m.body.delta * sin(theta) * (m.tilt_x * cosine + m.tilt_y * sine)
+        joint -= m.body.delta * cos(theta) * (m.tilt_y * cosine - m.tilt_x * sine)
     for k in range(m.ripple.shape[0]):
         order, a, b = m.ripple[k]
         torque += a * cos(order * phi) + b * sin(order * phi)
-    joint = -m.pendulum_viscous * w - m.pendulum_coulomb * tanh(w / JOINT_SPEED)
-    joint -= m.body.delta * cos(theta) * across
     v_dot, w_dot = accelerations(v, theta, w, torque, m.body)
     # The joint's torque acts through the inverse inertia matrix, which (1) has none of.
     s, c = sin(theta), cos(theta)
@@ -99,4 +102,5 @@ def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
 
 def longest_step(m: RigModel) -> float:
     """Integration step [s] that resolves the stuck arm on its bristle."""
-    return min(LONGEST_STEP, 0.01 / substeps_for(0.01, m.body, m.arm))
+    resolved = 0.01 / substeps_for(0.01, m.body, m.arm)
+    return min(LONGEST_STEP, max(resolved, SHORTEST_STEP))

@@ -16,13 +16,17 @@ from furuta_model.compiled import compiled
 from furuta_model.lugre import LuGre, bristle_after, highest_level
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 
-from .momentum import with_speeds
 from .prediction import predict
 from .record import Recording
+from .speeds import with_speeds
 from .unknowns import Guess
 
 # Rounds of solving for the initial states each time the model changes.
 ROUNDS = 2
+# The same for predictions, which may begin far off.
+PATIENT = 8
+# Speed [rad/s] at the start of a free run from which it does not start from rest.
+MOVING = 0.3
 # Relative size of the steps by which slopes are taken.
 STEP = 1e-6
 # Largest step of an initial state [rad, rad/s] by which slopes are taken.
@@ -58,8 +62,9 @@ class Stretches(NamedTuple):
 def stretches(recording: Recording, window: float, noise: np.ndarray, guess: Guess) -> Stretches:
     """Cut a recording every ``window`` [s] (infinite: not at all).
 
-    The state at each start is what a line through the next samples says; a free run keeps it,
-    shorter stretches may correct it by as much as ``noise`` (4,) allows.
+    The state at each start is what a line through the next samples says. A free run from rest
+    keeps it; one that starts in motion, and shorter stretches, may correct it by as much as
+    ``noise`` (4,) allows.
     """
     time = recording.time
     count = max(1, int((time[-1] - time[0]) // window)) if np.isfinite(window) else 1
@@ -73,7 +78,7 @@ def stretches(recording: Recording, window: float, noise: np.ndarray, guess: Gue
     bristle = bristle_along(recording.time, speeds.measured[:, PHI_DOT].copy(), guess.friction)
     initial[:, BRISTLE] = bristle[starts]
     spread = np.zeros((count, PLANT_STATES))
-    if count > 1:
+    if count > 1 or np.max(np.abs(initial[0, [PHI_DOT, THETA_DOT]])) > MOVING:
         spread[:, :RIGID_STATES] = LOOSE * noise
         level = max(guess["coulomb"] + guess["alpha1"], SMALLEST_LEVEL)
         spread[:, BRISTLE] = 0.5 * level / guess["sigma0"]
@@ -109,21 +114,21 @@ class Shooting:
         self.parts, self.names, self.guess = parts, names, guess
         self._initial = [part.measured.copy() for part in parts]
         self._weights = [_weights(part, guess) for part in parts]
+        self._local: list[np.ndarray | None] = [None] * len(parts)
+        self._solved: list[np.ndarray] = []
         self._solved_for: bytes = b""
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
         """All weighted residuals after the initial states are solved for."""
         self._solve(vector)
-        return np.concatenate(
-            [self._residuals(i, vector, self._initial[i]) for i in range(len(self.parts))]
-        )
+        return np.concatenate(self._solved)
 
     def slopes(self, vector: np.ndarray) -> np.ndarray:
         """∂residuals/∂vector, with what the initial states take up projected out."""
         self._solve(vector)
         blocks = []
         for i, part in enumerate(self.parts):
-            base = self._residuals(i, vector, self._initial[i])
+            base = self._solved[i]
             columns = np.empty((len(base), len(vector)))
             for j, value in enumerate(vector):
                 step = STEP * max(1.0, abs(value))
@@ -131,13 +136,14 @@ class Shooting:
                 moved[j] += step
                 columns[:, j] = (self._residuals(i, moved, self._initial[i]) - base) / step
             if np.any(part.spread):
-                columns = _projected(columns, self._local_slopes(i, vector, base), part)
+                local = self._local[i] = self._local_slopes(i, vector, base)
+                columns = _projected(columns, local, part)
             blocks.append(columns)
         return np.concatenate(blocks)
 
     def predictions(self, vector: np.ndarray) -> list[np.ndarray]:
         """Each recording's predicted outputs (n, 4), in the recording's own zero."""
-        self._solve(vector)
+        self._solve(vector, PATIENT)
         return [self._predicted(i, vector, self._initial[i]) for i in range(len(self.parts))]
 
     def _predicted(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:
@@ -159,11 +165,17 @@ class Shooting:
     def _residuals(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:
         """Weighted residuals (4n + 5s,) of one recording: outputs, then initial states."""
         part = self.parts[i]
-        error = part.recording.measured - self._predicted(i, vector, initial)
-        error = np.where(self._weights[i] > 0.0, error, 0.0) * self._weights[i]
+        residuals = self.weighted(i, part.recording.measured - self._predicted(i, vector, initial))
         known = part.spread > 0.0
         prior = np.where(known, (part.measured - initial) / np.where(known, part.spread, 1.0), 0.0)
-        return np.concatenate((error.ravel(), prior.ravel()))
+        residuals[-prior.size :] = prior.ravel()
+        return residuals
+
+    def weighted(self, i: int, error: np.ndarray) -> np.ndarray:
+        """Residuals (4n + 5s,) of the outputs' ``error`` (n, 4), those of initial states zero."""
+        weights = self._weights[i]
+        outputs = np.where(weights > 0.0, error, 0.0) * weights
+        return np.append(outputs.ravel(), np.zeros(self.parts[i].measured.size))
 
     def _local_slopes(self, i: int, vector: np.ndarray, base: np.ndarray) -> np.ndarray:
         """∂residuals/∂initial state (4n + 5s, 5): every stretch moves at once, each its own."""
@@ -176,18 +188,36 @@ class Shooting:
             columns[:, state] = (self._residuals(i, vector, moved) - base) / step
         return columns
 
-    def _solve(self, vector: np.ndarray) -> None:
-        """Gauss-Newton for the initial states of all stretches, warm from the last ones."""
-        if vector.tobytes() == self._solved_for:
+    def _solve(self, vector: np.ndarray, rounds: int = ROUNDS) -> None:
+        """Gauss-Newton for the initial states of all stretches, warm from the last ones.
+
+        With the slopes last taken: these hardly change from one model to the next.
+        """
+        if vector.tobytes() == self._solved_for and rounds == ROUNDS:
             return
         self._solved_for = vector.tobytes()
-        for i, part in enumerate(self.parts):
-            if not np.any(part.spread):
-                continue
-            for _ in range(ROUNDS):
-                base = self._residuals(i, vector, self._initial[i])
-                local = self._local_slopes(i, vector, base)
-                self._initial[i] = self._initial[i] - _local_steps(local, base, part)
+        self._solved = [self._solve_part(i, vector, rounds) for i in range(len(self.parts))]
+
+    def _solve_part(self, i: int, vector: np.ndarray, rounds: int) -> np.ndarray:
+        """Solve for the initial states of one recording; its residuals there.
+
+        A stretch that a step makes worse stays where it was: some are chaotic.
+        """
+        part, base = self.parts[i], self._residuals(i, vector, self._initial[i])
+        if not np.any(part.spread):
+            return base
+        for _ in range(rounds):
+            local = self._local[i]
+            if local is None:
+                local = self._local[i] = self._local_slopes(i, vector, base)
+            tried = self._initial[i] - _local_steps(local, base, part)
+            after = self._residuals(i, vector, tried)
+            worse = ~(_sizes(after, part) <= _sizes(base, part))
+            if np.any(worse):
+                tried[worse] = self._initial[i][worse]
+                after = self._residuals(i, vector, tried)
+            self._initial[i], base = tried, after
+        return base
 
 
 def _weights(part: Stretches, guess: Guess) -> np.ndarray:
@@ -209,6 +239,14 @@ def _rows(part: Stretches) -> list[np.ndarray]:
         np.append(np.arange(4 * bounds[s], 4 * bounds[s + 1]), np.arange(own[s], own[s] + 5))
         for s in range(len(part.starts))
     ]
+
+
+def _sizes(residuals: np.ndarray, part: Stretches) -> np.ndarray:
+    """Sum of squares of each stretch (s,)."""
+    outputs = 4 * len(part.recording.time)
+    squares = residuals**2
+    sizes: np.ndarray = np.add.reduceat(squares[:outputs], 4 * part.starts)
+    return sizes + squares[outputs:].reshape(len(part.starts), -1).sum(axis=1)
 
 
 def _local_steps(local: np.ndarray, base: np.ndarray, part: Stretches) -> np.ndarray:

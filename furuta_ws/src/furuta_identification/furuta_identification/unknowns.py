@@ -73,6 +73,8 @@ TIMING = ("delay", "lag")
 SETUP = ("tilt_x", "tilt_y", "unbalance_cos", "unbalance_sin", "zero")
 RIPPLE = ("ripple_cos", "ripple_sin")
 LUGRE = ("alpha1", "stribeck_velocity", "sigma0", "sigma1")
+# How far a logarithm may go from where it starts in one fit: a factor of 20.
+REACH = 3.0
 LOGARITHMIC = (*BODY, "stribeck_velocity", "sigma0", "sigma1")
 
 
@@ -150,3 +152,12 @@ class Guess:
 
 
 PLACE = {each.name: place for place, each in enumerate(UNKNOWNS)}
+
+
+def bounds(guess: Guess, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest vector of some unknowns; logarithms stay within reach of ``guess``."""
+    each = [BY_NAME[name] for name in names]
+    low, high = np.array([u.low for u in each]), np.array([u.high for u in each])
+    near = np.array([REACH if name in LOGARITHMIC else np.inf for name in names])
+    vector = guess.vector(names)
+    return np.maximum(low, vector - near), np.minimum(high, vector + near)

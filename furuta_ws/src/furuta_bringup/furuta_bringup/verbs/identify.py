@@ -10,13 +10,16 @@ import numpy as np
 import yaml
 
 from furuta_bringup.recordings import Mapping, read
-from furuta_identification.fit import Model, identify
+from furuta_identification.consistency import ANGLES
+from furuta_identification.fit import identify
+from furuta_identification.model import Model
+from furuta_identification.pieces import pieces
 from furuta_identification.preparation import ZEROS, Options
 from furuta_identification.quality import Followed, follow, held_out
+from furuta_identification.record import Recording
 from furuta_identification.report import node_parameters, summary
 from furuta_model.parameters import ParameterError
 
-from ..figures.residual import draw_residuals
 from ..options import json_option, print_json
 
 # Fit over the first seconds, beside that over the whole.
@@ -37,6 +40,20 @@ FIRST_SECONDS = 3.0
     default="auto",
     show_default=True,
     help="Where the pendulum's angle is 0.",
+)
+@click.option(
+    "--angles",
+    type=click.Choice(ANGLES),
+    default="auto",
+    show_default=True,
+    help="Unit of the angles.",
+)
+@click.option(
+    "--command-scale",
+    type=float,
+    default=1.0,
+    metavar="V",
+    help="Volts that 1 of the command is; default: 1.",
 )
 @click.option("--window", type=float, help="Stretch that is run freely [s]; default: all, or 0.5.")
 @click.option(
@@ -61,6 +78,8 @@ def command(
     command_name: str | None,
     states: str | None,
     zero: str,
+    angles: str,
+    command_scale: float,
     window: float | None,
     validate: tuple[Path, ...],
     out: Path | None,
@@ -75,23 +94,27 @@ def command(
     if window is not None and not 0.05 <= window <= 1e4:
         raise ParameterError(f"--window must be 0.05 to 10000 s, given {window:g}")
     mapping = Mapping(arm, pendulum, command_name, states)
-    options = Options(zero, window)
-    recordings, findings = [], []
-    for path in paths:
-        recording, found = read(path, mapping)
-        recordings.append(recording)
-        findings += found
+    if not np.isfinite(command_scale) or command_scale == 0.0:
+        raise ParameterError(
+            f"--command-scale must be a number other than 0, given {command_scale:g}"
+        )
+    options = Options(zero, window, angles, command_scale)
+    recordings, findings = _read_all(paths, mapping)
     model = identify(recordings, options)
     followed = [follow(model, each) for each in model.recordings]
+    tried, more = _read_all(validate, mapping)
+    findings += more
     others = []
-    for path in validate:
-        recording, found = read(path, mapping)
-        other, more = held_out(model, recording, options)
-        others.append(other)
-        findings += found + more
+    for recording in tried:
+        for piece in pieces(recording)[0]:
+            other, more = held_out(model, piece, options)
+            others.append(other)
+            findings += more
     result = _result(model, followed, others, findings)
     if out is not None:
-        draw_residuals([*followed, *others], out)
+        from ..figures.residual import draw_residuals
+
+        draw_residuals(followed, others, out)
         result["figure"] = str(out)
     if write is not None:
         write.write_text(_parameter_file(model, result))
@@ -100,6 +123,17 @@ def command(
         print_json(result)
     else:
         _print(result)
+
+
+def _read_all(paths: tuple[Path, ...], mapping: Mapping) -> tuple[list[Recording], list[str]]:
+    """The recordings, each with a name of its own, and what was taken for what."""
+    recordings, findings = [], []
+    for path in paths:
+        recording, found = read(path, mapping)
+        same = sum(other.name == path.name for other in paths) > 1
+        recordings.append(recording._replace(name=str(path)) if same else recording)
+        findings += found
+    return recordings, findings
 
 
 def _result(
