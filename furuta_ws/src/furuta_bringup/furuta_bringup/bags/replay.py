@@ -19,8 +19,9 @@ from furuta_ros.topics import deep
 
 from .bag import Bag
 
-# Depth of the publishers' queues: what a reader may lag behind at full speed.
-DEPTH = 1000
+# Depth of the publishers' queues: what a reader may lag behind at full speed, and what is still
+# there when the middleware asks again, seconds later, for a message that its transport lost.
+DEPTH = 20_000
 # Longest wait for readers [s], and seconds of the bag between two times of /clock.
 PATIENCE = 30.0
 TICK = 0.01
