@@ -74,15 +74,18 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
     }
     truths = bench.collect(GROUND_TRUTH)
     bench.spin(lambda: len(truths) > 10, timeout=60.0)
+    stops = []
     for name in ("controller", "friction_observer", "estimator"):
         running[name].send_signal(signal.SIGKILL)
         running[name].wait()
         bench.settle()
-        stopped = len(truths)
+        stops.append(len(truths))
         processes.node(name)
-        bench.spin(lambda stopped=stopped: len(truths) > stopped + 200, timeout=60.0)
+        bench.spin(lambda: len(truths) > stops[-1] + 200, timeout=60.0)
     stamps = [t.header.stamp.sec * 10**9 + t.header.stamp.nanosec for t in truths]
-    assert {b - a for a, b in pairwise(stamps)} == {1_000_000}
+    assert [stamps[stop] - stamps[stop - 1] for stop in stops] == [1_000_000] * 3
+    # In between a mere listener may miss some: the ring does not wait for it.
+    assert all(b > a and (b - a) % 1_000_000 == 0 for a, b in pairwise(stamps))
 
 
 @pytest.mark.parametrize("name", PACKAGES)
