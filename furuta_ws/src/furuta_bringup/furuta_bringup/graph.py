@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from time import monotonic, sleep
-from typing import Any, cast
+from typing import ClassVar, cast
 
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
@@ -33,9 +33,12 @@ class Ring:
     it holds the first sample. The recorder collects between samples; it ends with the graph.
     """
 
+    # What is controlled, and its node's name.
+    controlled: ClassVar[Callable[[list[Parameter]], Node]]
+    name: ClassVar[str]
+
     def __init__(
         self,
-        controlled: Callable[[list[Parameter]], Node],
         settings: Settings,
         others: Iterable[Node] = (),
         record: MakeRecorder | None = None,
@@ -47,7 +50,7 @@ class Ring:
         self.friction_observer = FrictionObserver(overrides("friction_observer"))
         self.controller = Controller(overrides("controller"))
         self.nodes: list[Node] = [
-            controlled(overrides(CONTROLLED[controlled])),
+            type(self).controlled(overrides(self.name)),
             self.estimator,
             self.friction_observer,
             self.controller,
@@ -73,14 +76,12 @@ class Ring:
 class Graph(Ring):
     """The ring around the simulated plant."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        others: Iterable[Node] = (),
-        record: MakeRecorder | None = None,
-    ) -> None:
-        super().__init__(Plant, settings, others, record)
-        self.plant = cast(Plant, self.nodes[0])
+    controlled, name = Plant, "plant"
+
+    @property
+    def plant(self) -> Plant:
+        """The plant's node."""
+        return cast(Plant, self.nodes[0])
 
     def run_until(self, seconds: float) -> None:
         """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
@@ -90,18 +91,12 @@ class Graph(Ring):
 class HardwareGraph(Ring):
     """The ring around a real rig."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        others: Iterable[Node] = (),
-        record: MakeRecorder | None = None,
-    ) -> None:
-        super().__init__(HardwareBridge, settings, others, record)
-        self.bridge = cast(HardwareBridge, self.nodes[0])
+    controlled, name = HardwareBridge, "hardware_bridge"
 
-
-# Node names of what can be controlled.
-CONTROLLED: dict[Any, str] = {Plant: "plant", HardwareBridge: "hardware_bridge"}
+    @property
+    def bridge(self) -> HardwareBridge:
+        """The bridge's node."""
+        return cast(HardwareBridge, self.nodes[0])
 
 
 def _wait_until_matched(nodes: list[Node]) -> None:

@@ -51,8 +51,7 @@ def fit_swinging(
     """Fit free runs of all recordings, each channel weighed by what it leaves."""
     window = options.window or np.inf
     names = [*BODY, *FRICTION, *TIMING, *SETUP]
-    names, guess, held, said = _without_coulomb_if_one_way(recordings, names, guess)
-    findings += said
+    names, guess, held, found = _without_coulomb_if_one_way(recordings, names, guess)
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
     starts = [_climb(each, names, guess, window, scale) for each in recordings]
@@ -64,7 +63,7 @@ def fit_swinging(
         fitted = _with_friction(fitted, recordings, names, window, scale)
     order, size = strongest_order(fitted.shooting, fitted.vector)
     if order:
-        findings.append(
+        found.append(
             f"the motor's torque ripples {order} times a turn ({size:.2f} rad/s in the arm's speed)"
         )
         names = [*names, *RIPPLE]
@@ -73,14 +72,12 @@ def fit_swinging(
     fitted = optimise(recordings, names, fitted.guess, window, scale, robust=True)
     follows = pendulum_fit(fitted.shooting, fitted.vector)
     if follows < FOLLOWED and options.window is None:
-        findings.append(
-            f"no free run follows these recordings to the end: run in stretches of {TAMED:g} s"
-        )
+        why = f"no free run follows these recordings to the end: run in stretches of {TAMED:g} s"
         tamed = options._replace(window=TAMED)
-        return fit_swinging(recordings, guess, regression, findings, tamed)
+        return fit_swinging(recordings, guess, regression, [*findings, why], tamed)
     covariance, information = uncertainty(fitted.shooting, fitted.vector, held)
     if follows < POOR:
-        findings.append(
+        found.append(
             "the model does not follow these recordings (the pendulum's angle to "
             f"{follows:.0f} %): its numbers mean nothing"
         )
@@ -93,7 +90,7 @@ def fit_swinging(
         scale,
         regression,
         recordings,
-        findings,
+        [*findings, *found],
     )
 
 

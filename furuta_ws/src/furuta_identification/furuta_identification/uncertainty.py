@@ -50,15 +50,15 @@ def uncertainty(
     own = np.diag(1.0 / spread**2)
     inverse = np.linalg.pinv(information + own)
     gain = inverse @ slopes.T
-    covariance = (
-        _by_blocks(shooting, slopes, residuals, information + own) + inverse @ own @ inverse
-    )
+    covariance = inverse @ own @ inverse
     if all(len(part.starts) > 1 for part in shooting.parts):
-        covariance = _by_sensors(shooting, vector, residuals, gain) + inverse @ own @ inverse
-    waves = _wave_slopes(shooting, vector, residuals)
-    if waves is not None:
-        shifts = gain @ waves
-        covariance += shifts @ shifts.T
+        covariance += _by_sensors(shooting, vector, residuals, gain)
+    else:
+        covariance += _by_blocks(shooting, slopes, residuals, information + own)
+        waves = _wave_slopes(shooting, vector, residuals)
+        if waves is not None:
+            shifts = gain @ waves
+            covariance += shifts @ shifts.T
     return _with_held(shooting, vector, held, covariance, information, gain)
 
 
@@ -122,8 +122,6 @@ def _wave_slopes(
 
     They are at least as large as what the model leaves beyond noise.
     """
-    if all(len(part.starts) > 1 for part in shooting.parts):
-        return None
     noise = sum(
         len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
         for part in shooting.parts

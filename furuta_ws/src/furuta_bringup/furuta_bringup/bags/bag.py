@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
+from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_ros.messages import NANOSECONDS
 
 # Messages of one topic that are read into memory at most: a quarter of an hour at 1 kHz.
@@ -78,6 +80,15 @@ def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
                 f"{path}: {each.msgcount} messages on {each.topic}, at most {LONGEST} can be "
                 "computed with at a time; record shorter ones"
             )
+
+
+def signals(message: Any) -> list[float]:
+    """Angles, speeds and the arm's effort in joint states of the graph, NaN if there is none."""
+    x = [0.0] * SIGNALS
+    x[PHI], x[THETA] = message.position
+    x[PHI_DOT], x[THETA_DOT] = message.velocity
+    x[EFFORT] = message.effort[0] if len(message.effort) else nan
+    return x
 
 
 def last_part(topic: str) -> str:

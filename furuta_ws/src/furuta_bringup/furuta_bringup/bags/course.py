@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
-from furuta_ros.messages import NANOSECONDS
+from furuta_model.state import RIGID_STATES
+from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
 
-from .bag import Bag, last_part
+from .bag import Bag, last_part, signals
 
 
 class Course(NamedTuple):
@@ -35,7 +35,7 @@ class Course(NamedTuple):
 
 def read_course(path: Path) -> Course:
     """Read a lock-step recording with ground truth."""
-    rows: list[tuple[float, ...]] = []
+    rows: list[list[float]] = []
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
     with Bag(path) as reader:
         wanted = {GROUND_TRUTH.name, *floats}
@@ -44,7 +44,7 @@ def read_course(path: Path) -> Course:
             message: Any = reader.deserialize(data, connection.msgtype)
             name = last_part(connection.topic)
             if name == GROUND_TRUTH.name:
-                rows.append(_row(message))
+                rows.append([stamp_nanoseconds(message) / NANOSECONDS, *signals(message)])
             else:
                 floats[name].append(message.data)
     samples = min(len(rows), *map(len, floats.values()))
@@ -56,12 +56,3 @@ def read_course(path: Path) -> Course:
         np.array(floats[FRICTION_ESTIMATE.name][:samples]),
         np.array(floats[COMMAND.name][:samples]),
     )
-
-
-def _row(message: Any) -> tuple[float, ...]:
-    """Time, state and friction of a ground truth message."""
-    stamp = message.header.stamp
-    x = [0.0] * RIGID_STATES
-    x[PHI], x[THETA] = message.position
-    x[PHI_DOT], x[THETA_DOT] = message.velocity
-    return (stamp.sec + stamp.nanosec / NANOSECONDS, *x, message.effort[0])

@@ -10,12 +10,12 @@ import numpy as np
 
 from furuta_analysis.recomputation import Recomputed, recompute
 from furuta_model.parameters import ParameterError
-from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-from furuta_ros.messages import NANOSECONDS
+from furuta_model.state import SIGNALS
+from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
 from ..settings import Settings, gather, loop, merged, read_file
-from .bag import Bag, last_part, refuse_too_long
+from .bag import Bag, last_part, refuse_too_long, signals
 from .recorder import PARAMETER_EVENTS, PARAMETERS_FILE
 
 
@@ -52,13 +52,13 @@ def read_session(bag: Path) -> Session:
             elif name in floats:
                 floats[name].append(message.data)
             else:
-                stamp = message.header.stamp.sec * NANOSECONDS + message.header.stamp.nanosec
+                stamp = stamp_nanoseconds(message)
                 if name == JOINT_STATES.name:
                     estimated_at.append(stamp)
-                    estimated.extend(_signals(message))
+                    estimated.extend(signals(message))
                 elif stamp not in samples:
                     samples[stamp] = len(samples)
-                    measured.extend(_signals(message))
+                    measured.extend(signals(message))
     if not samples:
         raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to compute from")
     stamps = np.fromiter(samples, np.int64)
@@ -71,15 +71,6 @@ def read_session(bag: Path) -> Session:
     )
     measurement = np.array(measured).reshape(-1, SIGNALS)
     return Session((stamps - stamps[0]) / NANOSECONDS, measurement, recorded, changes)
-
-
-def _signals(message: Any) -> list[float]:
-    """Angles, speeds and the arm's effort, NaN if there is none."""
-    x = [0.0] * SIGNALS
-    x[PHI], x[THETA] = message.position
-    x[PHI_DOT], x[THETA_DOT] = message.velocity
-    x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
-    return x
 
 
 def _filled(series: array[float], n: int) -> np.ndarray:

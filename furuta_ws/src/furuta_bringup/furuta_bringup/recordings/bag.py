@@ -13,7 +13,7 @@ from furuta_bringup.bags.recorder import PARAMETERS_FILE
 from furuta_identification.record import Recording
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_ros.messages import NANOSECONDS
+from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_sim.parameters import Actuator
 
 from .drive import through_drive
@@ -111,8 +111,7 @@ def _command_topic(path: Path, kinds: dict[str, str], states: str, mapping: Mapp
 
 def _joint_row(message: Any, names: tuple[str, str], time: float) -> tuple[float, ...]:
     """Arrival, stamp, φ, φ̇, θ, θ̇ and the arm's effort; NaN for what is not there."""
-    stamp = message.header.stamp
-    row = [time, stamp.sec + stamp.nanosec / NANOSECONDS, *[float("nan")] * 5]
+    row = [time, stamp_nanoseconds(message) / NANOSECONDS, *[float("nan")] * 5]
     there = list(message.name)
     for name, angle, speed in ((names[0], PHI, PHI_DOT), (names[1], THETA, THETA_DOT)):
         if name in there:
