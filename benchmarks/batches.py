@@ -6,8 +6,8 @@ from pathlib import Path
 from resource import getpagesize
 from time import perf_counter, process_time
 
-from furuta_analysis.batch import available_cores, batch
-from furuta_analysis.closed_loop import Loop
+from furuta_analysis.simulation.batch import available_cores, batch
+from furuta_analysis.simulation.closed_loop import Loop
 from furuta_friction.parameters import ObserverParameters
 from furuta_sim.parameters import Plant
 

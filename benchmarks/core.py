@@ -21,10 +21,10 @@ from experiment import (
 from mujoco_loop import MujocoLoop
 from scipy.integrate import solve_ivp
 
-from furuta_analysis.closed_loop import outcome
-from furuta_analysis.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycle import limit_cycle
-from furuta_analysis.oscillation import Oscillation
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
+from furuta_analysis.simulation.closed_loop import outcome
+from furuta_analysis.simulation.oscillation import Oscillation
 from furuta_model.friction_laws import LAWS, FrictionLaw
 
 TURNS = 7

@@ -11,8 +11,8 @@ from math import cos, exp, sin
 import numpy as np
 from scipy.integrate import odeint
 
-from furuta_analysis.closed_loop import Loop, simulate
-from furuta_analysis.oscillation import Oscillation, measure_oscillation
+from furuta_analysis.simulation.closed_loop import Loop, simulate
+from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
 from furuta_control.controller import state_feedback
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_model.lugre import LuGre

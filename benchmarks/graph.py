@@ -15,8 +15,8 @@ from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_bringup.graph import Graph
-from furuta_bringup.settings import NODES, Settings
+from furuta_graph.composed import Graph
+from furuta_graph.settings import NODES, Settings
 from furuta_ros.spinning import spin_until
 
 TURNS = 7

@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import rclpy
 
-from furuta_analysis.closed_loop import simulate
-from furuta_bringup.graph import HardwareGraph
-from furuta_bringup.processes import executable
-from furuta_bringup.settings import gather, loop
+from furuta_analysis.simulation.closed_loop import simulate
+from furuta_graph.composed import HardwareGraph
+from furuta_graph.processes import executable
+from furuta_graph.settings import gather, loop
 from furuta_hw.monitor import ask
 
 SECONDS = 60.0

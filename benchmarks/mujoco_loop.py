@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from experiment import BODY, FEEDBACK, FRICTION, RELEASE, SECONDS, STEP, cycle
 
-from furuta_analysis.oscillation import Oscillation
+from furuta_analysis.simulation.oscillation import Oscillation
 
 GRAVITY = 9.81
 MASS = 0.2  # [V s²/rad per m²]; any that leaves arm and pendulum inertia of their own

@@ -35,7 +35,7 @@ import rclpy  # noqa: E402 - the domain is read when rclpy starts
 from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from testbench import Bench  # noqa: E402
 
-from furuta_bringup.settings import NODES, Settings  # noqa: E402
+from furuta_graph.settings import NODES, Settings  # noqa: E402
 
 
 @pytest.fixture

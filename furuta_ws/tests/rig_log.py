@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from furuta_identification.record import Recording
+from furuta_recordings.recording import Recording
 
 
 class Truth(NamedTuple):

@@ -22,7 +22,7 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "furuta = furuta_bringup.command_line:main",
+            "furuta = furuta_cli.main:main",
         ]
     },
     zip_safe=False,

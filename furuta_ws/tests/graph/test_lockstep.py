@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from furuta_analysis.closed_loop import simulate
-from furuta_analysis.oscillation import measure_oscillation
-from furuta_bringup.bags.course import read_course
-from furuta_bringup.bags.recorder import Recorder
-from furuta_bringup.graph import Graph
-from furuta_bringup.settings import Settings, gather, loop
+from furuta_analysis.simulation.closed_loop import simulate
+from furuta_analysis.simulation.oscillation import measure_oscillation
+from furuta_graph.composed import Graph
+from furuta_graph.settings import Settings, gather, loop
+from furuta_recordings.bags.recorded_run import read_course
+from furuta_recordings.recorder_node import Recorder
 from furuta_ros.topics import TOPICS
 
 IDEAL = ["sensors.ideal=true"]

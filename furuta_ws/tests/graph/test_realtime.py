@@ -9,8 +9,8 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_bringup.graph import Graph
-from furuta_bringup.settings import Settings
+from furuta_graph.composed import Graph
+from furuta_graph.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import QOS, TIMING
 

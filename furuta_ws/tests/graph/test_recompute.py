@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from furuta_bringup.bags.recompute import compare, recomputed
-from furuta_bringup.bags.recorder import Recorder
-from furuta_bringup.figures.difference import draw_difference
-from furuta_bringup.graph import Graph
-from furuta_bringup.operator import Operator
-from furuta_bringup.parameter_files import settings_file
-from furuta_bringup.settings import gather
+from furuta_figures.difference import draw_difference
+from furuta_graph.composed import Graph
+from furuta_graph.parameter_client import Operator
+from furuta_graph.parameter_files import settings_file
+from furuta_graph.settings import gather
+from furuta_recordings.recorder_node import Recorder
+from furuta_studies.recompute import compare, recomputed
 
 
 @pytest.fixture

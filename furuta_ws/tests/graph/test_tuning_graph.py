@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from furuta_analysis.tuning import Plan, SimulatedRig, tune
-from furuta_bringup.demo import tune_graph
-from furuta_bringup.settings import gather, loop
+from furuta_graph.settings import gather, loop
+from furuta_studies.demo import tune_graph
+from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
 
 
 def silent(what: str, seconds: float) -> None:

@@ -9,8 +9,8 @@ import pytest
 from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
-from furuta_bringup.operator import Operator, ServiceError
 from furuta_control.controller_node import Controller
+from furuta_graph.parameter_client import Operator, ServiceError
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from testbench import Bench, joint_state
 
-from furuta_bringup.operator import Operator
 from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_graph.parameter_client import Operator
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 

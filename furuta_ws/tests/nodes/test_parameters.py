@@ -8,11 +8,11 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import Bench
 
-from furuta_bringup.operator import Operator, ServiceError
-from furuta_bringup.settings import NODES
 from furuta_control.controller_node import Controller
 from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_graph.settings import NODES
 from furuta_hw.bridge_node import HardwareBridge
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.plant_node import Plant

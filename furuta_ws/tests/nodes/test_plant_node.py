@@ -16,8 +16,8 @@ from furuta_model.parameters import build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
 from furuta_sim.parameters import PlantNodeParameters
+from furuta_sim.plant import initial_state, move, substeps
 from furuta_sim.plant_node import Plant
-from furuta_sim.rig import initial_state, move, substeps
 
 
 def plant(bench: Bench, **values: Any) -> Plant:

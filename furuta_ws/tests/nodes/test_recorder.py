@@ -9,10 +9,10 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import joint_state
 
-from furuta_bringup.bags import recorder as module
-from furuta_bringup.bags.bag import Bag
-from furuta_bringup.bags.recorder import Recorder, chosen_topics
 from furuta_model.parameters import ParameterError
+from furuta_recordings import recorder_node as module
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.recorder_node import Recorder, chosen_topics
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
 
 X = (0.1, 0.2, 0.3, 0.4)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta_bringup.processes import HARDWARE, PACKAGES, executable
+from furuta_graph.processes import HARDWARE, PACKAGES, executable
 from furuta_hw.monitor import ask
 
 TIMEOUT = 120.0

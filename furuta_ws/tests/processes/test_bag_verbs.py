@@ -14,7 +14,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from furuta_bringup.command_line import main
+from furuta_cli.main import main
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
 
 

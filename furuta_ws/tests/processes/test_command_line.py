@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from ament_index_python.packages import get_package_share_directory
 
-from furuta_bringup.processes import PACKAGES, executable
+from furuta_graph.processes import PACKAGES, executable
 
 GOOD_FILE = """
 /**:

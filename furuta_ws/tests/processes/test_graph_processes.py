@@ -12,10 +12,10 @@ import pytest
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
-from furuta_analysis.closed_loop import simulate
-from furuta_bringup.operator import Operator, ServiceError
-from furuta_bringup.processes import PACKAGES
-from furuta_bringup.settings import gather, loop
+from furuta_analysis.simulation.closed_loop import simulate
+from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_graph.processes import PACKAGES
+from furuta_graph.settings import gather, loop
 from furuta_ros.topics import GROUND_TRUTH, TOPICS
 
 SAMPLES = 1500

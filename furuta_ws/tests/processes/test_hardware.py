@@ -19,12 +19,12 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 from testbench import Bench
 
-from furuta_analysis.closed_loop import simulate
-from furuta_bringup.processes import HARDWARE
-from furuta_bringup.settings import gather, loop
+from furuta_analysis.simulation.closed_loop import simulate
 from furuta_control.controller_node import Controller
 from furuta_control.estimator_node import Estimator
 from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_graph.processes import HARDWARE
+from furuta_graph.settings import gather, loop
 from furuta_hw.bridge_node import HardwareBridge
 from furuta_hw.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT

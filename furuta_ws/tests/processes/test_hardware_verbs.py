@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from rosbags.highlevel import AnyReader
 
-from furuta_bringup.settings import read_file
+from furuta_graph.settings import read_file
 
 pytestmark = pytest.mark.realtime
 

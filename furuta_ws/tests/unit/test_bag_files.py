@@ -23,12 +23,12 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from furuta_bringup.bags import mcap_file
-from furuta_bringup.bags.bag import Bag, refuse_too_long
-from furuta_bringup.bags.mcap_file import Kind
-from furuta_bringup.bags.recovery import recover
-from furuta_bringup.bags.writer import BagWriter
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags import mcap_file
+from furuta_recordings.bags.bag import Bag, refuse_too_long
+from furuta_recordings.bags.mcap_file import Kind
+from furuta_recordings.bags.recovery import recover
+from furuta_recordings.bags.writer import BagWriter
 
 KINDS = [
     Kind("/a", "std_msgs/msg/Float64", "float64 data\n", ""),
@@ -39,8 +39,8 @@ DATA = b"\x00\x01\x00\x00" + bytes(8)
 WRITE_FOR_EVER = """
 import itertools, sys, time
 from pathlib import Path
-from furuta_bringup.bags.writer import BagWriter
-from furuta_bringup.bags.mcap_file import Kind
+from furuta_recordings.bags.writer import BagWriter
+from furuta_recordings.bags.mcap_file import Kind
 kinds = [Kind("/a", "std_msgs/msg/Float64", "float64 data\\n", "")]
 writer = BagWriter(Path(sys.argv[1]), kinds, {"parameters.yaml": "plant: {}"})
 for k in itertools.count():
@@ -266,7 +266,7 @@ def test_rubbish_is_no_bag(tmp_path: Path, content: bytes) -> None:
 
 def test_a_bag_too_long_for_memory_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
     """By the counts in its summary, with topic and limit named."""
-    monkeypatch.setattr("furuta_bringup.bags.bag.LONGEST", 10)
+    monkeypatch.setattr("furuta_recordings.bags.bag.LONGEST", 10)
     connection = SimpleNamespace(topic="/measurement", msgcount=11)
     with pytest.raises(ParameterError, match="11 messages on /measurement, at most 10"):
         refuse_too_long(tmp_path, [connection])

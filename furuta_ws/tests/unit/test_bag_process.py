@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from furuta_bringup.bags import process as bag_process
-from furuta_bringup.bags.bag import Bag
-from furuta_bringup.bags.mcap_file import Kind
-from furuta_bringup.bags.process import BagProcess
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags import writer_process as bag_process
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.mcap_file import Kind
+from furuta_recordings.bags.writer_process import BagProcess
 
 KINDS = [Kind("/a", "std_msgs/msg/Float64", "float64 data\n", "")]
 MEGABYTE = bytes(2**20)

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from furuta_analysis.batch import batch
-from furuta_analysis.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
-from furuta_analysis.oscillation import fell, measure_oscillation
+from furuta_analysis.simulation.batch import batch
+from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
+from furuta_analysis.simulation.oscillation import fell, measure_oscillation
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre

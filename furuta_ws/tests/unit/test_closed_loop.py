@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from furuta_analysis.closed_loop import Loop, Record, Simulation, simulate
-from furuta_analysis.oscillation import Oscillation, measure_oscillation
+from furuta_analysis.simulation.closed_loop import Loop, Record, Simulation, simulate
+from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre

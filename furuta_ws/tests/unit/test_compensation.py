@@ -7,17 +7,17 @@ from math import pi, sin
 import numpy as np
 import pytest
 
-from furuta_analysis.batch import batch
-from furuta_analysis.closed_loop import Loop, Simulation
-from furuta_analysis.experiments import EXPERIMENTS, experiment
-from furuta_analysis.sensitivity import sensitivity
-from furuta_analysis.tuning import Plan, SimulatedRig, tune
+from furuta_analysis.simulation.batch import batch
+from furuta_analysis.simulation.closed_loop import Loop, Simulation
 from furuta_control.parameters import EstimatorParameters
 from furuta_friction.compensators import compensator, largest_estimate
 from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, Plant
+from furuta_studies.experiments import EXPERIMENTS, experiment
+from furuta_studies.sensitivity import sensitivity
+from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
 
 ENCODER_COUNT = 2 * pi / 250
 # Fixed beforehand: the seed that the compensator is tuned with, and ten others.

@@ -8,15 +8,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_analysis.convergence import (
+from furuta_analysis.convergence.convergence import (
     ErrorLoop,
     convergence,
     error_loop,
     error_loop_of,
     largest_stable_gain,
 )
-from furuta_analysis.passive_error import passive_error
-from furuta_analysis.transfer import FIGURE_4
+from furuta_analysis.convergence.passive_error import passive_error
+from furuta_analysis.describing_functions.transfer import FIGURE_4
 from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum

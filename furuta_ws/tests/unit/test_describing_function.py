@@ -8,8 +8,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import ive
 from unit import reference
 
-from furuta_analysis.bristle_cycle import STEPS, bristle_fundamental
-from furuta_analysis.describing_function import bias, describing_function
+from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
+from furuta_analysis.describing_functions.describing_function import bias, describing_function
 from furuta_model.friction_laws import (
     COULOMB,
     LUGRE,

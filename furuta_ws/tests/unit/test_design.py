@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from furuta_bringup.design import Axis, design, parse_axis, size_of
 from furuta_model.parameters import ParameterError
+from furuta_studies.sweep_points import Axis, design, parse_axis, size_of
 
 ALPHA = Axis("friction_observer.alpha0", (0.1, 0.2, 0.3), False)
 KIND = Axis("compensation", ("coulomb", "lugre"), True)

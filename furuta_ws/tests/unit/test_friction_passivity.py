@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from furuta_analysis.friction_passivity import friction_passivity
+from furuta_analysis.convergence.friction_passivity import friction_passivity
 from furuta_model.lugre import LuGre, bristle_after, bristle_rate, friction
 
 PAPER = LuGre()

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from furuta_bringup.hardware import find_rig, rig_directory, rig_settings
-from furuta_bringup.settings import gather, loop
+from furuta_graph.rigs import find_rig, rig_directory, rig_settings
+from furuta_graph.settings import gather, loop
 from furuta_hw.codes import converter, encoder, wrapped
 from furuta_hw.frames import Sensors
 from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
@@ -20,7 +20,7 @@ from furuta_hw.rig_file import load_rig
 from furuta_hw.sensing import SLEW, Sensing, Timeline
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import accelerations
-from furuta_sim.rig import convert
+from furuta_sim.plant import convert
 
 PHYSICAL = Physical(
     arm_inertia=2e-4,

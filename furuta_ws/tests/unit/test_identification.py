@@ -6,23 +6,28 @@ import numpy as np
 import pytest
 from rig_log import Truth, swing
 
-from furuta_analysis.closed_loop import Loop, simulate
+from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_identification.fit import identify
-from furuta_identification.model import Model
-from furuta_identification.momentum import momentum_fit, ratios
-from furuta_identification.pieces import pieces
-from furuta_identification.preparation import Options, prepare
-from furuta_identification.quality import fit_percent, follow, held_out
-from furuta_identification.record import Recording
-from furuta_identification.report import node_parameters, standard_errors, summary, undetermined
-from furuta_identification.speeds import speed_lag, with_speeds
+from furuta_identification.fitting.fit import identify
+from furuta_identification.fitting.model import Model
+from furuta_identification.fitting.report import (
+    node_parameters,
+    standard_errors,
+    summary,
+    undetermined,
+)
+from furuta_identification.preparation.pieces import pieces
+from furuta_identification.preparation.preparation import Options, prepare
+from furuta_identification.regression.momentum import momentum_fit, ratios
+from furuta_identification.regression.speeds import speed_lag, with_speeds
+from furuta_identification.uncertainty.quality import fit_percent, follow, held_out
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
+from furuta_recordings.recording import Recording
 from furuta_sim.parameters import Plant
-from furuta_sim.rig import NOISE_CHANNELS, drive, measure
+from furuta_sim.plant import NOISE_CHANNELS, drive, measure
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from furuta_analysis.closed_loop import Loop, simulate
+from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.estimator import MEMORY, estimate_state, estimator
 from furuta_control.parameters import EstimatorParameters
 from furuta_friction.parameters import ObserverParameters

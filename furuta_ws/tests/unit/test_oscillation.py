@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from furuta_analysis.oscillation import fell, measure_oscillation, period
+from furuta_analysis.simulation.oscillation import fell, measure_oscillation, period
 
 DT = 1e-3
 TIME = np.arange(0, 30, DT)

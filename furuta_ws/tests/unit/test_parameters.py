@@ -8,8 +8,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from furuta_bringup.settings import NODES
 from furuta_control.parameters import ControllerParameters
+from furuta_graph.settings import NODES
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import (
     INLINE,

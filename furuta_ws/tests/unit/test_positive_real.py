@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from furuta_analysis.positive_real import real_part, strictly_positive_real
+from furuta_analysis.convergence.positive_real import real_part, strictly_positive_real
 
 
 def masses(count: int) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import ive
 
-from furuta_analysis.describing_function import static_describing_function
-from furuta_analysis.lugre_cycles import suspects, winding_number
-from furuta_analysis.predicted_cycles import Prediction, predict_cycles
-from furuta_analysis.residual import residual
-from furuta_analysis.transfer import FIGURE_4, Transfer, transfer
+from furuta_analysis.describing_functions.describing_function import static_describing_function
+from furuta_analysis.describing_functions.lugre_cycles import suspects, winding_number
+from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
+from furuta_analysis.describing_functions.residual import residual
+from furuta_analysis.describing_functions.transfer import FIGURE_4, Transfer, transfer
 from furuta_model.friction_laws import COULOMB, LAWS, LUGRE, FrictionLaw
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.lugre import LuGre

@@ -10,7 +10,7 @@ from unit import reference
 
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, InitialState, Plant, Sensors
-from furuta_sim.rig import Noise, convert, drive, initial_state, measure, move, substeps
+from furuta_sim.plant import Noise, convert, drive, initial_state, measure, move, substeps
 
 QUIET = np.zeros(2)
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any, NamedTuple
 import pytest
 import yaml
 
-from furuta_bringup.parameter_files import describe, parameter_file, parameter_table
-from furuta_bringup.settings import NODES, gather, loop, read_file
+from furuta_graph.parameter_files import describe, parameter_file, parameter_table
+from furuta_graph.settings import NODES, gather, loop, read_file
 from furuta_model.parameters import About, ParameterError, declared
 
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_analysis.closed_loop import Loop, simulate
-from furuta_analysis.loop_note import loop_note
-from furuta_analysis.steady_rotation import steady_rotations
-from furuta_analysis.transfer import FIGURE_4
+from furuta_analysis.describing_functions.loop_note import loop_note
+from furuta_analysis.describing_functions.steady_rotation import steady_rotations
+from furuta_analysis.describing_functions.transfer import FIGURE_4
+from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_model.friction_laws import COULOMB, LAWS, LUGRE, STRIBECK, FrictionLaw, steady_friction
 from furuta_model.lugre import LuGre

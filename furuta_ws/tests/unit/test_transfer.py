@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 
-from furuta_analysis.transfer import (
+from furuta_analysis.describing_functions.transfer import (
     FIGURE_4,
     Transfer,
     open_loop_poles,

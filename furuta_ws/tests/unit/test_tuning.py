@@ -7,16 +7,16 @@ from itertools import product
 import numpy as np
 import pytest
 
-from furuta_analysis.batch import batch
-from furuta_analysis.closed_loop import Loop, Simulation
-from furuta_analysis.seen_friction import fit_friction
-from furuta_analysis.tuning import GuardError, Plan, SimulatedRig, tune
+from furuta_analysis.simulation.batch import batch
+from furuta_analysis.simulation.closed_loop import Loop, Simulation
 from furuta_control.kalman import sample_kalman
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import values
 from furuta_sim.parameters import Plant
+from furuta_studies.tuning.observed_friction import fit_friction
+from furuta_studies.tuning.tuning import GuardError, Plan, SimulatedRig, tune
 
 NOMINAL = LuGre()
 STEP = sample_kalman(EstimatorParameters())

@@ -14,9 +14,9 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from ament_index_python.resources import get_resources
 
-from furuta_bringup.parameter_files import parameter_file, parameter_table
-from furuta_bringup.processes import executable
-from furuta_bringup.settings import NODES, read_file
+from furuta_graph.parameter_files import parameter_file, parameter_table
+from furuta_graph.processes import executable
+from furuta_graph.settings import NODES, read_file
 from furuta_model.parameters import declared
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -29,7 +29,11 @@ LAYERS = [
     {"furuta_ros"},
     {"furuta_sim", "furuta_control", "furuta_friction"},
     # The emulated rig of furuta_hw has the simulated one behind it.
-    {"furuta_analysis", "furuta_identification", "furuta_hw"},
+    {"furuta_analysis", "furuta_hw", "furuta_recordings"},
+    {"furuta_identification", "furuta_graph"},
+    {"furuta_studies"},
+    {"furuta_figures"},
+    {"furuta_cli"},
     {"furuta_bringup"},
 ]
 EXECUTABLES = [

@@ -15,12 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_control.excitation import NONE, TURN, Excitation, calm, excitation, shape
+from furuta_control.parameters import ControllerParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import place_poles
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-
-from .excitation import NONE, TURN, Excitation, calm, excitation, shape
-from .parameters import ControllerParameters
 
 # The controller's memory: whether it holds the pendulum (1) or has given up (0), then the phase
 # of its excitation.

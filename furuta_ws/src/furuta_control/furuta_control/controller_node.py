@@ -10,6 +10,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_control.controller import MEMORY, control, state_feedback
+from furuta_control.parameters import ControllerParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
@@ -17,9 +19,6 @@ from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nano
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
-
-from .controller import MEMORY, control, state_feedback
-from .parameters import ControllerParameters
 
 # Estimates that can still be under way: the depth of the topic's queue.
 UNDER_WAY = QOS.depth

@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_control.kalman import fuse, half_count, sample_kalman
+from furuta_control.lowpass import MEMORY as LOWPASS_MEMORY
+from furuta_control.lowpass import sample_lowpass, smooth
+from furuta_control.parameters import EstimatorParameters
 from furuta_model.compiled import inlined
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-
-from .kalman import fuse, half_count, sample_kalman
-from .lowpass import MEMORY as LOWPASS_MEMORY
-from .lowpass import sample_lowpass, smooth
-from .parameters import EstimatorParameters
 
 # The estimator's memory: the Kalman filter's signals, that of the low-pass, whether it began.
 LOWPASS = SIGNALS

@@ -9,6 +9,8 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
+from furuta_control.estimator import MEMORY, estimate_state, estimator
+from furuta_control.parameters import EstimatorParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import EFFORT, SIGNALS
@@ -16,9 +18,6 @@ from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nan
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
-
-from .estimator import MEMORY, estimate_state, estimator
-from .parameters import EstimatorParameters
 
 # Deviation of an interval that does not count, and how many in a row are worth a word.
 TOLERANCE = 0.01

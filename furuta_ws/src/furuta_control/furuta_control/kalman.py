@@ -26,12 +26,11 @@ from math import pi
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
+from furuta_control.parameters import EstimatorParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
 from furuta_model.sensors import Sensors
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-
-from .parameters import EstimatorParameters
 
 # Smallest variance of a reading [rad², rad²/s²]: a perfect sensor would leave nothing to filter.
 SMALLEST_VARIANCE = 1e-14

@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
+from furuta_control.parameters import EstimatorParameters
 from furuta_model.compiled import inlined
-
-from .parameters import EstimatorParameters
 
 # The filter's memory: θ, θ̇, and the previous measurement.
 MEMORY = 3

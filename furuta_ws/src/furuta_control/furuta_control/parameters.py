@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from furuta_control.excitation import ExcitationParameters
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-
-from .excitation import ExcitationParameters
 
 
 class EstimatorParameters(NamedTuple):

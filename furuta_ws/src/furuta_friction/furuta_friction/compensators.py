@@ -33,6 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
 from furuta_model.compiled import compiled, inlined
 from furuta_model.lugre import (
     LuGre,
@@ -42,8 +43,6 @@ from furuta_model.lugre import (
     stribeck_level,
 )
 from furuta_model.state import EFFORT, PHI, PHI_DOT
-
-from .parameters import COMPENSATIONS, ObserverParameters
 
 # The compensator's memory: ẑ [rad], and what the adaptation adds to the levels' factor 1, for
 # v > 0 and for v < 0.

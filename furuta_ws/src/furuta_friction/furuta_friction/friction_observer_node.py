@@ -11,6 +11,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_friction.compensators import MEMORY, compensator, estimate_friction
+from furuta_friction.parameters import SEEING, ObserverParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import EFFORT, SIGNALS
@@ -18,9 +20,6 @@ from furuta_ros.messages import read_joints, stamp_nanoseconds
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
-
-from .compensators import MEMORY, compensator, estimate_friction
-from .parameters import SEEING, ObserverParameters
 
 
 class FrictionObserver(FurutaNode[ObserverParameters]):

@@ -8,9 +8,9 @@ from typing import Protocol
 
 import serial
 
-from .emulated import EmulatedRig
-from .errors import LineError
-from .rig import Rig
+from furuta_hw.emulated import EmulatedRig
+from furuta_hw.errors import LineError
+from furuta_hw.rig import Rig
 
 # Longest wait for bytes [s].
 READ_TIMEOUT = 0.05

@@ -16,22 +16,21 @@ from rclpy.timer import Timer
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
+from furuta_hw.connection import Connection
+from furuta_hw.diagnostics_node import diagnostics
+from furuta_hw.errors import LineError
+from furuta_hw.frames import ARMED, Sensors
+from furuta_hw.parameters import BridgeParameters
+from furuta_hw.rig import Rig
+from furuta_hw.rig_file import load_rig
+from furuta_hw.safety import Guard
+from furuta_hw.sensing import Timeline
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT
 from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
-
-from .connection import Connection
-from .diagnostics_node import diagnostics
-from .errors import LineError
-from .frames import ARMED, Sensors
-from .parameters import BridgeParameters
-from .rig import Rig
-from .rig_file import load_rig
-from .safety import Guard
-from .sensing import Timeline
 
 WATCH = 0.005  # [s] between looks at the age of commands and measurements
 DIAGNOSE = 1.0  # [s] between diagnostics when nothing happens

@@ -8,14 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_hw.codes import wrapped
+from furuta_hw.errors import NotStillError
+from furuta_hw.frames import Sensors
+from furuta_hw.rig import Rig
+from furuta_hw.session import Experiment
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
-
-from .codes import wrapped
-from .errors import NotStillError
-from .frames import Sensors
-from .rig import Rig
-from .session import Experiment
 
 # A sensor at rest moves by no more than this many codes, peak to peak, with its noise.
 STILL = 16

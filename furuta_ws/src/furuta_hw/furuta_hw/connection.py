@@ -6,12 +6,12 @@ from collections import deque
 from collections.abc import Callable
 from threading import Thread
 
-from .backend import Backend, open_backend
-from .errors import LineError
-from .frames import Sensors
-from .host import Host
-from .rig import Rig
-from .sensing import Sensing
+from furuta_hw.backend import Backend, open_backend
+from furuta_hw.errors import LineError
+from furuta_hw.frames import Sensors
+from furuta_hw.host import Host
+from furuta_hw.rig import Rig
+from furuta_hw.sensing import Sensing
 
 # Longest wait for the rig's answer at the start [s].
 TIMEOUT = 3.0

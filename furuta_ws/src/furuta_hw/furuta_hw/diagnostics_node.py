@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 if TYPE_CHECKING:
-    from .bridge_node import HardwareBridge
+    from furuta_hw.bridge_node import HardwareBridge
 
 
 def diagnostics(bridge: HardwareBridge) -> DiagnosticArray:

@@ -6,14 +6,13 @@ it is first driven, and again after ``hold``.
 
 from __future__ import annotations
 
+from furuta_hw.codes import wrapped
+from furuta_hw.faults import Faults, Impairment
+from furuta_hw.firmware import Firmware
+from furuta_hw.rig import Rig
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import Actuator, InitialState, Plant
-from furuta_sim.rig import Noise, initial_state, move, substeps
-
-from .codes import wrapped
-from .faults import Faults, Impairment
-from .firmware import Firmware
-from .rig import Rig
+from furuta_sim.plant import Noise, initial_state, move, substeps
 
 
 def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> Plant:

@@ -22,15 +22,14 @@ from typing import Any
 
 import yaml
 
+from furuta_hw.emulated import EmulatedRig, simulated
+from furuta_hw.faults import Faults, with_faults
+from furuta_hw.monitor import serve
+from furuta_hw.rig import Rig
+from furuta_hw.rig_file import load_rig
+from furuta_hw.trace import Trace
 from furuta_model.parameters import ParameterError, build, declared
 from furuta_sim.parameters import InitialState
-
-from .emulated import EmulatedRig, simulated
-from .faults import Faults, with_faults
-from .monitor import serve
-from .rig import Rig
-from .rig_file import load_rig
-from .trace import Trace
 
 # Later than this by [ns] the process was suspended, not late: the rig's time stood still too.
 SUSPENDED = 1_000_000_000

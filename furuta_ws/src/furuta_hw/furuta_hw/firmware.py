@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from . import frames
-from .frames import ARMED, FAULT, WATCHDOG, FrameReader, Message, encode, newer
+from furuta_hw import frames
+from furuta_hw.frames import ARMED, FAULT, WATCHDOG, FrameReader, Message, encode, newer
 
 
 class Firmware:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from secrets import randbits
 from time import monotonic
 
-from . import frames
-from .backend import Backend
-from .errors import LineError
-from .frames import FrameReader, Sensors, Welcome, encode, newer
-from .rig import Rig
+from furuta_hw import frames
+from furuta_hw.backend import Backend
+from furuta_hw.errors import LineError
+from furuta_hw.frames import FrameReader, Sensors, Welcome, encode, newer
+from furuta_hw.rig import Rig
 
 # Time between two attempts to be heard [s].
 REPEAT = 0.1

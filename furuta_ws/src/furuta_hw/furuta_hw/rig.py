@@ -8,12 +8,11 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Annotated, NamedTuple
 
+from furuta_hw.codes import Channel, converter, encoder
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-
-from .codes import Channel, converter, encoder
 
 _SIGN = About("+1 or -1: which way codes count", "", -1, 1)
 _ZERO = About("code at zero", "codes", -1e9, 1e9)

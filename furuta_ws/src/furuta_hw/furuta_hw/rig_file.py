@@ -12,12 +12,11 @@ from typing import Annotated, Any, NamedTuple
 
 import yaml
 
+from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
+from furuta_hw.rig import Rig
 from furuta_model.linear import from_linear
 from furuta_model.parameters import About, ParameterError, build, declared
 from furuta_model.pendulum import FurutaPendulum
-
-from .physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
-from .rig import Rig
 
 
 class Linear(NamedTuple):

@@ -10,10 +10,9 @@ from math import exp, inf, isfinite
 
 import numpy as np
 
+from furuta_hw.frames import ARMED, FAULT, WATCHDOG
+from furuta_hw.rig import Limits
 from furuta_model.state import PHI, PHI_DOT, THETA
-
-from .frames import ARMED, FAULT, WATCHDOG
-from .rig import Limits
 
 # Time [s] over which bad frames and disagreement of encoder and tachometer are counted.
 WINDOW = 1.0

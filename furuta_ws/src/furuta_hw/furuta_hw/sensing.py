@@ -6,11 +6,10 @@ from math import exp, nan
 
 import numpy as np
 
+from furuta_hw.codes import wrapped
+from furuta_hw.frames import Sensors
+from furuta_hw.rig import Rig
 from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA
-
-from .codes import wrapped
-from .frames import Sensors
-from .rig import Rig
 
 # Largest correction of the stamps, per time: far above a crystal's error, far below a jitter.
 SLEW = 200e-6

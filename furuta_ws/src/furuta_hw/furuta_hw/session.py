@@ -9,13 +9,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from .backend import open_backend
-from .errors import LineError, StoppedError
-from .frames import Sensors
-from .host import Host
-from .rig import Rig
-from .safety import Guard
-from .sensing import Sensing
+from furuta_hw.backend import open_backend
+from furuta_hw.errors import LineError, StoppedError
+from furuta_hw.frames import Sensors
+from furuta_hw.host import Host
+from furuta_hw.rig import Rig
+from furuta_hw.safety import Guard
+from furuta_hw.sensing import Sensing
 
 # Longest wait for the rig's answer, and for a sample [s].
 CONNECT = 3.0

@@ -21,8 +21,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .compiled import compiled
-from .lugre import LuGre, symmetric_level
+from furuta_model.compiled import compiled
+from furuta_model.lugre import LuGre, symmetric_level
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre")
 COULOMB, STICTION, STRIBECK, LUGRE = range(len(LAWS))

@@ -6,9 +6,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from .parameters import About
-from .pendulum import FurutaPendulum
-from .state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
+from furuta_model.parameters import About
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 
 
 class DesiredPoles(NamedTuple):

@@ -14,8 +14,8 @@ from __future__ import annotations
 from math import exp, expm1
 from typing import Annotated, NamedTuple
 
-from .compiled import compiled
-from .parameters import About
+from furuta_model.compiled import compiled
+from furuta_model.parameters import About
 
 # Below this level [V] friction counts as absent: the bristle's rate stays finite.
 SMALLEST_LEVEL = 1e-12

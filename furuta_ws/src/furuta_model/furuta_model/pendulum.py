@@ -17,9 +17,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from .compiled import compiled
-from .parameters import About, ParameterError
-from .state import PHI_DOT, THETA, THETA_DOT
+from furuta_model.compiled import compiled
+from furuta_model.parameters import About, ParameterError
+from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
 # Turn [rad] below which the series in :func:`turned` ends beyond rounding.
 SMALL_TURN = 0.02

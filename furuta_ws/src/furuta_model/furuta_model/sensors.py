@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import pi
 from typing import Annotated, NamedTuple
 
-from .parameters import About
+from furuta_model.parameters import About
 
 
 class Sensors(NamedTuple):

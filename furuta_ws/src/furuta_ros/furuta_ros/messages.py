@@ -16,8 +16,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA, THETA_DOT
-
-from .topics import JOINTS
+from furuta_ros.topics import JOINTS
 
 NANOSECONDS = 1_000_000_000
 

@@ -9,9 +9,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
-from .messages import RefusedError
-from .parameters import NodeParameters
-from .topics import QOS, Topic
+from furuta_ros.messages import RefusedError
+from furuta_ros.parameters import NodeParameters
+from furuta_ros.topics import QOS, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 

@@ -16,7 +16,7 @@ from rclpy.clock import Clock, ClockType
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
 if TYPE_CHECKING:
-    from .plant_node import Plant
+    from furuta_sim.plant_node import Plant
 
 LOOK = 0.1  # [s] between looks at the state of the ring
 REPEAT = 0.5  # [s] without command after which a lost measurement is sent again

@@ -8,8 +8,8 @@ from __future__ import annotations
 from math import pi
 from typing import Annotated, NamedTuple
 
+from furuta_model.integration import MOST_SUBSTEPS, substeps_for
 from furuta_model.lugre import LuGre
-from furuta_model.motion import MOST_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors

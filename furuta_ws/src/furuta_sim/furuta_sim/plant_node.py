@@ -18,11 +18,10 @@ from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
-
-from .lockstep import LockStep
-from .parameters import PlantNodeParameters
-from .realtime import RealTime
-from .rig import NOISE_CHANNELS, Noise, initial_state, measure, move, substeps
+from furuta_sim.lockstep import LockStep
+from furuta_sim.parameters import PlantNodeParameters
+from furuta_sim.plant import NOISE_CHANNELS, Noise, initial_state, measure, move, substeps
+from furuta_sim.realtime import RealTime
 
 
 class Plant(FurutaNode[PlantNodeParameters]):

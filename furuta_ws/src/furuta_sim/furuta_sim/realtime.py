@@ -11,11 +11,10 @@ from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.topics import TIMING
-
-from .histogram import Histogram
+from furuta_sim.histogram import Histogram
 
 if TYPE_CHECKING:
-    from .plant_node import Plant
+    from furuta_sim.plant_node import Plant
 
 
 # Bins of the published histograms, and how often they are published [s].

@@ -1,0 +1,1 @@
+"""Convergence of the friction observer: passivity conditions."""

@@ -1,0 +1,1 @@
+"""Limit cycles predicted by describing functions."""

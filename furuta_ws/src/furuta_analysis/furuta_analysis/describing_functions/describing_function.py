@@ -1,0 +1,75 @@
+r"""Describing functions of the friction laws: what friction does to a sinusoidal speed.
+
+Under v = A sin ωt friction is periodic; N is the ratio of its fundamental to v, a complex number
+[V s/rad] whose angle is the phase by which the fundamental leads v. With the viscous part σ₂:
+
+==========  ===============================================================================
+coulomb     :math:`N = 4α_0/(πA) + σ_2`
+stiction    the same: a sinusoid is at v = 0 for no time at all, so it never meets stiction
+stribeck    :math:`N = (4/πA)(α_0 + α_1D(a)/a) + σ_2,\ a = A/v_s`, D Dawson's integral
+lugre       :math:`N = (σ_0 + jωσ_1)Z_1/A + σ_2`, Z₁ the bristle's fundamental
+            (:mod:`.bristle_cycle`); depends on ω
+==========  ===============================================================================
+
+Levels that differ by direction, (1 ± a), give a mean force beside the fundamental: :func:`bias`.
+The fundamental of the first three laws is that of the mean level, exactly. For LuGre it is so to
+first order in a, and the mean level is what is used. That the mean force also shifts the mean of v,
+where nothing holds φ, is neglected.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from scipy.special import dawsn, i0e
+
+from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
+from furuta_model.friction_laws import COULOMB, LUGRE, STICTION, FrictionLaw
+from furuta_model.parameters import ParameterError
+
+
+def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
+    """N(A, ω) [V s/rad] of v = A sin ωt, A > 0 [rad/s], ω > 0 [rad/s]."""
+    if not (0.0 < amplitude < np.inf and 0.0 < omega < np.inf):
+        raise ParameterError(
+            "a describing function needs amplitude and frequency above 0, "
+            f"given {amplitude:g} rad/s and {omega:g} rad/s"
+        )
+    if law.kind == LUGRE:
+        p = law.parameters
+        deflection = bristle_fundamental(amplitude, omega, p, STEPS)
+        return complex(p.sigma0, omega * p.sigma1) * deflection / amplitude + p.viscous
+    return complex(static_describing_function(amplitude, law))
+
+
+def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
+    """N(A) [V s/rad] of a law that depends on the present speed alone; A > 0 [rad/s]."""
+    level = fundamental_level(amplitude, law)
+    return 4.0 * level / (pi * amplitude) + law.parameters.viscous
+
+
+def fundamental_level(amplitude: float, law: FrictionLaw) -> float:
+    """The constant level [V] with the same fundamental as the law has at amplitude A [rad/s].
+
+    For Stribeck it is ∫ g(A sin x) sin x dx over a quarter cycle, Dawson's integral.
+    """
+    p = law.parameters
+    if law.kind in (COULOMB, STICTION):
+        return p.alpha0
+    ratio = amplitude / p.stribeck_velocity
+    return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
+
+
+def bias(amplitude: float, law: FrictionLaw) -> float:
+    """Mean friction [V] under v = A sin ωt that levels differing by direction leave.
+
+    The asymmetry times the mean of g(A sin x) over a cycle, a modified Bessel function; the
+    feedback of φ balances it by a constant offset of the arm of bias/l₁. For LuGre it is the
+    sliding arm's; within the bristle's reach there is less.
+    """
+    p = law.parameters
+    if law.kind in (COULOMB, STICTION):
+        return p.asymmetry * p.alpha0
+    ratio = amplitude / p.stribeck_velocity
+    return p.asymmetry * (p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio)))

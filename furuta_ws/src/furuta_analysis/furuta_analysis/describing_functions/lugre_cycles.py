@@ -1,0 +1,154 @@
+r"""Every zero of the harmonic balance for LuGre, whose describing function depends on A and ω.
+
+The residual H(A, ω) is taken on a grid, logarithmic in ω and in the arm's amplitude X = A/ω, the
+bristle's own scale. A zero cannot hide in a cell whose mean |H| exceeds what H varies by from the
+mean to a corner: there H is linear but for its curvature, for which the margin is left. From every
+other cell Newton's method is started. The count is then checked: the winding number of H along the
+edge of the range equals the number of zeros, each taken with the sign of its Jacobian. Where the
+two differ the grid is made twice as fine.
+
+The range leaves nothing out that could matter. In ω it goes beyond every frequency of the loop,
+sliding or held by the bristle. In X, below a thousandth of the bristle's reach the friction is a
+linear spring and damper; and as σ₀|z| ≤ α₀ + α₁,
+
+.. math::
+    |N - σ_2| ≤ \frac{4(α_0+α_1)}{πA}\sqrt{1 + (ωσ_1/σ_0)^2}
+
+so that at large X friction is too weak to balance 1/G.
+"""
+
+from __future__ import annotations
+
+from math import exp, log, pi
+
+import numpy as np
+
+from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
+from furuta_analysis.describing_functions.residual import residual, residual_slopes
+from furuta_analysis.describing_functions.transfer import Transfer
+from furuta_model.compiled import compiled
+from furuta_model.friction_laws import FrictionLaw
+from furuta_model.lugre import LuGre
+
+Zero = tuple[float, float]
+Range = tuple[float, float]
+
+# Grid points per factor e, and how often they may be doubled.
+DENSITY = 8
+REFINEMENTS = 2
+# How far below and above the loop's own frequencies to look.
+BELOW, ABOVE = 0.03, 10.0
+# Part of the highest frequency below which a computed pole is 0.
+SLOWEST = 1e-9
+# Smallest amplitude of the arm as part of the bristle's reach (α₀ + α₁)/σ₀.
+SMALLEST = 1e-3
+LARGEST = 1e4  # rad, where an undamped loop has no bound
+# A cell is left out where its mean exceeds its variation this many times.
+MARGIN = 1.5
+NEWTON_STEPS = 40
+NEWTON_TOLERANCE = 1e-10
+
+
+def search(g: Transfer, law: FrictionLaw) -> tuple[list[Zero], Range, Range, bool]:
+    """Zeros (A, ω) [rad/s, rad/s], the ranges of ω and X sought, whether the count is right."""
+    omegas = omega_range(g, law.parameters)
+    deflections = deflection_range(g, law.parameters, omegas)
+    for refinement in range(REFINEMENTS + 1):
+        zeros, complete = _search(g, law, omegas, deflections, DENSITY * 2**refinement)
+        if complete:
+            break
+    return zeros, omegas, deflections, complete
+
+
+def omega_range(g: Transfer, p: LuGre) -> Range:
+    """ω [rad/s] from well below to well above every frequency of the loop."""
+    mobility = g.numerator[0] / g.denominator[0]
+    stuck = (p.sigma0 * mobility) ** 0.5 + (p.sigma1 + p.viscous) * mobility
+    own = np.abs([*g.poles, *g.real_frequencies, stuck])
+    own = own[own > SLOWEST * np.max(own)]
+    return BELOW * float(np.min(own)), ABOVE * float(np.max(own))
+
+
+def deflection_range(g: Transfer, p: LuGre, omegas: Range) -> Range:
+    """X [rad] from where the bristle is a linear spring to where friction is too weak."""
+    omega = np.geomspace(*omegas, 2000)
+    level = p.alpha0 + p.alpha1
+    strongest = 4.0 / pi * level * np.hypot(1.0, omega * p.sigma1 / p.sigma0)
+    loop = np.maximum(np.abs(g.inverse_at(omega) + p.viscous) * omega, 1e-300)
+    reach = level / p.sigma0
+    return SMALLEST * reach, min(max(2.0 * float(np.max(strongest / loop)), reach), LARGEST)
+
+
+def _search(
+    g: Transfer, law: FrictionLaw, omegas: Range, deflections: Range, density: int
+) -> tuple[list[Zero], bool]:
+    omega, deflection = _grid(omegas, density), _grid(deflections, density)
+    h = _bristle_grid(deflection, omega, law.parameters) + g.inverse_at(omega)
+    zeros: list[Zero] = []
+    for i, j in suspects(h):
+        zero = _newton(deflection[i] * omega[j], omega[j], g, law)
+        if zero and _inside(zero, omegas, deflections) and _new(zero, zeros):
+            zeros.append(zero)
+    signs = [_index(zero, g, law) for zero in zeros]
+    return zeros, sum(signs) == winding_number(h)
+
+
+def _grid(ends: Range, density: int) -> np.ndarray:
+    return np.geomspace(*ends, 2 + int(density * log(ends[1] / ends[0])))
+
+
+@compiled
+def _bristle_grid(deflection: np.ndarray, omega: np.ndarray, p: LuGre) -> np.ndarray:
+    """N [V s/rad] at every X of ``deflection`` (m,) and ω of ``omega`` (n,)."""
+    n = np.empty((len(deflection), len(omega)), dtype=np.complex128)
+    for i in range(len(deflection)):
+        for j in range(len(omega)):
+            amplitude = deflection[i] * omega[j]
+            z = bristle_fundamental(amplitude, omega[j], p, STEPS)
+            n[i, j] = complex(p.sigma0, omega[j] * p.sigma1) * z / amplitude + p.viscous
+    return n
+
+
+def suspects(h: np.ndarray) -> np.ndarray:
+    """Cells (k, 2) of the grid of H (m, n) that may hold a zero."""
+    corners = np.array([h[:-1, :-1], h[1:, :-1], h[:-1, 1:], h[1:, 1:]])
+    mean = corners.mean(axis=0)
+    variation = np.abs(corners - mean).max(axis=0)
+    return np.argwhere(np.abs(mean) <= MARGIN * variation)
+
+
+def winding_number(h: np.ndarray) -> int:
+    """Turns of H (m, n) about zero along the edge of the grid, in the sense (A, ω)."""
+    edge = np.concatenate([h[:-1, 0], h[-1, :-1], h[:0:-1, -1], h[0, :0:-1]])
+    return round(float(np.sum(np.angle(np.roll(edge, -1) / edge))) / (2.0 * pi))
+
+
+def _index(zero: Zero, g: Transfer, law: FrictionLaw) -> int:
+    """Sign of the Jacobian of (Re H, Im H) by (A, ω): the zero's part in the winding number."""
+    by_amplitude, by_omega = residual_slopes(*zero, g, law)
+    return int(np.sign(np.imag(np.conj(by_amplitude) * by_omega)))
+
+
+def _newton(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> Zero | None:
+    """Newton's method in (log A, log ω), each step at most a factor e; None if it fails."""
+    for _ in range(NEWTON_STEPS):
+        h = residual(amplitude, omega, g, law)
+        by_amplitude, by_omega = residual_slopes(amplitude, omega, g, law)
+        columns = np.array([by_amplitude * amplitude, by_omega * omega])
+        jacobian = np.array([columns.real, columns.imag])
+        if abs(np.linalg.det(jacobian)) < 1e-14 * float(np.sum(np.abs(columns) ** 2)):
+            return None
+        step = np.clip(np.linalg.solve(jacobian, [-h.real, -h.imag]), -1.0, 1.0)
+        amplitude, omega = amplitude * exp(step[0]), omega * exp(step[1])
+        if np.max(np.abs(step)) < NEWTON_TOLERANCE:
+            return float(amplitude), float(omega)
+    return None
+
+
+def _inside(zero: Zero, omegas: Range, deflections: Range) -> bool:
+    amplitude, omega = zero
+    return omegas[0] <= omega <= omegas[1] and deflections[0] <= amplitude / omega <= deflections[1]
+
+
+def _new(zero: Zero, others: list[Zero]) -> bool:
+    return not any(np.allclose(zero, other, rtol=1e-6, atol=0.0) for other in others)

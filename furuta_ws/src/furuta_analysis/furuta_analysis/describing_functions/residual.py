@@ -1,0 +1,29 @@
+r"""The residual H(A, ω) = 1/G(jω) + N(A, ω) of the harmonic balance [V s/rad], and its slopes.
+
+Its zeros are those of 1 + G N; unlike that form it is finite for all A, ω > 0, for G has no zero on
+the imaginary axis but at ω = 0.
+"""
+
+from __future__ import annotations
+
+from furuta_analysis.describing_functions.describing_function import describing_function
+from furuta_analysis.describing_functions.transfer import Transfer
+from furuta_model.friction_laws import FrictionLaw
+
+# Relative step of the central differences: their error is 1e-10 of the slope.
+STEP = 1e-5
+
+
+def residual(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> complex:
+    """H [V s/rad] at A [rad/s] and ω [rad/s]."""
+    return complex(g.inverse_at(omega)) + describing_function(amplitude, omega, law)
+
+
+def residual_slopes(
+    amplitude: float, omega: float, g: Transfer, law: FrictionLaw
+) -> tuple[complex, complex]:
+    """∂H/∂A and ∂H/∂ω."""
+    da, dw = STEP * amplitude, STEP * omega
+    up, down = (residual(amplitude + step, omega, g, law) for step in (da, -da))
+    right, left = (residual(amplitude, omega + step, g, law) for step in (dw, -dw))
+    return (up - down) / (2 * da), (right - left) / (2 * dw)

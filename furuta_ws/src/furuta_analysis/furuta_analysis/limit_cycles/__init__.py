@@ -1,0 +1,1 @@
+"""The exact periodic motion of the ideal loop."""

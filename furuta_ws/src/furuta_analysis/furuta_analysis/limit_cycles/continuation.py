@@ -1,0 +1,171 @@
+"""Branches of limit cycles over a parameter, by pseudo-arclength continuation.
+
+The branch is a curve in the space of section point and parameter. Each step predicts along its
+tangent and corrects by Newton's method at right angles to it, so the branch is followed round
+folds, where a stable and an unstable cycle meet and both disappear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.limit_cycles.limit_cycle import REST, LimitCycle, Section, periodic_orbit
+from furuta_model.friction_laws import LUGRE
+from furuta_model.parameters import ParameterError
+
+FIRST_STEP = 0.02  # of the scaled curve; the parameter's range is 1
+LARGEST_STEP = 0.05
+SMALLEST_STEP = 1e-5
+AT_EDGE = 1e-3  # of the range: beyond it the parameter may not be allowed
+MOST_POINTS = 400
+CORRECTIONS = 8
+CLOSE = 1e-7  # scaled residual of a corrected point
+PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
+
+
+class BranchPoint(NamedTuple):
+    """A cycle on the branch.
+
+    ``event``: fold (the branch turns back: a stable and an unstable cycle meet and disappear),
+    vanishes (the amplitude goes to zero), end (of the range), lost (could not be followed on).
+    """
+
+    value: float
+    cycle: LimitCycle
+    event: str = ""
+
+
+class Branch:
+    """Follows the cycle of ``loop_at(value)`` while the parameter is within [low, high]."""
+
+    def __init__(self, loop_at: Callable[[float], IdealLoop], low: float, high: float) -> None:
+        if not low < high:
+            raise ParameterError(f"the range must have low < high, given {low:g} to {high:g}")
+        self._loop_at = loop_at
+        self._low, self._range = low, high - low
+
+    def follow(self, value: float, cycle: LimitCycle) -> list[BranchPoint]:
+        """The whole branch through ``cycle``, found at ``value``, in order along the curve."""
+        if cycle.kind != "oscillation":
+            raise ParameterError(f"there is no limit cycle at {value:g} to follow: {cycle.kind}")
+        self._turns = cycle.turns
+        start = self._pack(value, cycle)
+        backward, forward = self._one_way(start, -1.0), self._one_way(start, 1.0)
+        return _with_folds([*reversed(backward), BranchPoint(value, cycle), *forward])
+
+    def _one_way(self, start: np.ndarray, direction: float) -> list[BranchPoint]:
+        points: list[BranchPoint] = []
+        w, step = start, FIRST_STEP
+        tangent = np.zeros_like(w)
+        tangent[-1] = direction
+        tangent = self._tangent(w, tangent)
+        while len(points) < MOST_POINTS:
+            corrected = self._correct(w + step * tangent, tangent)
+            point = self._point(corrected) if corrected is not None else None
+            if corrected is None or point is None:
+                step *= 0.5
+                if step < SMALLEST_STEP:
+                    at_edge = min(w[-1], 1.0 - w[-1]) < AT_EDGE
+                    return self._ended(points, "end" if at_edge else "lost")
+                continue
+            if not 0.0 <= corrected[-1] <= 1.0:
+                return self._ended(points, "end")
+            turned = self._tangent(corrected, tangent)
+            points.append(point)
+            if point.cycle.phi_peak_to_peak_rad < 10 * REST:
+                return self._ended(points, "vanishes")
+            bend = float(turned @ tangent)
+            w, tangent = corrected, turned
+            step = min(LARGEST_STEP, step * (1.5 if bend > 0.98 else 0.6))
+        return self._ended(points, "lost")
+
+    @staticmethod
+    def _ended(points: list[BranchPoint], event: str) -> list[BranchPoint]:
+        if points:
+            points[-1] = points[-1]._replace(event=points[-1].event or event)
+        return points
+
+    def _pack(self, value: float, cycle: LimitCycle) -> np.ndarray:
+        """Scaled coordinates: section point of order one, parameter range one."""
+        section = Section(self._loop_at(value))
+        self._free = section.free
+        self._scale = np.ones(len(section.free))
+        if section.loop.law.kind == LUGRE:
+            self._scale[-1] = 1.0 / section.loop.law.parameters.sigma0
+        s = np.array(cycle.point)[section.free] / self._scale
+        return np.append(s, (value - self._low) / self._range)
+
+    def _residual(self, w: np.ndarray) -> np.ndarray | None:
+        try:
+            section = Section(self._loop_at(self._low + w[-1] * self._range))
+        except ParameterError:
+            return None
+        s = w[:-1] * self._scale
+        end = section.map(s, self._turns)
+        return None if end is None else (end - s) / self._scale
+
+    def _jacobian(self, w: np.ndarray) -> np.ndarray | None:
+        columns = []
+        for i in range(len(w)):
+            d = np.zeros_like(w)
+            d[i] = PARAMETER_STEP * (0.1 if i < len(w) - 1 else 1.0)
+            ahead, behind = self._residual(w + d), self._residual(w - d)
+            if ahead is None or behind is None:
+                return None
+            columns.append((ahead - behind) / (2 * d[i]))
+        return np.array(columns).T
+
+    def _tangent(self, w: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Unit tangent of the branch at ``w``, in the sense of ``along``."""
+        jacobian = self._jacobian(w)
+        if jacobian is None:
+            return along
+        direction = np.linalg.svd(jacobian)[2][-1]
+        return direction * np.sign(direction @ along or 1.0)
+
+    def _correct(self, w: np.ndarray, tangent: np.ndarray) -> np.ndarray | None:
+        guess = w
+        for _ in range(CORRECTIONS):
+            residual = self._residual(w)
+            if residual is None:
+                return None
+            if np.linalg.norm(residual) < CLOSE:
+                return w
+            jacobian = self._jacobian(w)
+            if jacobian is None:
+                return None
+            system = np.vstack([jacobian, tangent])
+            try:
+                w = w - np.linalg.solve(system, np.append(residual, tangent @ (w - guess)))
+            except np.linalg.LinAlgError:
+                return None
+        return None
+
+    def _point(self, w: np.ndarray) -> BranchPoint | None:
+        value = float(self._low + w[-1] * self._range)
+        section = Section(self._loop_at(value))
+        size = max(float(np.linalg.norm(w[:-1])), 1e-3)
+        cycle = periodic_orbit(section, w[:-1] * self._scale, self._turns, size)
+        return None if cycle is None else BranchPoint(value, cycle)
+
+
+def _with_folds(points: list[BranchPoint]) -> list[BranchPoint]:
+    """Mark where the parameter turns back along the branch."""
+    marked = list(points)
+    for i in range(1, len(points) - 1):
+        before, here, after = (points[j].value for j in (i - 1, i, i + 1))
+        if (here - before) * (after - here) < 0.0:
+            marked[i] = points[i]._replace(event="fold")
+    return marked
+
+
+def fold_value(branch: list[BranchPoint], index: int) -> float:
+    """The parameter at a fold: the vertex of the parabola through its three points."""
+    three = branch[index - 1 : index + 2]
+    sizes = [point.cycle.phi_peak_to_peak_rad for point in three]
+    a, b, c = np.polyfit(sizes, [point.value for point in three], 2)
+    return float(c - b * b / (4 * a))

@@ -1,0 +1,140 @@
+r"""The ideal loop: all states measured, feedback u = l·x without sampling or saturation.
+
+Its motion is made of pieces that are smooth: the arm slides in one direction (``mode`` ±1) or,
+under a stick-slip law, stands still (``mode`` 0) while the pendulum goes on with β θ̈ = δ sin θ. A
+slide ends where v = 0; rest ends where the force that holds the arm,
+
+.. math::
+    F_{hold} = u - γ\cosθ\,\frac{δ}{β}\sinθ + γ\sinθ\,\dot θ^2,
+
+reaches the breakaway level. LuGre never rests; its slides end at v = 0, where |v| has its kink.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled
+from furuta_model.friction_laws import LUGRE, FrictionLaw, breakaway_level, sliding_level
+from furuta_model.lugre import SMALLEST_LEVEL, highest_level
+from furuta_model.pendulum import FurutaPendulum, accelerations
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
+
+
+class IdealLoop(NamedTuple):
+    """Pendulum (nonlinear, or linear about upright), friction law and feedback u = l·x."""
+
+    body: FurutaPendulum
+    law: FrictionLaw
+    l1: float
+    l2: float
+    l3: float
+    l4: float
+    linear: bool = False
+
+    @property
+    def gains(self) -> tuple[float, float, float, float]:
+        """Feedback gains l of u = l·x [V per unit of state]."""
+        return self.l1, self.l2, self.l3, self.l4
+
+    def with_gains(self, gains: tuple[float, float, float, float]) -> IdealLoop:
+        """The same loop with other feedback gains."""
+        l1, l2, l3, l4 = gains
+        return self._replace(l1=l1, l2=l2, l3=l3, l4=l4)
+
+
+@compiled
+def feedback(y: np.ndarray, loop: IdealLoop) -> float:
+    """U = l·x [V]."""
+    return loop.l1 * y[PHI] + loop.l2 * y[PHI_DOT] + loop.l3 * y[THETA] + loop.l4 * y[THETA_DOT]
+
+
+@compiled
+def body_accelerations(y: np.ndarray, torque: float, loop: IdealLoop) -> tuple[float, float]:
+    """(φ̈, θ̈) [rad/s²] of the nonlinear or linear body under torque u − F [V]."""
+    p = loop.body
+    if not loop.linear:
+        return accelerations(y[PHI_DOT], y[THETA], y[THETA_DOT], torque, p)
+    d = p.alpha * p.beta - p.gamma * p.gamma
+    gravity = p.delta * y[THETA]
+    return (p.beta * torque - p.gamma * gravity) / d, (p.alpha * gravity - p.gamma * torque) / d
+
+
+@compiled
+def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
+    """Friction [V] that keeps the arm at rest."""
+    p = loop.body
+    theta, w = y[THETA], y[THETA_DOT]
+    if loop.linear:
+        return feedback(y, loop) - p.gamma * p.delta / p.beta * theta
+    pull = p.gamma * cos(theta) * p.delta / p.beta * sin(theta) - p.gamma * sin(theta) * w * w
+    return feedback(y, loop) - pull
+
+
+@compiled
+def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
+    """ẏ (5,) while sliding in direction ``mode`` (±1) or resting (0)."""
+    p = loop.law.parameters
+    v = y[PHI_DOT]
+    dy[PHI], dy[THETA], dy[BRISTLE] = v, y[THETA_DOT], 0.0
+    if mode == 0.0:
+        sine = y[THETA] if loop.linear else sin(y[THETA])
+        dy[PHI], dy[PHI_DOT] = 0.0, 0.0
+        dy[THETA_DOT] = loop.body.delta / loop.body.beta * sine
+        return
+    level = sliding_level(v, mode, loop.law)
+    if loop.law.kind == LUGRE:
+        z = y[BRISTLE]
+        dy[BRISTLE] = v - p.sigma0 * mode * v / max(level, SMALLEST_LEVEL) * z
+        force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
+    else:
+        force = mode * level
+    torque = feedback(y, loop) - force - p.viscous * v
+    dy[PHI_DOT], dy[THETA_DOT] = body_accelerations(y, torque, loop)
+
+
+@compiled
+def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
+    """Friction [V] in state ``y`` (5,): of the slide, or what holds the resting arm."""
+    p = loop.law.parameters
+    v = y[PHI_DOT]
+    if v == 0.0 and loop.law.kind != LUGRE:
+        return holding_force(y, loop)
+    mode = 1.0 if v >= 0.0 else -1.0
+    level = sliding_level(v, mode, loop.law)
+    if loop.law.kind == LUGRE:
+        z = y[BRISTLE]
+        z_dot = v - p.sigma0 * abs(v) / max(level, SMALLEST_LEVEL) * z
+        return p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
+    return mode * level + p.viscous * v
+
+
+@compiled
+def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
+    """Positive inside the piece of motion ``mode``, zero at the event that ends it."""
+    if mode != 0.0:
+        return mode * y[PHI_DOT]
+    hold = holding_force(y, loop)
+    return min(breakaway_level(1.0, loop.law) - hold, breakaway_level(-1.0, loop.law) + hold)
+
+
+@compiled
+def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
+    """The piece of motion that follows an event at ``y``."""
+    if loop.law.kind == LUGRE:
+        return -mode
+    hold = holding_force(y, loop)
+    if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):
+        return 0.0
+    return 1.0 if hold > 0.0 else -1.0
+
+
+@compiled
+def least_travel(loop: IdealLoop) -> float:
+    """How far [rad] the arm must go for a slide: the whole deflection of LuGre's bristle."""
+    if loop.law.kind != LUGRE:
+        return 0.0
+    return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0

@@ -1,0 +1,237 @@
+"""The whole loop without ROS, compiled: the very functions that the nodes call, in their order.
+
+One sample: sensors → estimator → friction observer → controller → actuator and plant. A run is
+one call of compiled code, which frees the interpreter; it is measured as it goes, and its series
+are kept only where they are asked for.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_analysis.simulation.oscillation import METER, look, observe, oscillation
+from furuta_control.controller import MEMORY as CONTROLLER_MEMORY
+from furuta_control.controller import StateFeedback, control, state_feedback
+from furuta_control.estimator import MEMORY as ESTIMATOR_MEMORY
+from furuta_control.estimator import Estimator, estimate_state, estimator
+from furuta_control.parameters import ControllerParameters, EstimatorParameters
+from furuta_friction.compensators import MEMORY as OBSERVER_MEMORY
+from furuta_friction.compensators import Compensator, compensator, estimate_friction
+from furuta_friction.parameters import ObserverParameters
+from furuta_model.compiled import compiled
+from furuta_model.lugre import friction
+from furuta_model.state import BRISTLE, EFFORT, PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA
+from furuta_sim.parameters import Plant
+from furuta_sim.plant import NOISE_CHANNELS, initial_state, measure, move, substeps
+
+# Part of a run that counts for its outcome: the last half, after the transients.
+SETTLED = 0.5
+
+# Sums over a run besides its meter: squares of φ, u and F − F̂, and whether the pendulum fell.
+_PHI_SQUARED = 0
+_COMMAND_SQUARED = 1
+_ERROR_SQUARED = 2
+_FELL = 3
+_SUMS = 4
+
+
+class Loop(NamedTuple):
+    """Parameters of every member of the loop."""
+
+    plant: Plant = Plant()
+    estimator: EstimatorParameters = EstimatorParameters()
+    observer: ObserverParameters = ObserverParameters()
+    controller: ControllerParameters = ControllerParameters()
+
+
+class Record(NamedTuple):
+    """Series of a run, one row per sample of ``sample_time`` [s].
+
+    ``state`` (n, 4) true x, ``estimate`` (n, 5) of x and of the friction [V], ``friction`` (n,)
+    true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V].
+    """
+
+    sample_time: float
+    state: np.ndarray
+    estimate: np.ndarray
+    friction: np.ndarray
+    friction_estimate: np.ndarray
+    command: np.ndarray
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time of each sample (n,) [s]."""
+        return np.arange(len(self.command)) * self.sample_time
+
+
+class Outcome(NamedTuple):
+    """What a run came to over its settled part; ``fell`` over all of it.
+
+    Sizes are peak to peak [rad]; ``period_s`` is the time between upward crossings of the middle
+    that the motion had in the second half of the part before, NaN without an oscillation; rms
+    values are about zero: arm angle [rad], command [V], error of the friction estimate F − F̂ [V].
+    """
+
+    phi_peak_to_peak_rad: float
+    theta_peak_to_peak_rad: float
+    period_s: float
+    stuck_fraction: float
+    phi_rms_rad: float
+    command_rms_v: float
+    friction_error_rms_v: float
+    fell: bool
+    steps: int
+
+
+class Memory(NamedTuple):
+    """What the members of the loop keep from sample to sample, and the torque applied (1,) [V]."""
+
+    estimator: np.ndarray
+    observer: np.ndarray
+    controller: np.ndarray
+    torque: np.ndarray
+
+
+def fresh_memory() -> Memory:
+    """The memory of a loop that has not begun."""
+    sizes = (ESTIMATOR_MEMORY, OBSERVER_MEMORY, CONTROLLER_MEMORY, 1)
+    return Memory(*(np.zeros(size) for size in sizes))
+
+
+class Simulation:
+    """A loop in motion; its parameters can be changed between two runs, as on the graph.
+
+    What is only read at the start (initial state, seed, sample time) stays as it was.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self.loop = loop
+        self._state = initial_state(loop.plant)
+        self._noise = np.random.default_rng(loop.plant.seed)
+        self._memory = fresh_memory()
+
+    @property
+    def loop(self) -> Loop:
+        """The parameters in force."""
+        return self._loop
+
+    @loop.setter
+    def loop(self, loop: Loop) -> None:
+        self._loop = loop
+        self._members = (
+            substeps(loop.plant),
+            loop.plant,
+            estimator(loop.estimator),
+            compensator(loop.observer),
+            state_feedback(loop.controller),
+        )
+
+    def run(self, seconds: float) -> Record:
+        """Go on for ``seconds``, at least one sample, and keep the series."""
+        record = _room(self.loop.plant.sample_time, self._samples(seconds))
+        self._run(seconds, SETTLED, record)
+        return record
+
+    def measure(self, seconds: float, settled: float = SETTLED) -> Outcome:
+        """Go on for ``seconds`` and measure their last part ``settled``, keeping no series."""
+        return self._run(seconds, settled, _room(self.loop.plant.sample_time, 0))
+
+    def _samples(self, seconds: float) -> int:
+        return max(1, round(seconds / self.loop.plant.sample_time))
+
+    def _run(self, seconds: float, settled: float, record: Record) -> Outcome:
+        """Go on; the series go into ``record`` where that has room."""
+        samples = self._samples(seconds)
+        counted = max(1, round(settled * samples))
+        meter, sums = np.zeros(METER), np.zeros(_SUMS)
+        _run(
+            self._state,
+            self._noise,
+            *self._members,
+            self._memory,
+            samples,
+            samples - counted,
+            record,
+            meter,
+            sums,
+        )
+        phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / counted))
+        sizes = oscillation(meter, self.loop.plant.sample_time)
+        return Outcome(*sizes, phi, command, error, bool(sums[_FELL]), samples)
+
+
+def simulate(loop: Loop, seconds: float) -> Record:
+    """Run the loop for ``seconds`` from the plant's initial state and keep its series."""
+    return Simulation(loop).run(seconds)
+
+
+def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
+    """Run the loop for ``seconds`` and measure their last part ``settled``, keeping no series."""
+    return Simulation(loop).measure(seconds, settled)
+
+
+def _room(sample_time: float, samples: int) -> Record:
+    """Room for the series of ``samples`` samples."""
+    return Record(
+        sample_time,
+        np.empty((samples, RIGID_STATES)),
+        np.empty((samples, SIGNALS)),
+        np.empty(samples),
+        np.empty(samples),
+        np.empty(samples),
+    )
+
+
+@compiled
+def _run(
+    x: np.ndarray,
+    generator: np.random.Generator,
+    steps: int,
+    plant: Plant,
+    estimation: Estimator,
+    observer: Compensator,
+    feedback: StateFeedback,
+    memory: Memory,
+    samples: int,
+    transient: int,
+    record: Record,
+    meter: np.ndarray,
+    sums: np.ndarray,
+) -> None:
+    measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
+    noise = np.zeros(NOISE_CHANNELS)
+    keep = len(record.command) > 0
+    # Out of the loop: taking an array from a tuple costs as much as a filter.
+    estimator_memory, observer_memory = memory.estimator, memory.observer
+    controller_memory, torque = memory.controller, memory.torque[0]
+    for k in range(samples):
+        if not plant.sensors.ideal:
+            for channel in range(NOISE_CHANNELS):
+                noise[channel] = generator.standard_normal()
+        measure(x, noise, plant.sensors, measurement)
+        measurement[EFFORT] = torque
+        estimate_state(estimator_memory, measurement, estimation, estimate)
+        estimated = estimate_friction(observer_memory, estimate, observer)
+        u = control(controller_memory, estimate, estimated, feedback)
+        true_friction = 0.0
+        if keep or k >= transient:
+            true_friction = friction(x[PHI_DOT], x[BRISTLE], plant.friction)
+        if keep:
+            record.state[k] = x[:RIGID_STATES]
+            record.estimate[k] = estimate
+            record.friction[k] = true_friction
+            record.friction_estimate[k] = estimated
+            record.command[k] = u
+        if transient // 2 <= k < transient:
+            look(meter, x)
+        if k >= transient:
+            observe(meter, x)
+            sums[_PHI_SQUARED] += x[PHI] * x[PHI]
+            sums[_COMMAND_SQUARED] += u * u
+            sums[_ERROR_SQUARED] += (true_friction - estimated) * (true_friction - estimated)
+        if abs(x[THETA]) > 0.5 * np.pi:
+            sums[_FELL] = 1.0
+        torque = move(x, u, steps, plant)
+    memory.torque[0] = torque

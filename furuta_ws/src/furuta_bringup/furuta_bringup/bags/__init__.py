@@ -1,1 +1,0 @@
-"""Bags: recorded, read, mended, replayed, computed again."""

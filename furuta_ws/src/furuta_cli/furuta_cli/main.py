@@ -1,0 +1,70 @@
+"""The command line ``furuta``: verbs, each in a module of its own, imported when it is used."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
+
+VERBS = {
+    "demo": "The paper's experiments through the real node graph.",
+    "run": "The graph until Ctrl-C, in one process or in one per node.",
+    "simulate": "The same loop without ROS.",
+    "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
+    "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
+    "sweep": "A study over any parameters, on all cores or on a cluster.",
+    "sensitivity": "The limit cycle that compensation leaves, over the sensors' noise.",
+    "linearize": "Linear model, poles, and the gain by pole placement.",
+    "limit-cycle": "The exact periodic motion, and branches of it.",
+    "map": "Which feedbacks give a limit cycle: a map over two parameters.",
+    "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
+    "describing-function": "Limit cycles that the describing function of friction predicts.",
+    "convergence": "Whether the friction observer meets the passivity condition for convergence.",
+    "identify": "Models from recordings: bags, CSV tables, simulations.",
+    "bag": "Recorded bags: info, recover, replay, recompute.",
+    "hw": "A real rig: check the line, read, zeros, signs, friction, arm; emulate one.",
+    "param": "Read and set parameters of running nodes; print parameter files.",
+    "node": "List the running nodes; run one.",
+}
+
+
+class Verbs(click.Group):
+    """Loads a verb's module only when that verb is wanted."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All verbs."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The verb's command."""
+        if cmd_name not in VERBS:
+            return None
+        module = importlib.import_module(f"furuta_cli.verbs.{cmd_name.replace('-', '_')}")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Help of all verbs without loading them."""
+        with formatter.section("Verbs"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+def furuta() -> None:
+    """Friction and friction compensation in the Furuta pendulum, on ROS 2."""
+
+
+def main() -> None:
+    """Entry point of the executable ``furuta``."""
+    try:
+        furuta(prog_name="furuta")
+    except (ParameterError, UserError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as error:
+        print(f"error: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        sys.exit(1)

@@ -1,0 +1,126 @@
+"""``furuta demo``."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import click
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress
+from rich.table import Table
+
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_figures.demo import draw
+from furuta_graph.settings import gather
+from furuta_recordings.bags.recorded_run import read_course
+from furuta_studies.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
+from furuta_studies.tuning.report import parameters
+from furuta_studies.tuning.tuning import Plan
+
+# Of the tuning that comes first.
+PLAN = Plan()
+
+
+@click.command()
+@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time per compensation.")
+@click.option(
+    "--out",
+    "directory",
+    default="output/demo",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Directory for figure, bag and summary.json; the contents of an earlier demo go.",
+)
+@model_options
+@json_option
+def command(
+    seconds: float,
+    directory: Path,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Run no, Coulomb, LuGre and tuned LuGre compensation through the real node graph.
+
+    The graph runs in lock-step in one process and is recorded; the compensator is tuned, and
+    compensations are switched, by the parameter services.
+    """
+    check_seconds(seconds)
+    settings = gather(files, assignments)
+    summary = _run(settings, seconds, directory, quiet=as_json)
+    (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    if as_json:
+        print_json(summary)
+    else:
+        _print(summary)
+
+
+def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
+    bag = directory / "bag"
+    _clear(bag)
+    console = Console(stderr=True, quiet=quiet)
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        with Progress(console=console, transient=True) as bar:
+            tuning = bar.add_task("tuning", total=PLAN.seconds)
+            tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
+            bar.update(tuning, completed=PLAN.seconds)
+            task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
+            phases = run_demo(
+                settings,
+                tuned.after.observer,
+                seconds,
+                bag,
+                lambda t: bar.update(task, completed=t),
+            )
+    finally:
+        rclpy.try_shutdown()
+    with console.status("reading the bag, drawing"):
+        course = read_course(bag)
+        figure = directory / "demo.png"
+        draw(course, phases, figure)
+    return {
+        "runs": evaluate(phases, course),
+        "tuned_parameters": parameters(tuned.after.observer),
+        "figure": str(figure),
+        "bag": str(bag),
+    }
+
+
+def _clear(bag: Path) -> None:
+    """Remove the bag of an earlier demo, and nothing that is not one."""
+    if not bag.exists():
+        return
+    for file in bag.iterdir():
+        if file.suffix not in (".mcap", ".yaml"):
+            raise click.ClickException(f"{bag} holds {file.name}, which is not of a bag")
+    for file in bag.iterdir():
+        file.unlink()
+    bag.rmdir()
+
+
+def _print(summary: dict[str, Any]) -> None:
+    table = Table(title="limit cycle, peak to peak, last three quarters of each phase", box=SIMPLE)
+    table.add_column("compensation", no_wrap=True)
+    for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
+        table.add_column(escape(heading), justify="right")
+    for run in summary["runs"]:
+        table.add_row(
+            run["compensation"],
+            f"{run['phi_peak_to_peak_rad']:.4f}",
+            f"{run['theta_peak_to_peak_rad']:.4f}",
+            "none" if isnan(run["period_s"]) else f"{run['period_s']:.3f}",
+            f"{run['command_rms_v']:.3f}",
+            f"{run['samples'] / run['wall_seconds']:.0f}",
+        )
+    console = Console()
+    console.print(table)
+    for name in ("figure", "bag"):
+        console.print(f"{name}: {summary[name]}", soft_wrap=True)

@@ -1,0 +1,95 @@
+"""``furuta experiment``."""
+
+from __future__ import annotations
+
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_graph.settings import gather, loop
+from furuta_model.parameters import ParameterError
+from furuta_studies.experiments import EXPERIMENTS, Outcome, experiment, sensor_resolution
+from furuta_studies.tuning.report import parameters
+
+
+@click.command()
+@click.argument("names", nargs=-1, type=click.Choice([*EXPERIMENTS, "all"]), required=True)
+@click.option(
+    "--seconds", default=30.0, show_default=True, help="Pendulum time after the transients."
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Draw each figure.")
+@model_options
+@json_option
+def command(
+    names: tuple[str, ...],
+    seconds: float,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Repeat experiments of the paper (fig5 to fig9, or all): measured beside predicted.
+
+    Simulated with the cores of the nodes. From fig6 on the true friction differs by direction,
+    by 5 % unless --set says otherwise.
+    """
+    if not 5.0 <= seconds <= 3600.0:
+        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
+    made = loop(gather(files, assignments))
+    rows = []
+    console = Console(stderr=True, quiet=as_json)
+    for name in EXPERIMENTS if "all" in names else dict.fromkeys(names):
+        with console.status(name) as status:
+            outcome = experiment(name, made, seconds, lambda what, _: status.update(escape(what)))
+        if out is not None:
+            from furuta_figures.experiment import draw_experiment
+
+            draw_experiment(EXPERIMENTS[name].title, outcome, out / f"{name}.png")
+        rows.append(_row(name, outcome))
+    if as_json:
+        print_json({"experiments": rows, "encoder_count_rad": sensor_resolution(made)})
+    else:
+        _print(rows, sensor_resolution(made))
+
+
+def _row(name: str, outcome: Outcome) -> dict[str, Any]:
+    return {
+        "experiment": name,
+        "compensation": outcome.loop.observer.compensation,
+        **outcome.measured._asdict(),
+        "predicted_phi_peak_to_peak_rad": outcome.predicted_phi_peak_to_peak_rad,
+        "describing_function_phi_peak_to_peak_rad": (
+            outcome.describing_function_phi_peak_to_peak_rad
+        ),
+        "parameters": parameters(outcome.loop.observer),
+    }
+
+
+def _print(rows: list[dict[str, Any]], count: float) -> None:
+    table = Table(title=f"arm, peak to peak; one encoder count is {count:.4f} rad", box=SIMPLE)
+    table.add_column("experiment", no_wrap=True)
+    table.add_column("compensation", no_wrap=True)
+    for heading in ("measured [rad]", "predicted [rad]", "describing f. [rad]", "period [s]"):
+        table.add_column(escape(heading), justify="right")
+    for row in rows:
+        table.add_row(
+            row["experiment"],
+            row["compensation"] + ", tuned" * EXPERIMENTS[row["experiment"]].tuned,
+            *(
+                "–" if isnan(row[key]) else f"{row[key]:.4f}"
+                for key in (
+                    "phi_peak_to_peak_rad",
+                    "predicted_phi_peak_to_peak_rad",
+                    "describing_function_phi_peak_to_peak_rad",
+                    "period_s",
+                )
+            ),
+        )
+    Console().print(table)

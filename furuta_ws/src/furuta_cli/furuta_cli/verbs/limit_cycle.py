@@ -1,0 +1,116 @@
+"""``furuta limit-cycle``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_value
+from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, released, trace
+from furuta_cli.options import ideal_options, json_option, model_options, print_json
+from furuta_model.parameters import ParameterError
+from furuta_studies.ideal_loop import Choice, parse_range, require_stabilising
+
+
+@click.command()
+@ideal_options
+@click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
+@click.option(
+    "--release", default=0.05, show_default=True, help="Pendulum angle of the release [rad]."
+)
+@click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the cycle over a parameter.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@model_options
+@json_option
+def command(
+    law: str,
+    feedback: tuple[float, float, float, float] | None,
+    linear: bool,
+    release: float,
+    branch: str | None,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """The exact periodic motion of the ideal loop, sticking included.
+
+    Ideal: all states measured, feedback u = l·x without sampling or saturation. With --branch
+    the cycle is followed over a parameter, round its folds, unstable cycles included.
+    """
+    choice = Choice(files, assignments, law, feedback, linear)
+    loop = choice.loop()
+    if not 0.0 < abs(release) < 0.5 * np.pi:
+        raise ParameterError(
+            f"--release must be an angle within ±π/2 other than 0, given {release:g}"
+        )
+    cycle = limit_cycle(loop, released(release))
+    if cycle.kind == "unbounded":
+        require_stabilising(loop)
+    result = _described(cycle)
+    if branch is not None:
+        name, ends = parse_range(branch, 2)
+        points = _follow(choice, name, cycle, float(ends[0]), float(ends[-1]))
+        result["branch"] = [_row(name, point) for point in points]
+        result["events"] = [
+            {"event": p.event, name: fold_value(points, i) if p.event == "fold" else p.value}
+            for i, p in enumerate(points)
+            if p.event
+        ]
+        if out is not None:
+            from furuta_figures.cycle import draw_branch
+
+            draw_branch(name, points, out)
+    elif out is not None:
+        if cycle.kind != "oscillation":
+            raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
+        from furuta_figures.cycle import draw_cycle
+
+        draw_cycle(trace(loop, cycle), cycle, law, out)
+    if as_json:
+        print_json(result)
+    else:
+        _print(result)
+
+
+def _follow(
+    choice: Choice, name: str, cycle: LimitCycle, low: float, high: float
+) -> list[BranchPoint]:
+    """The branch through the cycle of the settings as they are, or of the range's middle."""
+    here = choice.value(name)
+    if here is None or not low <= here <= high:
+        here = 0.5 * (low + high)
+        cycle = limit_cycle(choice.loop({name: here}))
+    return Branch(lambda value: choice.loop({name: value}), low, high).follow(here, cycle)
+
+
+def _described(cycle: LimitCycle) -> dict[str, Any]:
+    fields = cycle._asdict()
+    del fields["point"]
+    fields["floquet_multipliers"] = [[m.real, m.imag] for m in cycle.floquet_multipliers]
+    return {**fields, "stable": cycle.stable}
+
+
+def _row(name: str, point: BranchPoint) -> dict[str, Any]:
+    return {
+        name: point.value,
+        "phi_peak_to_peak_rad": point.cycle.phi_peak_to_peak_rad,
+        "period_s": point.cycle.period_s,
+        "stable": point.cycle.stable,
+    }
+
+
+def _print(result: dict[str, Any]) -> None:
+    for name, value in result.items():
+        if name == "floquet_multipliers":
+            print(f"{name:24} " + ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value))
+        elif name == "branch":
+            print(f"{name:24} {len(value)} cycles")
+        elif name == "events":
+            for event in value:
+                print(f"{'':24} " + ", ".join(f"{key} {each}" for key, each in event.items()))
+        else:
+            print(f"{name:24} {value}")

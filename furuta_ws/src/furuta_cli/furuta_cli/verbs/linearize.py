@@ -1,0 +1,46 @@
+"""``furuta linearize``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_control.controller import state_feedback
+from furuta_graph.settings import gather, loop
+from furuta_model.linear import linearize
+
+
+@click.command()
+@model_options
+@json_option
+def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
+    """Linear model (2), (3) of the controller's nominal pendulum and its gain, eq. (7)."""
+    parameters = loop(gather(files, assignments)).controller
+    a, b = linearize(parameters.model)
+    gain = np.array(state_feedback(parameters)[:4])
+
+    def poles(matrix: np.ndarray) -> list[list[float]]:
+        return [[float(p.real), float(p.imag)] for p in np.sort_complex(np.linalg.eigvals(matrix))]
+
+    result = {
+        **parameters.model._asdict(),
+        "A": a.tolist(),
+        "B": b.tolist(),
+        "open_loop_poles": poles(a),
+        "L": gain.tolist(),
+        "closed_loop_poles": poles(a - np.outer(b, gain)),
+    }
+    if as_json:
+        print_json(result)
+        return
+    np.set_printoptions(precision=6, suppress=True)
+    for name, value in result.items():
+        if name.endswith("poles"):
+            print(f"{name}: " + ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value))
+        elif isinstance(value, list):
+            print(f"{name}:\n{np.array(value)}")
+        else:
+            print(f"{name}: {value:.6g}")

@@ -1,0 +1,81 @@
+"""``furuta map``."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.progress import track
+
+from furuta_cli.options import ideal_options, json_option, model_options, print_json
+from furuta_model.parameters import ParameterError
+from furuta_studies.feedback_map import StudyPoint, study
+from furuta_studies.ideal_loop import Choice, parse_range
+
+COUNT = 20
+
+
+@click.command()
+@click.argument("ranges", nargs=2, metavar="NAME=LOW:HIGH[:COUNT] NAME=LOW:HIGH[:COUNT]")
+@ideal_options
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Keep the rows.")
+@model_options
+@json_option
+def command(
+    ranges: tuple[str, str],
+    law: str,
+    feedback: tuple[float, float, float, float] | None,
+    out: Path | None,
+    data: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Which feedbacks give a limit cycle, and how large: a map over two parameters.
+
+    Any parameter by name, or the gains l1 to l4 of u = l·x: furuta map omega1=2:12 omega2=2:12
+    """
+    choice = Choice(files, assignments, law, feedback)
+    (first, firsts), (second, seconds) = (parse_range(each, COUNT) for each in ranges)
+    if first == second:
+        raise ParameterError(f"a map needs two different parameters, given {first} twice")
+    points = study(lambda a, b: choice.loop({first: a, second: b}), firsts, seconds)
+    total = len(firsts) * len(seconds)
+    console = Console(stderr=True, quiet=as_json or not sys.stderr.isatty())
+    found = list(track(points, "mapping", total=total, console=console, transient=True))
+    rows = [_row(first, second, point) for point in found]
+    if data is not None:
+        with data.open("w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys())
+            writer.writeheader()
+            writer.writerows(rows)
+    if out is not None:
+        from furuta_figures.cycle import draw_map
+
+        draw_map(first, second, firsts, seconds, found, out)
+    if as_json:
+        print_json({"rows": rows})
+    else:
+        kinds = [point.cycle.kind for point in found]
+        for kind in sorted(set(kinds)):
+            print(f"{kind:24} {kinds.count(kind)} of {total}")
+
+
+def _row(first: str, second: str, point: StudyPoint) -> dict[str, Any]:
+    cycle = point.cycle
+    return {
+        first: float(point.first),
+        second: float(point.second),
+        "kind": cycle.kind,
+        "phi_peak_to_peak_rad": cycle.phi_peak_to_peak_rad,
+        "theta_peak_to_peak_rad": cycle.theta_peak_to_peak_rad,
+        "period_s": cycle.period_s,
+        "rotation_rate_rad_s": cycle.rotation_rate_rad_s,
+        "stable": cycle.stable,
+        "predicted_phi_peak_to_peak_rad": point.predicted_phi_peak_to_peak_rad,
+    }

@@ -1,0 +1,77 @@
+"""``furuta sensitivity``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_graph.settings import gather, loop
+from furuta_model.parameters import ParameterError
+from furuta_studies.experiments import sensor_resolution
+from furuta_studies.sensitivity import Sensitivity, sensitivity
+from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
+
+# Multiples of the rig's noise.
+NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+
+
+@click.command()
+@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time of each run.")
+@click.option("--seeds", default=10, show_default=True, help="Runs of each case.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@model_options
+@json_option
+def command(
+    seconds: float,
+    seeds: int,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """How the limit cycle that compensation leaves grows with the sensors' noise.
+
+    For both estimators and five compensations, LuGre also as tuned at the noise of the settings.
+    """
+    if not 5.0 <= seconds <= 3600.0:
+        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
+    if not 1 <= seeds <= 1000:
+        raise ParameterError(f"--seeds must be 1 to 1000, given {seeds}")
+    made = loop(gather(files, assignments))
+    with Console(stderr=True, quiet=as_json).status("tuning, then simulating"):
+        compensations = {
+            name: made.observer._replace(compensation=name)
+            for name in ("coulomb", "stiction", "lugre", "adaptive")
+        }
+        tuned = tune(SimulatedRig(made), made.observer, made.estimator, Plan(), lambda *_: None)
+        compensations["lugre, tuned"] = tuned.after.observer
+        first = made.plant.seed
+        rows = sensitivity(made, compensations, NOISES, range(first, first + seeds), seconds)
+    if out is not None:
+        from furuta_figures.sensitivity import draw_sensitivity
+
+        draw_sensitivity(rows, sensor_resolution(made), out)
+    if as_json:
+        print_json({"rows": [row._asdict() for row in rows]})
+    else:
+        _print(rows)
+
+
+def _print(rows: list[Sensitivity]) -> None:
+    table = Table(
+        title=escape("arm, peak to peak [mrad], mean over the seeds, by noise"), box=SIMPLE
+    )
+    table.add_column("estimator", no_wrap=True)
+    table.add_column("compensation", no_wrap=True)
+    for noise in NOISES:
+        table.add_column(escape(f"{noise:g}"), justify="right")
+    for method, name in dict.fromkeys((row.method, row.compensation) for row in rows):
+        line = [row for row in rows if (row.method, row.compensation) == (method, name)]
+        table.add_row(method, name, *(f"{1e3 * row.mean:.1f}" for row in line))
+    Console().print(table)

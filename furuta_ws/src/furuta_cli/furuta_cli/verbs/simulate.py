@@ -1,0 +1,87 @@
+"""``furuta simulate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import click
+import numpy as np
+
+from furuta_analysis.simulation.closed_loop import simulate
+from furuta_analysis.simulation.oscillation import fell, measure_oscillation
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_graph.settings import gather, loop
+from furuta_model.parameters import ParameterError
+
+
+@click.command(context_settings={"ignore_unknown_options": False})
+@click.option("--seconds", default=60.0, show_default=True, help="Pendulum time.")
+@click.option("--compensation", help="Friction compensation (default: as the parameters say).")
+@click.option("--ideal-sensors", is_flag=True, help="All four states measured exactly.")
+@click.option("--feedback", nargs=4, type=float, metavar="L1 L2 L3 L4", help="u = l·x.")
+@click.option("--seed", type=int, help="Seed of the sensors' noise.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.npz|FILE.png",
+    help="Keep the series, or draw them.",
+)
+@model_options
+@json_option
+def command(
+    seconds: float,
+    compensation: str | None,
+    ideal_sensors: bool,
+    feedback: tuple[float, float, float, float] | None,
+    seed: int | None,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Simulate the loop without ROS and measure its oscillation over the second half."""
+    if not 0 < seconds <= 1e6:
+        raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
+    extra = []
+    if compensation is not None:
+        extra.append(f"friction_observer.compensation={compensation}")
+    if ideal_sensors:
+        extra.append("sensors.ideal=true")
+    if seed is not None:
+        extra.append(f"plant.seed={seed}")
+    if feedback is not None:
+        extra.append(f"controller.gain={[-each for each in feedback]}")
+    settings = gather(files, [*assignments, *extra])
+    began = perf_counter()
+    record = simulate(loop(settings), seconds)
+    wall = perf_counter() - began
+    result = _result(record, wall)
+    if out is not None:
+        _keep(record, out, loop(settings).plant.actuator)
+    if as_json:
+        print_json(result)
+    else:
+        for name, value in result.items():
+            print(f"{name:24} {value}")
+
+
+def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
+    settled = record.state[len(record.command) // 2 :]
+    return {
+        **measure_oscillation(settled, record.sample_time)._asdict(),
+        "fell": fell(record.state),
+        "steps": len(record.command),
+        "wall_seconds": wall_seconds,
+    }
+
+
+def _keep(record: Any, out: Path, actuator: Any) -> None:
+    if out.suffix == ".png":
+        from furuta_figures.demo import draw_run
+
+        draw_run(record, out)
+        return
+    fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
+    np.savez_compressed(out, time=record.time, drive=np.array(actuator), **fields)

@@ -1,0 +1,156 @@
+"""``furuta tune``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+from rich.table import Table
+
+from furuta_cli.options import json_option, model_options, print_json
+from furuta_graph.parameter_client import Operator
+from furuta_graph.running_graph import Estimates, RunningRig, TuningInterruptedError
+from furuta_graph.settings import gather, loop
+from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
+from furuta_ros.spinning import Stop, executor_of
+from furuta_studies.tuning.report import described, parameters, write_parameter_file
+from furuta_studies.tuning.tuning import (
+    FITTED,
+    SEARCHABLE,
+    GuardError,
+    Plan,
+    Report,
+    SimulatedRig,
+    Tuned,
+    tune,
+)
+
+DEFAULT = Plan()
+
+
+@click.command()
+@click.option(
+    "--running",
+    is_flag=True,
+    help="Tune the running graph by its parameter services (default: a simulation).",
+)
+@click.option(
+    "--fit",
+    multiple=True,
+    type=click.Choice(FITTED),
+    default=DEFAULT.fit,
+    help="Read this parameter off the friction seen; repeatable (default: all that can be).",
+)
+@click.option(
+    "--search",
+    multiple=True,
+    type=click.Choice(SEARCHABLE),
+    default=DEFAULT.search,
+    show_default=True,
+    help="Then try this parameter out; repeatable.",
+)
+@click.option("--seconds", default=DEFAULT.seconds, show_default=True, help="Most pendulum time.")
+@click.option(
+    "--arm-guard",
+    default=DEFAULT.arm_guard,
+    show_default=True,
+    help="Largest peak-to-peak excursion of the arm [rad].",
+)
+@click.option(
+    "--pendulum-guard",
+    default=DEFAULT.pendulum_guard,
+    show_default=True,
+    help="Largest angle of the pendulum [rad].",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.yaml",
+    help="Keep the parameters in a parameter file.",
+)
+@model_options
+@json_option
+def command(
+    running: bool,
+    fit: tuple[str, ...],
+    search: tuple[str, ...],
+    seconds: float,
+    arm_guard: float,
+    pendulum_guard: float,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Find the LuGre compensator's parameters that leave the smallest limit cycle.
+
+    The pendulum first swings without compensation while the friction's parameters are read off
+    what the estimator sees; then those named by --search are tried out. On a running graph the
+    best ones stay in force; if the motion leaves the guard, or at Ctrl-C, the earlier ones are
+    put back.
+    """
+    plan = Plan(fit, search, seconds, arm_guard, pendulum_guard)
+    try:
+        plan.check()
+        if running:
+            if files or assignments:
+                raise ParameterError("--running goes with neither --params nor --set")
+            tuned = _tune_running(plan, quiet=as_json)
+        else:
+            tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
+    except GuardError as error:
+        raise UserError(f"stopped, the earlier parameters are in force again: {error}") from None
+    except ValueError as error:
+        raise UserError(str(error)) from None
+    except TuningInterruptedError:
+        raise UserError("interrupted, the earlier parameters are in force again") from None
+    if out is not None:
+        write_parameter_file(tuned.after.observer, out)
+    if as_json:
+        print_json(described(tuned))
+    else:
+        _print(tuned, out)
+
+
+def _tune_simulated(
+    plan: Plan, files: tuple[Path, ...], assignments: tuple[str, ...], quiet: bool
+) -> Tuned:
+    made = loop(gather(files, assignments))
+    return tune(SimulatedRig(made), made.observer, made.estimator, plan, _reporter(quiet))
+
+
+def _tune_running(plan: Plan, quiet: bool) -> Tuned:
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        node = Node("furuta_tune")
+        executor = executor_of([node])
+        rig = RunningRig(Operator(node, executor), Estimates(node), executor, Stop())
+        return tune(rig, rig.observer, rig.estimator, plan, _reporter(quiet))
+    finally:
+        rclpy.try_shutdown()
+
+
+def _reporter(quiet: bool) -> Report:
+    console = Console(stderr=True, quiet=quiet)
+
+    def report(what: str, seconds: float) -> None:
+        console.print(f"{seconds:6.1f} s  {what}", markup=False, highlight=False)
+
+    return report
+
+
+def _print(tuned: Tuned, out: Path | None) -> None:
+    table = Table.grid(padding=(0, 3))
+    table.add_row("arm, peak to peak, before", f"{tuned.before.amplitude:.4f} rad")
+    table.add_row("after", f"{tuned.after.amplitude:.4f} rad")
+    for name, value in parameters(tuned.after.observer).items():
+        table.add_row(name, value if isinstance(value, str) else f"{value:.5g}")
+    table.add_row("pendulum time", f"{tuned.seconds:.0f} s")
+    Console().print(table)
+    if out is not None:
+        print(f"parameter file: {out}")

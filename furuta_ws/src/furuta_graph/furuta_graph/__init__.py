@@ -1,0 +1,1 @@
+"""The node graph: its description, its parameters, and how it is started."""

@@ -1,0 +1,1 @@
+"""Recordings brought to one set of units, signs and zeros."""

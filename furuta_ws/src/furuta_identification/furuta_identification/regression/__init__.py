@@ -1,0 +1,1 @@
+"""First estimates of the model by linear regression."""

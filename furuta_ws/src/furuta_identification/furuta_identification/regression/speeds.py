@@ -1,0 +1,60 @@
+"""Speeds beside the slopes of the angles: their lag, their scale, and what stands in for them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_identification.regression.windows import Windows
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_recordings.recording import Recording
+
+
+def speed_lag(recording: Recording) -> float:
+    """How far measured arm speeds lag behind measured angles [s]; 0 where either is missing."""
+    found = _speed_as_slope(recording, PHI, PHI_DOT)
+    return 0.0 if found is None else float(np.clip(found[1] / (found[0] or 1.0), 0.0, 0.05))
+
+
+def slope_factor(recording: Recording, angle: int, speed: int) -> float | None:
+    """How many times the measured ``speed`` the ``angle``'s slope is; None without motion."""
+    found = _speed_as_slope(recording, angle, speed)
+    return None if found is None else float(found[0])
+
+
+def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray | None:
+    """(k, l) of: slope of the angle = k·speed + l·slope of the speed; None without motion."""
+    v, position = recording.measured[:, speed], recording.measured[:, angle]
+    if not np.all(np.isfinite(v)) or np.ptp(position) == 0.0 or not np.any(v):
+        return None
+    windows = Windows(recording.time)
+    columns = np.array([windows.mean(v), -windows.slope(v)]).T
+    found: np.ndarray = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
+    return found
+
+
+def with_speeds(recording: Recording, lag: float) -> Recording:
+    """The recording with speeds brought forward by ``lag`` [s] and made up where there are none."""
+    time, measured = recording.time, recording.measured.copy()
+    for angle, speed in ((PHI, PHI_DOT), (THETA, THETA_DOT)):
+        if np.all(np.isfinite(measured[:, speed])):
+            measured[:, speed] = np.interp(time + lag, time, measured[:, speed])
+        else:
+            measured[:, speed] = _slope(time, measured[:, angle])
+    return recording._replace(measured=measured)
+
+
+def _slope(time: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Slope of a straight line through the samples within 10 ms to either side."""
+    reach = max(2, round(0.01 / float(np.median(np.diff(time)))))
+    kernel = np.ones(2 * reach + 1)
+    pad = (reach, reach)
+    t, y = np.pad(time, pad, mode="reflect", reflect_type="odd"), np.pad(angle, pad, mode="edge")
+    y[:reach] = 2 * angle[0] - angle[reach:0:-1]
+    y[-reach:] = 2 * angle[-1] - angle[-2 : -reach - 2 : -1]
+    count = len(kernel)
+    t_mean = np.convolve(t, kernel, "valid") / count
+    y_mean = np.convolve(y, kernel, "valid") / count
+    ty = np.convolve(t * y, kernel, "valid") / count - t_mean * y_mean
+    tt = np.convolve(t * t, kernel, "valid") / count - t_mean * t_mean
+    slope: np.ndarray = ty / tt
+    return slope

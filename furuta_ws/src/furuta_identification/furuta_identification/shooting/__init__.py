@@ -1,0 +1,1 @@
+"""The model simulated against a recording, in segments."""

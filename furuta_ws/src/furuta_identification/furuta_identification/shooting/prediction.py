@@ -1,0 +1,116 @@
+"""What the model says of a recording: stretches of it, each run freely from its initial state."""
+
+from __future__ import annotations
+
+from math import ceil, exp
+
+import numpy as np
+
+from furuta_identification.shooting.rig_model import (
+    RigModel,
+    longest_step,
+    model_accelerations,
+    move,
+)
+from furuta_model.compiled import compiled
+from furuta_model.state import BRISTLE, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA_DOT
+from furuta_recordings.recording import Recording
+
+# Beyond this speed [rad/s] a run has left every rig.
+LOST = 1e4
+# Part of a step that differences of large times may be off by.
+ROUNDING = 1e-3
+
+
+def predict(
+    recording: Recording,
+    starts: np.ndarray,
+    initial: np.ndarray,
+    model: RigModel,
+    delay: float,
+    lag: float,
+) -> np.ndarray:
+    """Outputs (n, 4) at the recording's times, from ``initial`` (s, 5) at each of ``starts`` (s,).
+
+    The command acts ``delay`` [s] after its time; speeds come through a tracking loop, two equal
+    poles, that lets them lag by ``lag`` [s].
+    """
+    predicted = np.empty((len(recording.time), RIGID_STATES))
+    _predict(
+        recording.time,
+        recording.command_time + delay,
+        recording.command,
+        np.append(starts, len(recording.time)),
+        initial,
+        model,
+        longest_step(model),
+        lag,
+        predicted,
+    )
+    return predicted
+
+
+@compiled
+def _predict(
+    time: np.ndarray,
+    command_time: np.ndarray,
+    command: np.ndarray,
+    bounds: np.ndarray,
+    initial: np.ndarray,
+    model: RigModel,
+    step: float,
+    lag: float,
+    predicted: np.ndarray,
+) -> None:
+    x = np.empty(PLANT_STATES)
+    following = 0  # index of the next command
+    for segment in range(len(bounds) - 1):
+        first, end = bounds[segment], bounds[segment + 1]
+        x[:] = initial[segment]
+        while following < len(command) and command_time[following] <= time[first]:
+            following += 1
+        u = command[following - 1] if following > 0 else 0.0
+        torque = u - model.arm.sigma0 * x[BRISTLE] - model.arm.viscous * x[PHI_DOT]
+        rates = model_accelerations(x[0], x[1], x[2], x[3], torque, model)
+        # Speeds as the tracking loop has them after a long time at these accelerations.
+        arm1, arm2 = x[PHI_DOT] - 0.5 * lag * rates[0], x[PHI_DOT] - lag * rates[0]
+        pendulum1, pendulum2 = x[THETA_DOT] - 0.5 * lag * rates[1], x[THETA_DOT] - lag * rates[1]
+        for k in range(first, end):
+            predicted[k, 0], predicted[k, 1] = x[0], arm2
+            predicted[k, 2], predicted[k, 3] = x[2], pendulum2
+            if k + 1 == end:
+                break
+            now = time[k]
+            while now < time[k + 1]:
+                then = time[k + 1]
+                if following < len(command) and command_time[following] < then:
+                    then = command_time[following]
+                if then > now:
+                    v, w = x[PHI_DOT], x[THETA_DOT]
+                    steps = max(1, ceil((then - now) / step - ROUNDING))
+                    move(x, u, then - now, steps, model)
+                    arm1, arm2 = _track(arm1, arm2, v, x[PHI_DOT], then - now, lag)
+                    pendulum1, pendulum2 = _track(
+                        pendulum1, pendulum2, w, x[THETA_DOT], then - now, lag
+                    )
+                now = then
+                while following < len(command) and command_time[following] <= now:
+                    u = command[following]
+                    following += 1
+            if not abs(x[PHI_DOT]) + abs(x[THETA_DOT]) < LOST:
+                predicted[k + 1 : end] = LOST
+                break
+
+
+@compiled
+def _track(
+    first: float, second: float, before: float, now: float, dt: float, lag: float
+) -> tuple[float, float]:
+    """The tracking loop's two states after a speed has gone from ``before`` to ``now``."""
+    if lag <= 0.0:
+        return now, now
+    a = 2.0 * dt / lag
+    decay = exp(-a)
+    slope = (1.0 - decay) / a
+    risen = now + (first - before) * decay - (now - before) * slope
+    return risen, risen + (second - first) * decay - (risen - first) * slope

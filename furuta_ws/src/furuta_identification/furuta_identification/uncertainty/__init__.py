@@ -1,0 +1,1 @@
+"""Standard errors, and how well a model predicts."""

@@ -1,0 +1,1 @@
+"""Recordings: bags written, read, repaired and replayed, and readers for other formats."""

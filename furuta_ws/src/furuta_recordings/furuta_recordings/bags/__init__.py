@@ -1,0 +1,1 @@
+"""Bag files: written, read and repaired, without ROS."""

@@ -1,0 +1,25 @@
+"""Recordings of any origin for identification: bags, CSV tables, and files of ``simulate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from furuta_model.parameters import ParameterError
+from furuta_recordings.readers.bag import read_bag
+from furuta_recordings.readers.mapping import Mapping
+from furuta_recordings.readers.simulation import read_simulation
+from furuta_recordings.readers.table import read_table
+from furuta_recordings.recording import Recording
+
+__all__ = ["Mapping", "read"]
+
+
+def read(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
+    """A recording, its angles as recorded, and in words what was taken for what."""
+    if not path.exists():
+        raise ParameterError(f"no recording {path}")
+    if path.suffix == ".npz":
+        return read_simulation(path)
+    if path.is_dir() or path.suffix in (".mcap", ".db3"):
+        return read_bag(path, mapping)
+    return read_table(path, mapping)

@@ -1,0 +1,1 @@
+"""Studies on many loops: experiments, tuning, sweeps, maps, sensitivity."""

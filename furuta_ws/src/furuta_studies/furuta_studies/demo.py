@@ -1,0 +1,143 @@
+"""The paper's experiment through the real graph: Figs 6 to 9 in sequence.
+
+In lock-step. First the compensator is tuned on a graph of its own; then one pendulum runs on while
+the compensation is switched. Both use the parameter services, as a person would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from rclpy.node import Node
+
+from furuta_analysis.simulation.oscillation import measure_oscillation
+from furuta_friction.parameters import ObserverParameters
+from furuta_graph.composed import Graph
+from furuta_graph.parameter_client import Operator
+from furuta_graph.parameter_files import settings_file
+from furuta_graph.running_graph import Estimates, RunningRig
+from furuta_graph.settings import Settings
+from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.recorded_run import Course
+from furuta_recordings.recorder_node import Recorder
+from furuta_studies.tuning.report import parameters
+from furuta_studies.tuning.tuning import Plan, Report, Tuned, tune
+
+# The phases: the three compensations of the paper, and LuGre as tuned.
+TUNED = "tuned"
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
+# Part of each phase that counts, the last, after the transients.
+SETTLED = 0.75
+
+
+class Phase(NamedTuple):
+    """One compensation and when it was in force [s]."""
+
+    compensation: str
+    start: float
+    end: float
+    wall_seconds: float
+
+
+class PausingRig(RunningRig):
+    """A graph in lock-step that stands still while nobody watches.
+
+    So the sample at which a parameter changes is known, and the tuning repeatable.
+    """
+
+    def __init__(self, graph: Graph, operator: Operator, estimates: Estimates) -> None:
+        super().__init__(operator, estimates, graph.executor)
+        self._graph = graph
+        self._end = 0.0
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """The estimates (n, 5) of the next ``seconds`` of pendulum time."""
+        self._end += seconds
+        self.operator.set("plant", run_until=self._end)
+        estimates = super().watch(seconds)
+        self._graph.run_until(self._end)
+        return estimates
+
+
+def tune_graph(settings: Settings, plan: Plan, report: Report) -> Tuned:
+    """Tune a graph with ``settings``, in lock-step and with nobody else near."""
+    person = Node("person")
+    estimates = Estimates(person)
+    graph = Graph(_in_lockstep(settings), [person])
+    try:
+        rig = PausingRig(graph, Operator(person, graph.executor), estimates)
+        return tune(rig, rig.observer, rig.estimator, plan, report)
+    finally:
+        graph.close()
+
+
+def _in_lockstep(settings: Settings) -> Settings:
+    settings = {node: dict(given) for node, given in settings.items()}
+    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
+    settings["friction_observer"]["compensation"] = COMPENSATIONS[0]
+    return settings
+
+
+def run_demo(
+    settings: Settings,
+    tuned: ObserverParameters,
+    seconds: float,
+    bag: Path,
+    progress: Callable[[float], None],
+) -> list[Phase]:
+    """Run every compensation for ``seconds``, recording into ``bag``.
+
+    ``progress`` is told the pendulum's time now and then.
+    """
+    person = Node("person")
+    settings = _in_lockstep(settings)
+    record = partial(Recorder, bag, stamped=True, parameters=settings_file(settings))
+    graph = Graph(settings, [person], record)
+    try:
+        graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
+        operator = Operator(person, graph.executor)
+        phases = []
+        for number, compensation in enumerate(COMPENSATIONS):
+            began = perf_counter()
+            end = (number + 1) * seconds
+            chosen = parameters(tuned) if compensation == TUNED else {"compensation": compensation}
+            operator.set_all("friction_observer", chosen)
+            operator.set("plant", run_until=end)
+            graph.run_until(end)
+            phases.append(Phase(compensation, number * seconds, end, perf_counter() - began))
+        progress(graph.plant.time)
+        return phases
+    finally:
+        graph.close()
+
+
+def evaluate(phases: list[Phase], course: Course) -> list[dict[str, Any]]:
+    """What each phase came to, on the recorded truth."""
+    rows = []
+    for phase in phases:
+        settled = course.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
+        oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
+        rows.append(
+            {
+                "compensation": phase.compensation,
+                "phi_peak_to_peak_rad": oscillation.phi_peak_to_peak_rad,
+                "theta_peak_to_peak_rad": oscillation.theta_peak_to_peak_rad,
+                "period_s": oscillation.period_s,
+                "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
+                "samples": len(course.between(phase.start, phase.end).time),
+                "sim_seconds": phase.end - phase.start,
+                "wall_seconds": phase.wall_seconds,
+            }
+        )
+    return rows
+
+
+def check_seconds(seconds: float) -> None:
+    """Refuse a phase too short to hold a limit cycle (2.4 s) after its transients."""
+    if not 5.0 <= seconds <= 3600.0:
+        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")

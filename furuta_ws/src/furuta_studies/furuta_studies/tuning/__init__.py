@@ -1,0 +1,1 @@
+"""Automatic tuning of the friction compensator."""
