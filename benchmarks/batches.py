@@ -9,7 +9,7 @@ from time import perf_counter, process_time
 from furuta_analysis.simulation.batch import available_cores, batch
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_friction.parameters import ObserverParameters
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 
 RUNS, SECONDS = 2000, 30.0
 FEW, MANY, SHORT = 100, 10_000, 3.0
@@ -27,7 +27,7 @@ def batches() -> dict[str, float]:
     many, most = _cost(MANY)
     return {
         "batch_2000_loops_seconds": wall,
-        "batch_samples_per_s": RUNS * SECONDS / Plant().sample_time / wall,
+        "batch_samples_per_s": RUNS * SECONDS / PlantParameters().sample_time / wall,
         "batch_cores": available_cores(),
         "batch_cost_10000_vs_100_runs": many / few,
         "batch_memory_growth_mb": (most - before) * 1e-6,
@@ -44,7 +44,7 @@ def _cost(runs: int) -> tuple[float, int]:
 def _run(runs: int, seconds: float) -> int:
     """Run a batch; returns the most memory seen [bytes]."""
     observer = ObserverParameters(compensation="lugre")
-    loops = (Loop(Plant(seed=seed), observer=observer) for seed in range(runs))
+    loops = (Loop(PlantParameters(seed=seed), observer=observer) for seed in range(runs))
     most = 0
     for number, _ in enumerate(batch(loops, seconds)):
         if number % 50 == 0:

@@ -17,7 +17,7 @@ from furuta_control.controller import state_feedback
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.parameters import Actuator, Plant, Sensors
+from furuta_sim.parameters import Actuator, PlantParameters, Sensors
 
 SECONDS = 60.0
 STEP = 1e-3
@@ -25,7 +25,7 @@ RELEASE = 0.05
 BODY, FRICTION = FurutaPendulum(), LuGre()
 SENSORS = Sensors(ideal=True)
 LOOP = Loop(
-    Plant(sensors=SENSORS, actuator=Actuator(bits=0), sample_time=STEP),
+    PlantParameters(sensors=SENSORS, actuator=Actuator(bits=0), sample_time=STEP),
     EstimatorParameters(sensors=SENSORS, sample_time=STEP),
 )
 # u = l·x

@@ -15,7 +15,7 @@ from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_graph.composed import Graph
+from furuta_graph.composed import SimulatedGraph
 from furuta_graph.settings import NODES, Settings
 from furuta_ros.spinning import spin_until
 
@@ -30,7 +30,7 @@ def lockstep() -> dict[str, float]:
     _start()
     bare = _bare_chain()
     bare.publish_sample()
-    graph = Graph(_settings("lockstep"))
+    graph = SimulatedGraph(_settings("lockstep"))
 
     def bare_rate() -> float:
         return _rate(bare.executor, lambda: bare.count)
@@ -49,7 +49,7 @@ def lockstep() -> dict[str, float]:
     }
 
 
-def _costs(graph: Graph) -> dict[str, float]:
+def _costs(graph: SimulatedGraph) -> dict[str, float]:
     """CPU time per sample [µs] in each node's callbacks, publishing included, and in all."""
     spent = dict.fromkeys((node.get_name() for node in graph.nodes), 0.0)
 
@@ -75,19 +75,19 @@ def realtime() -> dict[str, float]:
     """Latency from measurement to command at 1 kHz, and how many samples got theirs in time."""
     _start()
     bare = _bare_chain()
-    graph = Graph(_settings("realtime"))
+    graph = SimulatedGraph(_settings("realtime"))
     ours, theirs = Stopwatch(), Stopwatch()
     plant: Any = graph.plant
-    clockwork = plant.clockwork
+    pacing = plant.pacing
     plant.publish_sample = ours.starting(plant.publish_sample)
-    clockwork.on_command = ours.stopping(clockwork.on_command)
+    pacing.on_command = ours.stopping(pacing.on_command)
     bare.on_command = theirs.stopping(lambda: None)
     for _ in range(TURNS):
         _run_for(graph, TURN_SECONDS)
         _pace(bare, theirs.starting(bare.publish_sample))
         ours.end_turn()
         theirs.end_turn()
-    count = clockwork.punctuality
+    count = pacing.timing_counts
     _stop(graph, bare)
     graphs, bares = ours.percentiles(), theirs.percentiles()
     return {
@@ -148,7 +148,7 @@ def machine_late_fraction() -> float:
     return late / ticks
 
 
-def _run_for(graph: Graph, seconds: float) -> None:
+def _run_for(graph: SimulatedGraph, seconds: float) -> None:
     """Let the paused graph go on for a while; it loses no deadline over its pause."""
     plant = graph.plant
     _spin_for(graph.executor, BREATH)
@@ -166,7 +166,7 @@ def _start() -> None:
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
 
 
-def _stop(graph: Graph, bare: BareChain) -> None:
+def _stop(graph: SimulatedGraph, bare: BareChain) -> None:
     graph.close()
     bare.close()
     rclpy.try_shutdown()

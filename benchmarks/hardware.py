@@ -23,7 +23,7 @@ import rclpy
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.composed import HardwareGraph
 from furuta_graph.processes import executable
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_hw.monitor import ask
 
 SECONDS = 60.0
@@ -58,7 +58,7 @@ def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
         rig.stdout.readline()
         file = Path(directory) / "rig.yaml"
         file.write_text(f"limits: {PATIENT if lockstep else {}}")
-        settings = gather(
+        settings = load_settings(
             [],
             [
                 *(f"compensation={compensation}", f"port={port}"),
@@ -116,7 +116,7 @@ def measures(seen: list[np.ndarray]) -> dict[str, Any]:
 
 def simulated(compensation: str, seconds: float) -> dict[str, Any]:
     """The same on the simulated plant, whose graph is this loop to the last bit."""
-    phi = simulate(loop(gather([], [f"compensation={compensation}"])), seconds).state[:, 0]
+    phi = simulate(loop(load_settings([], [f"compensation={compensation}"])), seconds).state[:, 0]
     return measures(windows(phi, np.ones(len(phi))))
 
 

@@ -11,10 +11,10 @@ from rosbags.highlevel import AnyReader
 
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import measure_oscillation
-from furuta_graph.composed import Graph
-from furuta_graph.settings import Settings, gather, loop
-from furuta_recordings.bags.recorded_run import read_course
-from furuta_recordings.recorder_node import Recorder
+from furuta_graph.composed import SimulatedGraph
+from furuta_graph.settings import Settings, load_settings, loop
+from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import TOPICS
 
 IDEAL = ["sensors.ideal=true"]
@@ -23,7 +23,7 @@ IDEAL = ["sensors.ideal=true"]
 def record(settings: Settings, seconds: float, bag: Path) -> Path:
     """Run the graph in lock-step and record it."""
     settings["plant"] |= {"clock": "lockstep", "run_until": seconds}
-    graph = Graph(settings, record=partial(Recorder, bag, stamped=True))
+    graph = SimulatedGraph(settings, record=partial(RecorderNode, bag, stamped=True))
     graph.run_until(seconds)
     graph.close()
     return bag
@@ -41,9 +41,9 @@ def raw_messages(bag: Path) -> dict[str, list[bytes]]:
 @pytest.mark.parametrize("compensation", ["none", "coulomb", "lugre"])
 def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str) -> None:
     """Nodes and offline simulation call the same functions: equal to the last bit."""
-    settings = gather([], [f"compensation={compensation}"])
+    settings = load_settings([], [f"compensation={compensation}"])
     expected = simulate(loop(settings), 3.0)
-    got = read_course(record(settings, 3.0, tmp_path / "bag"))
+    got = read_recorded_run(record(settings, 3.0, tmp_path / "bag"))
     assert len(got.time) == 3000
     np.testing.assert_array_equal(got.state, expected.state)
     np.testing.assert_array_equal(got.friction, expected.friction)
@@ -54,7 +54,7 @@ def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str)
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
     """Two runs with one seed are equal on every topic to the bit; another seed is not."""
     bags = [
-        raw_messages(record(gather([], [f"seed={seed}"]), 2.0, tmp_path / name))
+        raw_messages(record(load_settings([], [f"seed={seed}"]), 2.0, tmp_path / name))
         for name, seed in (("a", 1), ("b", 1), ("c", 2))
     ]
     assert set(bags[0]) == {topic.name for topic in TOPICS}
@@ -67,8 +67,8 @@ def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
 
 def test_limit_cycle_with_ideal_sensors(ros: None, tmp_path: Path) -> None:
     """Through the graph: 0.5106 rad, 0.0918 rad, 2.370 s, each within 1 %."""
-    bag = record(gather([], IDEAL), 30.0, tmp_path / "bag")
-    settled = read_course(bag).between(15.0, 30.0)
+    bag = record(load_settings([], IDEAL), 30.0, tmp_path / "bag")
+    settled = read_recorded_run(bag).between(15.0, 30.0)
     measured = measure_oscillation(settled.state, 0.001)
     assert measured.phi_peak_to_peak_rad == pytest.approx(0.5106, rel=0.01)
     assert measured.theta_peak_to_peak_rad == pytest.approx(0.0918, rel=0.01)

@@ -9,7 +9,7 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_graph.composed import Graph
+from furuta_graph.composed import SimulatedGraph
 from furuta_graph.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import QOS, TIMING
@@ -19,10 +19,10 @@ pytestmark = pytest.mark.realtime
 
 def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
     """Three seconds at 1 kHz: upright, most samples commanded in time, time keeps up."""
-    graph = Graph(settings)
+    graph = SimulatedGraph(settings)
     end = monotonic() + 3.0
     spin_until(graph.executor, lambda: monotonic() > end)
-    count = graph.plant.clockwork.punctuality
+    count = graph.plant.pacing.timing_counts
     theta = graph.plant.x[2]
     seconds = graph.plant.time
     graph.close()
@@ -37,7 +37,7 @@ def test_timing_is_published(ros: None, settings: Settings) -> None:
     received: list[UInt64MultiArray] = []
     probe = Node("probe")
     probe.create_subscription(TIMING.type, TIMING.name, received.append, QOS)
-    graph = Graph(settings, [probe])
+    graph = SimulatedGraph(settings, [probe])
     spin_until(graph.executor, lambda: len(received) >= 2)
     graph.close()
     latency, lateness = np.array(received[-1].data).reshape(2, -1)
@@ -48,11 +48,11 @@ def test_timing_is_published(ros: None, settings: Settings) -> None:
 
 def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None:
     """A controller that is gone is noticed within its timeout, and the pendulum falls."""
-    graph = Graph(settings)
+    graph = SimulatedGraph(settings)
     plant = graph.plant
-    spin_until(graph.executor, lambda: plant.clockwork.punctuality.samples > 200)
+    spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
     graph.executor.remove_node(graph.controller)
-    spin_until(graph.executor, lambda: plant.clockwork.punctuality.timeouts > 0)
+    spin_until(graph.executor, lambda: plant.pacing.timing_counts.timeouts > 0)
     spin_until(graph.executor, lambda: abs(plant.x[2]) > 1.0)
     graph.close()
 
@@ -62,13 +62,13 @@ def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> N
     settings["friction_observer"]["compensation"] = "lugre"
     # Longer than a machine stalls, shorter than this test: only a silent controller exceeds it.
     settings["plant"]["command_timeout"] = 1.0
-    graph = Graph(settings)
+    graph = SimulatedGraph(settings)
     plant, controller = graph.plant, graph.controller
-    spin_until(graph.executor, lambda: plant.clockwork.punctuality.samples > 200)
+    spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
     graph.executor.remove_node(graph.friction_observer)
     before = plant.sample
     spin_until(graph.executor, lambda: plant.sample > before + 2000)
-    theta, timeouts = plant.x[2], plant.clockwork.punctuality.timeouts
+    theta, timeouts = plant.x[2], plant.pacing.timing_counts.timeouts
     missed = controller.missed_estimates
     graph.close()
     assert abs(theta) < 0.2

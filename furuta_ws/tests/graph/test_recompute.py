@@ -9,29 +9,31 @@ import pytest
 from rclpy.node import Node
 
 from furuta_figures.difference import draw_difference
-from furuta_graph.composed import Graph
-from furuta_graph.parameter_client import Operator
+from furuta_graph.composed import SimulatedGraph
+from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
-from furuta_graph.settings import gather
-from furuta_recordings.recorder_node import Recorder
+from furuta_graph.settings import load_settings
+from furuta_recordings.recorder_node import RecorderNode
 from furuta_studies.recompute import compare, recomputed
 
 
 @pytest.fixture
 def bag(ros: None, tmp_path: Path) -> Path:
     """Two seconds without compensation, then one with LuGre."""
-    settings = gather(
+    settings = load_settings(
         [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
     )
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
-    person = Node("person")
-    record = partial(Recorder, tmp_path / "bag", stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [person], record)
-    operator = Operator(person, graph.executor)
-    operator.set("plant", run_until=2.0)
+    node = Node("node")
+    record = partial(
+        RecorderNode, tmp_path / "bag", stamped=True, parameters=settings_file(settings)
+    )
+    graph = SimulatedGraph(settings, [node], record)
+    client = ParameterClient(node, graph.executor)
+    client.set("plant", run_until=2.0)
     graph.run_until(2.0)
-    operator.set("friction_observer", compensation="lugre", alpha0=0.2)
-    operator.set("plant", run_until=3.0)
+    client.set("friction_observer", compensation="lugre", alpha0=0.2)
+    client.set("plant", run_until=3.0)
     graph.run_until(3.0)
     graph.close()
     return tmp_path / "bag"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_studies.demo import tune_graph
-from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
+from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
 
 
 def silent(what: str, seconds: float) -> None:
@@ -13,10 +13,10 @@ def silent(what: str, seconds: float) -> None:
 
 def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
-    settings = gather([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])
+    settings = load_settings([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])
     plan = Plan(search=())
     plan = plan._replace(seconds=plan.shortest)
     simulated = loop(settings)
-    expected = tune(SimulatedRig(simulated), simulated.observer, simulated.estimator, plan, silent)
+    expected = tune(SimulatedLoop(simulated), simulated.observer, simulated.estimator, plan, silent)
     assert tune_graph(settings, plan, silent) == expected
     assert expected.after.amplitude < 0.03

@@ -14,15 +14,15 @@ from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 from testbench import Bench
 
-from furuta_hw.bridge_node import HardwareBridge
+from furuta_hw.bridge_node import HardwareBridgeNode
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 
 
-def bridge(bench: Bench, **parameters: Any) -> HardwareBridge:
+def bridge(bench: Bench, **parameters: Any) -> HardwareBridgeNode:
     """A bridge to the mock rig."""
     given = {"port": "mock"} | parameters
-    node: HardwareBridge = bench.add(
-        HardwareBridge([Parameter(name, value=value) for name, value in given.items()])
+    node: HardwareBridgeNode = bench.add(
+        HardwareBridgeNode([Parameter(name, value=value) for name, value in given.items()])
     )
     return node
 
@@ -65,7 +65,7 @@ class Loop:
         self._commands.publish(Float64(data=self.command))
 
 
-def code(node: HardwareBridge) -> int:
+def code(node: HardwareBridgeNode) -> int:
     """The DA code that the mock rig puts out."""
     assert node.connection is not None
     rig: Any = node.connection._backend

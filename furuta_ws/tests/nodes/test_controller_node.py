@@ -9,8 +9,8 @@ import pytest
 from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
-from furuta_control.controller_node import Controller
-from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_control.controller_node import ControllerNode
+from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
@@ -25,7 +25,7 @@ class Loop:
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
-        self.node = bench.add(Controller())
+        self.node = bench.add(ControllerNode())
         self.commands = bench.collect(COMMAND)
         self._states = bench.publisher(JOINT_STATES)
         self._estimates = bench.publisher(FRICTION_ESTIMATE)
@@ -117,20 +117,20 @@ def test_refuses_nonsense_and_goes_on(loop: Loop) -> None:
 
 def test_gain_and_poles_by_service(loop: Loop) -> None:
     """A new gain is in force for the next sample; a bad one is refused and changes nothing."""
-    operator = Operator(loop.bench.probe, loop.bench.executor)
-    operator.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
+    client = ParameterClient(loop.bench.probe, loop.bench.executor)
+    client.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
     loop.state(1)
     loop.estimate(0.0)
     loop.expect(-(0.1 - 0.4 + 0.09 + 0.16))
     with pytest.raises(ServiceError, match="four numbers"):
-        operator.set("controller", gain=[1.0, 2.0])
+        client.set("controller", gain=[1.0, 2.0])
     with pytest.raises(ServiceError, match="catch_angle"):
-        operator.set("controller", catch_angle=0.9)
+        client.set("controller", catch_angle=0.9)
     for nonsense in (5.0, "abc", True):
         with pytest.raises(ServiceError, match="gain must be a"):
-            operator.set("controller", gain=nonsense)
+            client.set("controller", gain=nonsense)
     assert loop.node.parameters.gain == (1.0, 2.0, 3.0, 4.0)
-    operator.set("controller", enabled=False)
+    client.set("controller", enabled=False)
     loop.state(2)
     loop.estimate(0.2)
     loop.expect(0.0)

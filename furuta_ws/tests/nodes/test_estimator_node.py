@@ -8,8 +8,8 @@ import numpy as np
 from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
-from furuta_control.estimator import MEMORY, estimate_state, estimator
-from furuta_control.estimator_node import Estimator
+from furuta_control.estimator import MEMORY, design_estimator, estimate_state
+from furuta_control.estimator_node import EstimatorNode
 from furuta_control.parameters import EstimatorParameters
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
@@ -18,11 +18,11 @@ MS = 1_000_000
 
 def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
     """Same numbers and stamp as the core gives."""
-    bench.add(Estimator())
+    bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     memory, estimate = np.zeros(MEMORY), np.zeros(5)
-    made = estimator(EstimatorParameters())
+    made = design_estimator(EstimatorParameters())
     for k in range(5):
         x = (0.1 * k, 0.2, 0.01 * k**2, nan)
         measurement.publish(joint_state(x, k * MS, effort=0.3))
@@ -36,7 +36,7 @@ def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
 
 def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> None:
     """The same stamp twice gives the same estimate twice."""
-    bench.add(Estimator())
+    bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     for stamp, theta in ((0, 0.0), (1, 0.1), (1, 0.1), (2, 0.1)):
@@ -49,7 +49,7 @@ def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> 
 
 def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
     """Nonsense gets no answer and does not touch the filter."""
-    node = bench.add(Estimator())
+    node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     for bad in (
@@ -66,7 +66,7 @@ def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
 
 def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
     """With ideal sensors NaN for θ̇ is refused, a number handed on."""
-    node = bench.add(Estimator([Parameter("sensors.ideal", value=True)]))
+    node = bench.add(EstimatorNode([Parameter("sensors.ideal", value=True)]))
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     measurement.publish(joint_state((0.0, 0.0, 0.0, nan), 1))
@@ -78,7 +78,7 @@ def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
 
 def test_kalman_needs_the_applied_torque(bench: Bench) -> None:
     """A measurement without effort is refused by method kalman and taken by lowpass."""
-    node = bench.add(Estimator())
+    node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     message = joint_state((0.0, 0.0, 0.1, nan), 1)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from testbench import Bench, joint_state
 
-from furuta_friction.friction_observer_node import FrictionObserver
-from furuta_graph.parameter_client import Operator
+from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_graph.parameter_client import ParameterClient
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 
 def test_compensation_is_switched_while_it_runs(bench: Bench) -> None:
     """None, then Coulomb with level alpha0 and the sign of the speed, then LuGre."""
-    node = bench.add(FrictionObserver())
+    node = bench.add(FrictionObserverNode())
     estimates = bench.collect(FRICTION_ESTIMATE)
     states = bench.publisher(JOINT_STATES)
-    operator = Operator(bench.probe, bench.executor)
+    client = ParameterClient(bench.probe, bench.executor)
     stamp = 0
 
     def answer(speed: float, samples: int = 1) -> float:
@@ -27,18 +27,18 @@ def test_compensation_is_switched_while_it_runs(bench: Bench) -> None:
         return estimates[-1].data
 
     assert answer(1.0) == 0.0
-    operator.set("friction_observer", compensation="coulomb", alpha0=0.3)
+    client.set("friction_observer", compensation="coulomb", alpha0=0.3)
     assert answer(1.0) == 0.3
     assert answer(-1.0) == -0.3
     assert answer(0.0) == 0.0
-    operator.set("friction_observer", compensation="lugre")
+    client.set("friction_observer", compensation="lugre")
     assert abs(answer(1.0, samples=50) - 0.3) < 1e-4
     assert node.parameters.friction.alpha0 == 0.3
 
 
 def test_every_state_gets_one_estimate(bench: Bench) -> None:
     """A state that comes again is answered again, with the same estimate."""
-    bench.add(FrictionObserver())
+    bench.add(FrictionObserverNode())
     estimates = bench.collect(FRICTION_ESTIMATE)
     states = bench.publisher(JOINT_STATES)
     for _ in range(2):

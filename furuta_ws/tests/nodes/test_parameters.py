@@ -8,21 +8,21 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import Bench
 
-from furuta_control.controller_node import Controller
-from furuta_control.estimator_node import Estimator
-from furuta_friction.friction_observer_node import FrictionObserver
-from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_control.controller_node import ControllerNode
+from furuta_control.estimator_node import EstimatorNode
+from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_graph.settings import NODES
-from furuta_hw.bridge_node import HardwareBridge
+from furuta_hw.bridge_node import HardwareBridgeNode
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.plant_node import Plant
+from furuta_sim.plant_node import PlantNode
 
 CLASSES: dict[str, Any] = {
-    "plant": Plant,
-    "estimator": Estimator,
-    "friction_observer": FrictionObserver,
-    "controller": Controller,
-    "hardware_bridge": HardwareBridge,
+    "plant": PlantNode,
+    "estimator": EstimatorNode,
+    "friction_observer": FrictionObserverNode,
+    "controller": ControllerNode,
+    "hardware_bridge": HardwareBridgeNode,
 }
 
 
@@ -30,11 +30,11 @@ CLASSES: dict[str, Any] = {
 def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     """Each has its meaning, unit and range in its descriptor, and its default as value."""
     bench.add(CLASSES[name]())
-    operator = Operator(bench.probe, bench.executor)
+    client = ParameterClient(bench.probe, bench.executor)
     expected = {each.name: each for each in declared(NODES[name])}
-    assert set(expected) <= set(operator.names(name))
-    values = operator.get(name, list(expected))
-    for descriptor in operator.describe(name, list(expected)):
+    assert set(expected) <= set(client.names(name))
+    values = client.get(name, list(expected))
+    for descriptor in client.describe(name, list(expected)):
         each = expected[descriptor.name]
         assert each.about.meaning in descriptor.description
         assert each.about.unit in descriptor.description
@@ -61,13 +61,13 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
 )
 def test_bad_values_are_refused_whole(bench: Bench, values: dict[str, Any], reason: str) -> None:
     """The reason names the parameter, and nothing has changed, not even the good part."""
-    node = bench.add(FrictionObserver())
+    node = bench.add(FrictionObserverNode())
     before = node.parameters
-    operator = Operator(bench.probe, bench.executor)
+    client = ParameterClient(bench.probe, bench.executor)
     with pytest.raises(ServiceError, match=reason):
-        operator.set_all("friction_observer", values)
+        client.set_all("friction_observer", values)
     assert node.parameters == before
-    assert operator.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
+    assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_bad_values_are_refused_whole(bench: Bench, values: dict[str, Any], reas
 def test_bad_start_values_are_refused(ros: None, overrides: list[Any], reason: str) -> None:
     """A node does not start on a misspelt or impossible parameter."""
     with pytest.raises(Exception, match=reason) as caught:
-        FrictionObserver(overrides)
+        FrictionObserverNode(overrides)
     assert isinstance(caught.value, (ParameterError, ValueError)) or "Parameter" in repr(
         type(caught.value)
     )

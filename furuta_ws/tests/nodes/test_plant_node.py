@@ -17,12 +17,12 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import initial_state, move, substeps
-from furuta_sim.plant_node import Plant
+from furuta_sim.plant_node import PlantNode
 
 
-def plant(bench: Bench, **values: Any) -> Plant:
+def plant(bench: Bench, **values: Any) -> PlantNode:
     named = {name.replace("__", "."): value for name, value in values.items()}
-    return bench.add(Plant([Parameter(name, value=value) for name, value in named.items()]))
+    return bench.add(PlantNode([Parameter(name, value=value) for name, value in named.items()]))
 
 
 def test_lockstep_moves_once_per_command(bench: Bench) -> None:
@@ -82,7 +82,7 @@ def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
     assert {t.position[1] for t in truths} == {0.05}
     commands.publish(Float64(data=0.0))
     bench.spin(lambda: truths[-1].position[1] > 0.06)
-    assert node.clockwork.punctuality.samples > 0
+    assert node.pacing.timing_counts.samples > 0
 
 
 def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
@@ -104,12 +104,12 @@ def test_realtime_keeps_its_grid_over_a_pause(
     now = began
     node = plant(bench, run_until=0.0)
     now = began + 700 * period + 400_000
-    node.clockwork._tick()
+    node.pacing._tick()
     assert node.sample == 0
     node.set_parameters([Parameter("run_until", value=1.0)])
     for k in range(1, 6):
         now = began + (700 + k) * period
-        node.clockwork._tick()
+        node.pacing._tick()
         assert node.sample == k
 
 
@@ -118,12 +118,12 @@ def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:
     node = plant(bench, command_timeout=0.02, friction__alpha0=0.0, friction__alpha1=0.0)
     commands = bench.publisher(COMMAND)
     commands.publish(Float64(data=5.0))
-    bench.spin(lambda: node.clockwork.punctuality.timeouts > 10)
+    bench.spin(lambda: node.pacing.timing_counts.timeouts > 10)
     driven = abs(node.x[1])
     # 5 V for 20 ms on 45 rad/s² per volt; without the timeout it would go on rising.
     assert 1.0 < driven < 20.0
     commands.publish(Float64(data=0.0))
-    bench.spin(lambda: node.clockwork.punctuality.on_time >= 2)
+    bench.spin(lambda: node.pacing.timing_counts.on_time >= 2)
 
 
 def test_reset_puts_the_pendulum_back(bench: Bench) -> None:
@@ -161,4 +161,4 @@ def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
 def test_impossible_sample_time_is_refused(ros: None, value: float) -> None:
     """Zero, negative and NaN are no sample time."""
     with pytest.raises(Exception, match="sample_time"):
-        Plant([Parameter("sample_time", value=value)])
+        PlantNode([Parameter("sample_time", value=value)])

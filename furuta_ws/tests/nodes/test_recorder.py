@@ -12,7 +12,7 @@ from testbench import joint_state
 from furuta_model.parameters import ParameterError
 from furuta_recordings import recorder_node as module
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.recorder_node import Recorder, chosen_topics
+from furuta_recordings.recorder_node import RecorderNode, chosen_topics
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
 
 X = (0.1, 0.2, 0.3, 0.4)
@@ -37,7 +37,7 @@ def read(bag: Path) -> list[tuple[str, int, Any]]:
 
 def test_messages_in_their_order(bench: Any, tmp_path: Path) -> None:
     """Topics alternate as they were published; stamped, each is filed under the stamp before."""
-    recorder = Recorder(tmp_path / "bag", stamped=True)
+    recorder = RecorderNode(tmp_path / "bag", stamped=True)
     publish(bench, 20)
     recorder.collect()
     recorder.destroy_node()
@@ -49,7 +49,7 @@ def test_messages_in_their_order(bench: Any, tmp_path: Path) -> None:
 
 def test_only_chosen_topics(bench: Any, tmp_path: Path) -> None:
     """And nothing else; closing collects what is left."""
-    recorder = Recorder(tmp_path / "bag", topics=chosen_topics(["/command"]))
+    recorder = RecorderNode(tmp_path / "bag", topics=chosen_topics(["/command"]))
     publish(bench, 5, (COMMAND,))
     recorder.destroy_node()
     assert [topic for topic, _, _ in read(tmp_path / "bag")] == ["/command"] * 5
@@ -65,7 +65,7 @@ def test_topics_by_name() -> None:
 
 def test_changed_parameters_decode(bench: Any, tmp_path: Path) -> None:
     """A change is kept, a declaration is not, and another library reads it."""
-    recorder = Recorder(tmp_path / "bag")
+    recorder = RecorderNode(tmp_path / "bag")
     bench.probe.declare_parameter("level", 0.1)
     bench.probe.declare_parameter("law", "none")
     changed = [Parameter("level", value=0.2), Parameter("law", value="lugre")]
@@ -81,7 +81,7 @@ def test_changed_parameters_decode(bench: Any, tmp_path: Path) -> None:
 def test_what_the_middleware_drops_is_counted(bench: Any, tmp_path: Path, monkeypatch: Any) -> None:
     """A queue that is too short loses the oldest, and the recorder says how many."""
     monkeypatch.setattr(module, "RECEIVE_DEPTH", 5)
-    recorder = Recorder(tmp_path / "bag", topics=[COMMAND])
+    recorder = RecorderNode(tmp_path / "bag", topics=[COMMAND])
     publish(bench, 1, (COMMAND,))
     recorder.collect()
     (publisher,) = (p for p in bench.probe.publishers if p.topic_name == "/command")

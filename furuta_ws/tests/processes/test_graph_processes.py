@@ -13,9 +13,9 @@ from rosbags.highlevel import AnyReader
 from testbench import Bench
 
 from furuta_analysis.simulation.closed_loop import simulate
-from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_graph.processes import PACKAGES
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_ros.topics import GROUND_TRUTH, TOPICS
 
 SAMPLES = 1500
@@ -41,9 +41,9 @@ def test_separate_processes_are_the_same_loop(bench: Bench, processes: Any) -> N
         processes.node(name, *extra, *(("compensation:=lugre",) if "observer" in name else ()))
     # Time starts when this process is there to see it.
     bench.spin(lambda: bench.probe.count_publishers(GROUND_TRUTH.name) > 0)
-    Operator(bench.probe, bench.executor).set("plant", run_until=SAMPLES * 0.001)
+    ParameterClient(bench.probe, bench.executor).set("plant", run_until=SAMPLES * 0.001)
     truth_until(bench, truths, (SAMPLES - 1) * 0.001)
-    expected = simulate(loop(gather([], ["compensation=lugre"])), SAMPLES * 0.001)
+    expected = simulate(loop(load_settings([], ["compensation=lugre"])), SAMPLES * 0.001)
     for truth in truths:
         k = round(truth.header.stamp.sec * 1000 + truth.header.stamp.nanosec / 1e6)
         got = (truth.position[0], truth.velocity[0], truth.position[1], truth.velocity[1])
@@ -56,12 +56,12 @@ def test_parameters_from_outside(bench: Bench, processes: Any) -> None:
     for name in PACKAGES:
         processes.node(name, *(("clock:=lockstep",) if name == "plant" else ()))
     truths = bench.collect(GROUND_TRUTH)
-    operator = Operator(bench.probe, bench.executor)
+    client = ParameterClient(bench.probe, bench.executor)
     bench.spin(lambda: len(truths) > 10, timeout=60.0)
-    operator.set("friction_observer", compensation="coulomb", alpha0=0.25)
-    assert operator.get("friction_observer", ["alpha0"]) == {"alpha0": 0.25}
+    client.set("friction_observer", compensation="coulomb", alpha0=0.25)
+    assert client.get("friction_observer", ["alpha0"]) == {"alpha0": 0.25}
     with pytest.raises(ServiceError, match="sigma0"):
-        operator.set("friction_observer", sigma0=-5.0)
+        client.set("friction_observer", sigma0=-5.0)
     count = len(truths)
     bench.spin(lambda: len(truths) > count + 100)
 

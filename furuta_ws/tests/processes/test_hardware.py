@@ -20,12 +20,12 @@ from std_srvs.srv import SetBool
 from testbench import Bench
 
 from furuta_analysis.simulation.closed_loop import simulate
-from furuta_control.controller_node import Controller
-from furuta_control.estimator_node import Estimator
-from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_control.controller_node import ControllerNode
+from furuta_control.estimator_node import EstimatorNode
+from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.processes import HARDWARE
-from furuta_graph.settings import gather, loop
-from furuta_hw.bridge_node import HardwareBridge
+from furuta_graph.settings import load_settings, loop
+from furuta_hw.bridge_node import HardwareBridgeNode
 from furuta_hw.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
 
@@ -81,7 +81,7 @@ class Person:
             assert monotonic() < end, "the rig was never driven for so long"
 
     def _balanced(self, samples: int) -> bool:
-        """Hold and wait as a person would, until filters have settled; then one attempt."""
+        """Hold and wait as an operator would, until filters have settled; then one attempt."""
         rig, held = self._rig, self._rig.ask("hold")
         # A bridge that connects meanwhile has the rig count anew.
         self._bench.spin(lambda: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
@@ -103,7 +103,7 @@ def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float
     rig_file = rig.port.parent / "rig.yaml"
     rig_file.write_text(f"limits: {limits}")
     bridge = bench.add(
-        HardwareBridge(
+        HardwareBridgeNode(
             [
                 Parameter("port", value=str(rig.port)),
                 Parameter("rig", value=str(rig_file)),
@@ -111,9 +111,9 @@ def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float
             ]
         )
     )
-    bench.add(Estimator())
-    bench.add(FrictionObserver([Parameter("compensation", value=compensation)]))
-    bench.add(Controller())
+    bench.add(EstimatorNode())
+    bench.add(FrictionObserverNode([Parameter("compensation", value=compensation)]))
+    bench.add(ControllerNode())
     assert bridge.state == "active", bridge.trouble
     return bridge
 
@@ -165,7 +165,7 @@ def test_limit_cycle_is_the_simulated_one(
     phi = rig.trace(tmp_path / "trace.npz")
     assert bridge.guard.stops == 0
     got = np.ptp(phi["phi"][phi["armed"] > 0][5_000:10_000])
-    record = simulate(loop(gather([], [f"compensation={compensation}"])), 205.0)
+    record = simulate(loop(load_settings([], [f"compensation={compensation}"])), 205.0)
     travels = [np.ptp(window) for window in np.split(record.state[5_000:, 0], 40)]
     assert 0.9 * min(travels) < got < 1.1 * max(travels)
 
@@ -186,11 +186,11 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
         for name in HARDWARE
     }
     running = {name: processes.node(name, *start[name]) for name in HARDWARE}
-    person = Person(bench, rig)
+    node = Person(bench, rig)
     with load():
         for _ in range(ROUNDS):
             for name in VICTIMS:
-                person.balance(100)
+                node.balance(100)
                 running[name].send_signal(signal.SIGKILL)
                 running[name].wait()
                 dead = monotonic_ns()
@@ -200,19 +200,19 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
                 assert np.any(trace["volts"][~after][-2000:] != 0.0), name
                 assert np.all(trace["volts"][after] == 0.0), name
                 running[name] = processes.node(name, *start[name])
-        person.balance(100)
+        node.balance(100)
 
 
 def test_bridge_ends_cleanly(bench: Bench, processes: Any, emulate: Any) -> None:
     """SIGINT, SIGTERM: status 0, no traceback, 0 V by the bridge itself, not by the watchdog."""
     rig = emulate()
-    bench.add(Estimator())
-    bench.add(FrictionObserver())
-    bench.add(Controller())
-    person = Person(bench, rig)
+    bench.add(EstimatorNode())
+    bench.add(FrictionObserverNode())
+    bench.add(ControllerNode())
+    node = Person(bench, rig)
     for number in (signal.SIGINT, signal.SIGTERM):
         bridge = processes.node("hardware_bridge", f"port:={rig.port}", "autostart:=active")
-        person.balance(100)
+        node.balance(100)
         bridge.send_signal(number)
         bench.spin(lambda bridge=bridge: bridge.poll() is not None)
         _, err = bridge.communicate(timeout=30.0)
@@ -239,9 +239,9 @@ def test_faults_stop_it_once_with_a_reason(bench: Bench, emulate: Any) -> None:
     bridge = composed(bench, rig, disagreement=0.05)
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
-    person = Person(bench, rig)
+    node = Person(bench, rig)
     for fault, reason in FAULTS:
-        person.balance(100)
+        node.balance(100)
         statuses.clear()
         stops = bridge.guard.stops
         rig.ask("faults", **fault)
@@ -254,7 +254,7 @@ def test_faults_stop_it_once_with_a_reason(bench: Bench, emulate: Any) -> None:
         assert (bridge.guard.stops, bridge.guard.reason) == (stops + 1, said)
         assert rig.status["volts"] == 0.0
         rig.ask("faults", **{name: type(value)() for name, value in fault.items()})
-    person.balance(100)
+    node.balance(100)
 
 
 def test_small_faults_are_borne(bench: Bench, emulate: Any) -> None:

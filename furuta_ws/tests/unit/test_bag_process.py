@@ -39,7 +39,7 @@ def test_what_goes_in_comes_out(bag: BagProcess, tmp_path: Path) -> None:
     contents = [os.urandom(size) for size in (0, 1, 70_000, 3_000_000, 12)]
     for time, content in enumerate(contents):
         bag.add(0, time, content)
-        bag.push(wait=time % 2 == 0)
+        bag.send(wait=time % 2 == 0)
     bag.close()
     assert bag.failure is None
     with Bag(tmp_path / "bag") as reader:
@@ -53,11 +53,11 @@ def test_nobody_waits_for_a_writer_that_stands_still(bag: BagProcess, monkeypatc
     os.kill(writer_of(bag), signal.SIGSTOP)
     for time in range(4):
         bag.add(0, time, MEGABYTE)
-        bag.push()
+        bag.send()
         assert bag.failure is None
     for time in range(2):
         bag.add(0, time, MEGABYTE)
-        bag.push()
+        bag.send()
     assert bag.failure is not None
     assert "does not keep up" in bag.failure
     os.kill(writer_of(bag), signal.SIGCONT)
@@ -70,7 +70,7 @@ def test_a_writer_that_is_killed(bag: BagProcess) -> None:
     while bag.failure is None:
         assert monotonic() < deadline
         bag.add(0, 0, b"data")
-        bag.push()
+        bag.send()
         sleep(0.01)
     assert "was ended" in bag.failure
 

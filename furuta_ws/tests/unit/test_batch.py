@@ -15,7 +15,7 @@ from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.state import PHI
-from furuta_sim.parameters import InitialState, Plant
+from furuta_sim.parameters import InitialState, PlantParameters
 
 SECONDS = 3.0
 
@@ -24,7 +24,7 @@ def loops(count: int) -> list[Loop]:
     """Runs that differ in everything that can differ."""
     return [
         Loop(
-            Plant(friction=LuGre(alpha0=0.1 + 0.01 * k), seed=k),
+            PlantParameters(friction=LuGre(alpha0=0.1 + 0.01 * k), seed=k),
             observer=ObserverParameters(compensation=("none", "coulomb", "lugre")[k % 3]),
         )
         for k in range(count)
@@ -72,13 +72,13 @@ def test_outcome_is_that_of_the_kept_series(kind: str) -> None:
 @pytest.mark.parametrize("seed", [0, 1, 264])
 def test_period_from_a_few_turns(seed: int) -> None:
     """A run that holds a handful of turns has a period, whatever the noise makes of their size."""
-    loop = Loop(Plant(seed=seed), EstimatorParameters(method="lowpass"))
+    loop = Loop(PlantParameters(seed=seed), EstimatorParameters(method="lowpass"))
     assert outcome(loop, 30.0).period_s == pytest.approx(2.68, rel=0.01)
 
 
 def test_fall_is_noticed_at_any_time() -> None:
     """Also before the settled part."""
-    fallen = Loop(Plant(initial=InitialState(theta=1.0)))
+    fallen = Loop(PlantParameters(initial=InitialState(theta=1.0)))
     found = outcome(fallen, 20.0)
     assert found.fell
     assert found.fell == fell(simulate(fallen, 20.0).state)
@@ -88,7 +88,8 @@ def test_fall_is_noticed_at_any_time() -> None:
 def test_rest_has_no_period() -> None:
     """An arm that never moves: no size, no period, stuck all the time."""
     loop = Loop(
-        Plant(initial=InitialState(theta=0.0)), controller=ControllerParameters(enabled=False)
+        PlantParameters(initial=InitialState(theta=0.0)),
+        controller=ControllerParameters(enabled=False),
     )
     found = outcome(loop, 1.0)
     assert found.phi_peak_to_peak_rad == 0.0
@@ -101,7 +102,10 @@ def test_memory_is_flat() -> None:
 
     def peak(count: int, seconds: float) -> int:
         tracemalloc.start()
-        assert sum(1 for _ in batch((Loop(Plant(seed=k)) for k in range(count)), seconds)) == count
+        assert (
+            sum(1 for _ in batch((Loop(PlantParameters(seed=k)) for k in range(count)), seconds))
+            == count
+        )
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most
@@ -120,7 +124,7 @@ def test_batch_draws_on_its_loops_as_it_goes() -> None:
     def endless() -> Iterator[Loop]:
         while True:
             drawn.append(len(drawn))
-            yield Loop(Plant(seed=len(drawn)))
+            yield Loop(PlantParameters(seed=len(drawn)))
 
     results = batch(endless(), 0.01, SETTLED, workers=2)
     for _ in range(5):

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.estimator import estimator
+from furuta_control.estimator import design_estimator
 from furuta_control.parameters import EstimatorParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 
 
 class Group(NamedTuple):
@@ -50,10 +50,10 @@ def test_layout_is_that_of_the_types() -> None:
 
 def test_the_product_s_parameters() -> None:
     """A whole rig, and an estimator with its matrices, to the last bit."""
-    plant = Plant(seed=2**61 + 1)
+    plant = PlantParameters(seed=2**61 + 1)
     held = block(plant)[0]
     assert held["seed"] == plant.seed
     assert held["friction"]["sigma0"] == plant.friction.sigma0
     assert held["initial"]["theta"] == plant.initial.theta
-    made = estimator(EstimatorParameters())
+    made = design_estimator(EstimatorParameters())
     np.testing.assert_array_equal(block(made)[0]["kalman_step"], made.kalman_step)

@@ -13,7 +13,7 @@ from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.state import PHI, THETA
-from furuta_sim.parameters import Actuator, InitialState, Plant, Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
 
 # Two independent codes agree on these: continuous feedback of the exact state.
 PHI_SIZE, THETA_SIZE, PERIOD = 0.5106, 0.0918, 2.370
@@ -23,7 +23,7 @@ def ideal(dt: float = 1e-3, **plant: object) -> Loop:
     """The loop with exact sensors and drive."""
     sensors, actuator = Sensors(ideal=True), Actuator(bits=0)
     return Loop(
-        Plant(sensors=sensors, actuator=actuator, sample_time=dt, **plant),
+        PlantParameters(sensors=sensors, actuator=actuator, sample_time=dt, **plant),
         EstimatorParameters(sensors=sensors, sample_time=dt),
         ObserverParameters(sample_time=dt),
     )
@@ -78,7 +78,7 @@ def test_compensation_shrinks_the_paper_rigs_limit_cycle(seed: int) -> None:
     """With the rig's sensors the arm swings about half a radian; compensated, a quarter."""
 
     def size(kind: str) -> float:
-        loop = Loop(Plant(seed=seed), observer=ObserverParameters(compensation=kind))
+        loop = Loop(PlantParameters(seed=seed), observer=ObserverParameters(compensation=kind))
         return limit_cycle(loop, 30.0).phi_peak_to_peak_rad
 
     without = size("none")
@@ -100,7 +100,7 @@ def test_asymmetry_shifts_the_limit_cycle() -> None:
 
 def run(seed: int) -> Record:
     """A short run of the rig."""
-    return simulate(Loop(Plant(seed=seed)), 2.0)
+    return simulate(Loop(PlantParameters(seed=seed)), 2.0)
 
 
 def test_seed_decides() -> None:
@@ -113,7 +113,7 @@ def test_seed_decides() -> None:
 
 def test_a_run_in_parts_is_the_same_run() -> None:
     """A simulation stopped and continued gives what one run gives, to the last bit."""
-    loop = Loop(Plant(seed=5), observer=ObserverParameters("adaptive"))
+    loop = Loop(PlantParameters(seed=5), observer=ObserverParameters("adaptive"))
     simulation = Simulation(loop)
     parts = [simulation.run(seconds) for seconds in (0.5, 0.001, 1.499)]
     whole = simulate(loop, 2.0)
@@ -123,7 +123,7 @@ def test_a_run_in_parts_is_the_same_run() -> None:
 
 def test_parameters_change_between_two_samples() -> None:
     """A change takes effect at once and leaves the past in place."""
-    simulation = Simulation(Loop(Plant(seed=5)))
+    simulation = Simulation(Loop(PlantParameters(seed=5)))
     before = simulation.run(2.0)
     simulation.loop = simulation.loop._replace(observer=ObserverParameters("coulomb"))
     after = simulation.run(1.0)
@@ -134,7 +134,7 @@ def test_parameters_change_between_two_samples() -> None:
 
 def test_record() -> None:
     """One row per sample from the initial state on, in time with the sample time."""
-    record = simulate(Loop(Plant(initial=InitialState(0.1, 0.2, 0.03, 0.4))), 0.25)
+    record = simulate(Loop(PlantParameters(initial=InitialState(0.1, 0.2, 0.03, 0.4))), 0.25)
     assert record.state.shape == (250, 4)
     assert record.estimate.shape == (250, 5)
     assert list(record.state[0]) == [0.1, 0.2, 0.03, 0.4]

@@ -14,10 +14,10 @@ from furuta_friction.compensators import compensator, largest_estimate
 from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.sensors import Sensors
-from furuta_sim.parameters import InitialState, Plant
+from furuta_sim.parameters import InitialState, PlantParameters
 from furuta_studies.experiments import EXPERIMENTS, experiment
 from furuta_studies.sensitivity import sensitivity
-from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
+from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
 
 ENCODER_COUNT = 2 * pi / 250
 # Fixed beforehand: the seed that the compensator is tuned with, and ten others.
@@ -31,8 +31,8 @@ def silent(what: str, seconds: float) -> None:
 @pytest.fixture(scope="module")
 def tuned() -> ObserverParameters:
     """The compensator as ``tune`` leaves it on the paper's rig."""
-    loop = Loop(Plant(seed=TUNING_SEED))
-    return tune(SimulatedRig(loop), loop.observer, loop.estimator, Plan(), silent).after.observer
+    loop = Loop(PlantParameters(seed=TUNING_SEED))
+    return tune(SimulatedLoop(loop), loop.observer, loop.estimator, Plan(), silent).after.observer
 
 
 def test_the_papers_order(tuned: ObserverParameters) -> None:
@@ -45,7 +45,7 @@ def test_the_papers_order(tuned: ObserverParameters) -> None:
         *((kind, ObserverParameters(kind)) for kind in ("none", "coulomb", "lugre")),
         ("tuned", tuned),
     ):
-        loops = (Loop(Plant(seed=seed), observer=observer) for seed in SEEDS)
+        loops = (Loop(PlantParameters(seed=seed), observer=observer) for seed in SEEDS)
         sizes[name] = np.array([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)])
     assert np.all(sizes["none"] > sizes["coulomb"])
     assert np.mean(sizes["coulomb"]) > 1.2 * np.mean(sizes["lugre"])
@@ -60,7 +60,7 @@ def drifting(observer: ObserverParameters, knowing: bool = False) -> float:
 
 
 def _drifting(observer: ObserverParameters, knowing: bool, seed: int) -> float:
-    loop = Loop(Plant(seed=seed), observer=observer)
+    loop = Loop(PlantParameters(seed=seed), observer=observer)
     simulation = Simulation(loop)
     parts = []
     for k in range(750):
@@ -97,7 +97,7 @@ def test_hard_conditions(kind: str) -> None:
         observer = ObserverParameters(kind, sample_time=dt)
         simulation = Simulation(
             Loop(
-                Plant(
+                PlantParameters(
                     sensors=sensors,
                     sample_time=dt,
                     seed=seed,
@@ -119,7 +119,7 @@ def test_hard_conditions(kind: str) -> None:
 @pytest.mark.parametrize("after", COMPENSATIONS)
 def test_switching_on_the_rig(before: str, after: str) -> None:
     """From any compensation to any other: F̂ is at once the new one's, the pendulum stays up."""
-    simulation = Simulation(Loop(Plant(seed=3), observer=ObserverParameters(before)))
+    simulation = Simulation(Loop(PlantParameters(seed=3), observer=ObserverParameters(before)))
     simulation.run(5.0)
     simulation.loop = simulation.loop._replace(observer=ObserverParameters(after))
     run = simulation.run(5.0)

@@ -237,7 +237,7 @@ def test_simulated_arm_angle_as_error(gain: float, swings: bool) -> None:
 
 
 def test_distance_travelled_forgets() -> None:
-    """With K = 0 the error falls by e over g/σ₀ of travel, whatever the speed's course."""
+    """With K = 0 the error falls by e over g/σ₀ of travel, whatever the speed does."""
     travel = convergence(error_loop(P, PLACED, FRICTION), 0.0, FRICTION).forgetting_travel_rad
     flat = FRICTION._replace(alpha1=0.0)
 

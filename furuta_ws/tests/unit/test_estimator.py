@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimator import MEMORY, estimate_state, estimator
+from furuta_control.estimator import MEMORY, design_estimator, estimate_state
 from furuta_control.parameters import EstimatorParameters
 from furuta_model.sensors import Sensors
 
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
     """Estimates (n, 5) for measurements (n, 5), from a filter without past."""
-    memory, made = np.zeros(MEMORY), estimator(p)
+    memory, made = np.zeros(MEMORY), design_estimator(p)
     result = np.full_like(measurements, 99.0)
     for measurement, estimate in zip(measurements, result, strict=True):
         estimate_state(memory, measurement, made, estimate)
@@ -82,7 +82,7 @@ def test_memory_survives_a_change_of_method(method: str) -> None:
     """Both filters run under either method, so that a switch back finds them in step."""
     theta = of_theta(0.1 * np.sin(np.arange(200) * 0.02))
     other = "lowpass" if method == "kalman" else "kalman"
-    always, sometimes = (estimator(EstimatorParameters(each)) for each in (method, other))
+    always, sometimes = (design_estimator(EstimatorParameters(each)) for each in (method, other))
     kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
     first, second = np.zeros(5), np.zeros(5)
     for k, measurement in enumerate(theta):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from furuta_graph.rigs import find_rig, rig_directory, rig_settings
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_hw.codes import converter, encoder, wrapped
 from furuta_hw.frames import Sensors
 from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
@@ -102,7 +102,7 @@ def test_rigs_that_come_with_the_workspace() -> None:
         rig = load_rig(file)
         assert rig.model.determinant > 0
         assert "sources:" in file.read_text()
-        loop(gather([], [], rig_settings(rig)))
+        loop(load_settings([], [], rig_settings(rig)))
     paper, default = load_rig(rig_directory() / "paper.yaml"), Rig()
     np.testing.assert_allclose(paper.model, default.model, rtol=1e-12)
     assert paper._replace(model=default.model) == default
@@ -110,7 +110,7 @@ def test_rigs_that_come_with_the_workspace() -> None:
 
 def test_the_papers_rig_says_what_the_defaults_say() -> None:
     """Naming the paper's rig changes no parameter of any node."""
-    given, bare = loop(gather([], [], rig_settings(Rig()))), loop(gather([], []))
+    given, bare = loop(load_settings([], [], rig_settings(Rig()))), loop(load_settings([], []))
     assert given == bare
 
 

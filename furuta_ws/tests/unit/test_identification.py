@@ -26,7 +26,7 @@ from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, drive, measure
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
@@ -36,7 +36,7 @@ def balanced(
     seconds: float, ideal: bool, seed: int = 0, excitation: ExcitationParameters | None = None
 ) -> Recording:
     """A closed-loop log of the simulated rig: what its sensors said, what its drive gave."""
-    plant = Plant(friction=LuGre(asymmetry=0.1), sensors=Sensors(ideal=ideal), seed=seed)
+    plant = PlantParameters(friction=LuGre(asymmetry=0.1), sensors=Sensors(ideal=ideal), seed=seed)
     estimator = EstimatorParameters(sensors=Sensors(ideal=ideal))
     controller = ControllerParameters(excitation=excitation or ExcitationParameters())
     run = simulate(Loop(plant=plant, estimator=estimator, controller=controller), seconds)
@@ -139,7 +139,7 @@ def test_orientation_is_found(turned: tuple[float, float]) -> None:
     """Whatever the pendulum's zero and direction, it ends upright and counted as in (1)."""
     log = swing("sine")
     upright = prepare(log, Options())[0]
-    other = upright.turned(turned[0], turned[1], 1.0)
+    other = upright.reoriented(turned[0], turned[1], 1.0)
     back, findings = prepare(other, Options())
     np.testing.assert_allclose(
         np.sin(back.measured[:, 2]), np.sin(upright.measured[:, 2]), atol=1e-9
@@ -181,7 +181,7 @@ def test_another_rig_s_units_signs_and_clock(swung: tuple[Recording, Model]) -> 
         "in deg (found)",
         "arm's speed is in rpm",
         "counted the other way",
-        "sign turned",
+        "sign inverted",
     ):
         assert words in said
     fits = held_out(found, odd, Options())[0].fits()

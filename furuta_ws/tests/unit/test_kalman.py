@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_control.estimator import MEMORY, estimate_state, estimator
+from furuta_control.estimator import MEMORY, design_estimator, estimate_state
 from furuta_control.parameters import EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.sensors import Sensors
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 
 # The linear model that the paper identified, with the friction as a fifth state.
 SYSTEM = np.array(
@@ -31,7 +31,7 @@ TORQUE = np.array([0, 45, 0, -29, 0], dtype=float)
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
     """Estimates (n, 5) for measurements (n, 5)."""
-    memory, made = np.zeros(MEMORY), estimator(p)
+    memory, made = np.zeros(MEMORY), design_estimator(p)
     result = np.zeros_like(measurements)
     for measurement, estimate in zip(measurements, result, strict=True):
         estimate_state(memory, measurement, made, estimate)
@@ -94,7 +94,7 @@ def test_is_the_textbook_filter(dt: float) -> None:
 
 def test_angle_stays_within_the_count_and_is_better_than_it() -> None:
     """φ̂ is never off the encoder's reading by more than half a count, and mostly far less."""
-    loop = Loop(Plant(seed=5), observer=ObserverParameters("coulomb"))
+    loop = Loop(PlantParameters(seed=5), observer=ObserverParameters("coulomb"))
     record = simulate(loop, 30.0)
     count = 2 * pi / 250
     error = record.estimate[:, 0] - record.state[:, 0]
@@ -108,7 +108,7 @@ def test_sees_friction_and_speeds_better_than_the_lowpass() -> None:
     """In the limit cycle F is found within a tenth, speeds with half the low-pass's error."""
     errors = {}
     for method in ("kalman", "lowpass"):
-        record = simulate(Loop(Plant(seed=6), EstimatorParameters(method)), 30.0)
+        record = simulate(Loop(PlantParameters(seed=6), EstimatorParameters(method)), 30.0)
         settled = slice(10_000, None)
         errors[method] = np.std((record.estimate[:, :4] - record.state)[settled], axis=0)
         if method == "kalman":
@@ -121,7 +121,7 @@ def test_sees_friction_and_speeds_better_than_the_lowpass() -> None:
 
 def test_survives_a_wrong_model() -> None:
     """Five percent of error in inertia and gravity do not bring the loop down."""
-    plant = Plant(seed=7)
+    plant = PlantParameters(seed=7)
     model = plant.model._replace(
         alpha=1.05 * plant.model.alpha,
         gamma=0.97 * plant.model.gamma,
@@ -163,8 +163,8 @@ def test_any_allowed_sensor_has_a_filter() -> None:
             )
             for spread in (1e-3, 1.0, 1e3):
                 p = EstimatorParameters(
-                    sensors=sensors, friction_spread=spread, pendulum_spread=spread
+                    sensors=sensors, friction_process_noise=spread, pendulum_process_noise=spread
                 )
-                step = estimator(p).kalman_step
+                step = design_estimator(p).kalman_step
                 assert np.all(np.isfinite(step))
                 assert np.max(np.abs(np.linalg.eigvals(step[1:, 1:5]))) < 1.0

@@ -48,13 +48,13 @@ def test_levels_by_hand() -> None:
 
 @pytest.mark.parametrize("rate", [0.0, 1e-6, 1e-2, 1.0, 30.0, 1e3, 1e4, 1e6])
 @pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.1, 1.0])
-@pytest.mark.parametrize("push", [0.0, -0.4])
-def test_bristle_after_is_exact(rate: float, dt: float, push: float) -> None:
+@pytest.mark.parametrize("correction", [0.0, -0.4])
+def test_bristle_after_is_exact(rate: float, dt: float, correction: float) -> None:
     """End and mean are those of a stiff solver at tight tolerance, whatever the rate and step."""
     p = LuGre(sigma0=1e5, alpha0=0.2, alpha1=0.0)
     v, z = -rate * p.alpha0 / p.sigma0, 1.7e-6
     exact = solve_ivp(
-        lambda _, y: [v + push - rate * y[0], y[0]],
+        lambda _, y: [v + correction - rate * y[0], y[0]],
         (0, dt),
         [z, 0.0],
         method="Radau",
@@ -62,8 +62,8 @@ def test_bristle_after_is_exact(rate: float, dt: float, push: float) -> None:
         rtol=1e-9,
         atol=1e-17,
     ).y[:, -1]
-    scale = abs(z) + abs(v + push) * dt
-    end, mean = bristle_after(v, push, z, dt, p)
+    scale = abs(z) + abs(v + correction) * dt
+    end, mean = bristle_after(v, correction, z, dt, p)
     assert end == pytest.approx(exact[0], rel=1e-7, abs=1e-9 * scale)
     assert mean == pytest.approx(exact[1] / dt, rel=1e-7, abs=1e-9 * scale)
 
@@ -72,12 +72,12 @@ def test_bristle_after_is_exact(rate: float, dt: float, push: float) -> None:
 def test_no_jump_between_series_and_quotient(side: int) -> None:
     """Both forms give the closed form's value where they meet, computed with more digits."""
     p = LuGre(alpha1=0.0)
-    v, push, z = 0.03, 0.1, -1e-3
+    v, correction, z = 0.03, 0.1, -1e-3
     rate = np.longdouble(p.sigma0) * v / np.longdouble(p.alpha0)
     dt = float(SMALL_DECAY / rate * (1 + side * 1e-9))
-    far = (np.longdouble(v) + push) / rate
+    far = (np.longdouble(v) + correction) / rate
     kept = -np.expm1(-rate * dt)
-    end, mean = bristle_after(v, push, z, dt, p)
+    end, mean = bristle_after(v, correction, z, dt, p)
     assert end == pytest.approx(float(z + (far - z) * kept), rel=1e-12, abs=0)
     assert mean == pytest.approx(float(far - (far - z) * kept / (rate * dt)), rel=1e-11, abs=0)
 

@@ -20,7 +20,7 @@ from furuta_model.parameters import (
     declared,
     values,
 )
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 
 ALL = [(node, each) for node, group in NODES.items() for each in declared(group)]
 NUMBERS = [(node, each) for node, each in ALL if each.kind in (float, int)]
@@ -112,11 +112,11 @@ def test_no_number(node: str, each: Declared, wrong: Any) -> None:
 
 def test_whole_numbers() -> None:
     """A float takes an integer and is a float; an integer takes no float."""
-    made = build(Plant, {"friction.sigma0": 80, "seed": 7})
+    made = build(PlantParameters, {"friction.sigma0": 80, "seed": 7})
     assert (made.friction.sigma0, type(made.friction.sigma0)) == (80.0, float)
     assert (made.seed, type(made.seed)) == (7, int)
     with pytest.raises(ParameterError, match=r"seed must be an integer, given 7\.0"):
-        build(Plant, {"seed": 7.0})
+        build(PlantParameters, {"seed": 7.0})
 
 
 @pytest.mark.parametrize("given", [1, "true", None])
@@ -179,5 +179,5 @@ def test_any_wrong_value_is_a_parameter_error(given: dict[str, Any]) -> None:
     ],
 )
 def test_allowed_in_words(about: About, words: str) -> None:
-    """What is allowed reads as a person would say it."""
+    """What is allowed reads as a user would say it."""
     assert about.allowed == words

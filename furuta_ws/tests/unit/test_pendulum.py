@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from unit import reference
 
 from furuta_model.parameters import ParameterError, build
-from furuta_model.pendulum import FurutaPendulum, accelerations, energy, turned
+from furuta_model.pendulum import FurutaPendulum, accelerations, energy, rotate
 
 P = FurutaPendulum()
 RNG = np.random.default_rng(1)
@@ -108,4 +108,4 @@ def test_turned_is_the_sine_and_cosine_of_the_sum() -> None:
     for angle in rng.uniform(-np.pi, np.pi, 500):
         turn = rng.choice([-1, 1]) * 10 ** rng.uniform(-9, 1)
         expected = np.sin(angle + turn), np.cos(angle + turn)
-        assert turned(np.sin(angle), np.cos(angle), turn) == pytest.approx(expected, abs=1e-15)
+        assert rotate(np.sin(angle), np.cos(angle), turn) == pytest.approx(expected, abs=1e-15)

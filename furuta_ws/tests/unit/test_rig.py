@@ -9,7 +9,7 @@ import pytest
 from unit import reference
 
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_sim.parameters import Actuator, InitialState, Plant, Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
 from furuta_sim.plant import Noise, convert, drive, initial_state, measure, move, substeps
 
 QUIET = np.zeros(2)
@@ -125,13 +125,13 @@ def test_noise_is_one_seeded_stream() -> None:
 
 def test_initial_state() -> None:
     """The rig starts where it is held, its bristle slack."""
-    plant = Plant(initial=InitialState(1.0, 2.0, 3.0, 4.0))
+    plant = PlantParameters(initial=InitialState(1.0, 2.0, 3.0, 4.0))
     assert list(initial_state(plant)) == [1, 2, 3, 4, 0]
 
 
 def test_one_sample_of_the_rig() -> None:
     """A sample moves the plant under the drive's clipped and rounded voltage, held."""
-    plant = Plant(sample_time=0.005)
+    plant = PlantParameters(sample_time=0.005)
     for command, torque in ((50.0, 10 - 20 / 4096), (0.006, 20 / 4096)):
         x = np.array([0.1, 0.5, 0.05, -0.2, 0.001])
         expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction)

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from furuta_graph.parameter_files import describe, parameter_file, parameter_table
-from furuta_graph.settings import NODES, gather, loop, read_file
+from furuta_graph.settings import NODES, load_settings, loop, read_file
 from furuta_model.parameters import About, ParameterError, declared
 
 
@@ -27,8 +27,8 @@ def file(tmp_path: Path) -> Any:
 
 def test_nothing_said() -> None:
     """Without files and assignments nothing is set and the loop has its defaults."""
-    assert gather([], []) == {node: {} for node in NODES}
-    assert loop(gather([], [])).plant.friction.sigma0 == 80.0
+    assert load_settings([], []) == {node: {} for node in NODES}
+    assert loop(load_settings([], [])).plant.friction.sigma0 == 80.0
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -89,11 +89,11 @@ def test_later_wins(file: Any) -> None:
     """Files in their order, assignments after them."""
     first = file("estimator:\n  ros__parameters: {filter_bandwidth: 50, filter_damping: 1}\n")
     second = file("estimator:\n  ros__parameters: {filter_bandwidth: 60}\n", "b.yaml")
-    assert gather([first, second], [])["estimator"] == {
+    assert load_settings([first, second], [])["estimator"] == {
         "filter_bandwidth": 60.0,
         "filter_damping": 1.0,
     }
-    found = gather([first, second], ["filter_bandwidth=70", "filter_bandwidth=80"])
+    found = load_settings([first, second], ["filter_bandwidth=70", "filter_bandwidth=80"])
     assert found["estimator"]["filter_bandwidth"] == 80.0
 
 
@@ -123,7 +123,7 @@ def test_later_wins(file: Any) -> None:
 def test_files_that_are_wrong(file: Any, text: str, message: str) -> None:
     """A wrong file is refused with what is wrong and where."""
     with pytest.raises(ParameterError, match=message):
-        gather([file(text)], [])
+        load_settings([file(text)], [])
 
 
 def test_exponent_without_dot(file: Any) -> None:
@@ -165,7 +165,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 )
 def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
     """A name means that parameter wherever it occurs; with the node before it, one."""
-    assert gather([], [assignment]) == {node: {} for node in NODES} | expected
+    assert load_settings([], [assignment]) == {node: {} for node in NODES} | expected
 
 
 @pytest.mark.parametrize(
@@ -190,13 +190,13 @@ def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
 def test_assignments_that_are_wrong(assignment: str, message: str) -> None:
     """A wrong assignment is refused with what to write instead."""
     with pytest.raises(ParameterError, match=message):
-        gather([], [assignment])
+        load_settings([], [assignment])
 
 
 def test_loop_has_what_was_set(file: Any) -> None:
     """The loop without ROS gets the very values that the nodes get."""
     path = file(yaml.safe_dump({"plant": {"ros__parameters": {"sensors": {"ideal": True}}}}))
-    made = loop(gather([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=lowpass", "seed=9"]))
+    made = loop(load_settings([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=lowpass", "seed=9"]))
     assert made.plant.sensors.ideal
     assert (made.plant.friction.alpha0, made.observer.friction.alpha0) == (0.3, 0.3)
     assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)

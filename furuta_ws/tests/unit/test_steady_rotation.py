@@ -16,7 +16,7 @@ from furuta_model.friction_laws import COULOMB, LAWS, LUGRE, STRIBECK, FrictionL
 from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
-from furuta_sim.parameters import Actuator, InitialState, Plant, Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
 
 P = FurutaPendulum()
 FREE = {case: FIGURE_4[case] for case in "cd"}
@@ -28,7 +28,7 @@ def speeds(
     feedback: tuple[float, ...], p: LuGre, start: InitialState, seconds: float = 60.0
 ) -> np.ndarray:
     """Arm speed [rad/s] under LuGre friction, ideal sensors, strong drive."""
-    plant = Plant(
+    plant = PlantParameters(
         friction=p,
         sensors=Sensors(ideal=True),
         actuator=Actuator(1000.0, 0),

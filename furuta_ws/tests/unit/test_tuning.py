@@ -14,9 +14,9 @@ from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.lugre import LuGre
 from furuta_model.parameters import values
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction
-from furuta_studies.tuning.tuning import GuardError, Plan, SimulatedRig, tune
+from furuta_studies.tuning.tuning import GuardError, Plan, SimulatedLoop, tune
 
 NOMINAL = LuGre()
 STEP = sample_kalman(EstimatorParameters())
@@ -37,7 +37,7 @@ def silent(what: str, seconds: float) -> None:
 def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
     """Arm, peak to peak over 30 s [rad], mean over the seeds."""
     observer = ObserverParameters("lugre", friction)
-    loops = (Loop(Plant(friction=true, seed=seed), observer=observer) for seed in seeds)
+    loops = (Loop(PlantParameters(friction=true, seed=seed), observer=observer) for seed in seeds)
     return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
 
 
@@ -52,7 +52,7 @@ def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
 )
 def test_friction_is_read_off_the_limit_cycle(true: LuGre) -> None:
     """Twelve seconds without compensation tell the friction, from a start 30 % off."""
-    simulation = Simulation(Loop(Plant(friction=true, seed=31)))
+    simulation = Simulation(Loop(PlantParameters(friction=true, seed=31)))
     simulation.run(3.0)
     seen = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
     found = seen.friction
@@ -71,7 +71,7 @@ def test_standard_errors_cover_the_spread() -> None:
     """
     fits = []
     for seed in range(40, 50):
-        simulation = Simulation(Loop(Plant(seed=seed)))
+        simulation = Simulation(Loop(PlantParameters(seed=seed)))
         simulation.run(3.0)
         fits.append(fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7)))
     for name in ("sigma0", "sigma1", "alpha0", "asymmetry"):
@@ -82,7 +82,7 @@ def test_standard_errors_cover_the_spread() -> None:
 
 def test_only_what_is_asked_for_is_fitted() -> None:
     """Parameters that are not named stay as they were."""
-    simulation = Simulation(Loop(Plant(friction=OTHER, seed=32)))
+    simulation = Simulation(Loop(PlantParameters(friction=OTHER, seed=32)))
     simulation.run(3.0)
     start = scaled(0.7)
     names = ("alpha0", "asymmetry")
@@ -106,7 +106,7 @@ def test_no_friction_seen_is_said() -> None:
 def test_tune_comes_near_the_best_of_an_exhaustive_search(true: LuGre, factor: float) -> None:
     """From 30 % wrong within 20 % of the best of a grid around the truth, in 200 s at most."""
     start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
-    rig = SimulatedRig(Loop(Plant(friction=true, seed=33), observer=start))
+    rig = SimulatedLoop(Loop(PlantParameters(friction=true, seed=33), observer=start))
     tuned = tune(rig, start, EstimatorParameters(), Plan(), silent)
     assert tuned.seconds <= 200.0
     assert tuned.after.amplitude < 0.5 * tuned.before.amplitude
@@ -129,7 +129,7 @@ class Careless:
     def __init__(self, dangerous: float) -> None:
         self.applied: list[ObserverParameters] = []
         self.dangerous = dangerous
-        self._rig = SimulatedRig(Loop(Plant(seed=34)))
+        self._rig = SimulatedLoop(Loop(PlantParameters(seed=34)))
 
     def apply(self, observer: ObserverParameters) -> None:
         """Remember and apply."""
@@ -185,9 +185,9 @@ def test_earlier_parameters_come_back_at_an_interruption() -> None:
 
 def test_a_fallen_pendulum_ends_it() -> None:
     """Nobody holds the pendulum: the guard says so."""
-    loop = Loop(Plant(seed=35), controller=ControllerParameters(enabled=False))
+    loop = Loop(PlantParameters(seed=35), controller=ControllerParameters(enabled=False))
     with pytest.raises(GuardError, match="pendulum"):
-        tune(SimulatedRig(loop), loop.observer, loop.estimator, Plan(), silent)
+        tune(SimulatedLoop(loop), loop.observer, loop.estimator, Plan(), silent)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_impossible_plans(plan: Plan, message: str) -> None:
 def test_search_of_several_parameters_stays_in_range() -> None:
     """K has both signs, levels stay within what is declared; all searched ones move."""
     search = ("sigma1", "observer_gain", "asymmetry")
-    rig = SimulatedRig(Loop(Plant(seed=36)))
+    rig = SimulatedLoop(Loop(PlantParameters(seed=36)))
     start = ObserverParameters("lugre", LuGre(asymmetry=0.99))
     tuned = tune(rig, start, EstimatorParameters(), Plan(("sigma1",), search), silent)
     tried = [values(trial.observer) for trial in tuned.trials]

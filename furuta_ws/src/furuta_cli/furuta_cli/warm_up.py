@@ -8,17 +8,17 @@ from furuta_analysis.describing_functions.predicted_cycles import predict_cycles
 from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_graph.composed import Graph
+from furuta_graph.composed import SimulatedGraph
 from furuta_graph.settings import NODES
 from furuta_studies.feedback_map import predicted_size
-from furuta_studies.ideal_loop import Choice
+from furuta_studies.ideal_loop import LoopOptions
 
 if __name__ == "__main__":
     simulate(Loop(), 0.01)
-    loop = Choice((), (), "lugre", None).loop()
+    loop = LoopOptions((), (), "lugre", None).loop()
     limit_cycle(loop)
     predicted_size(loop)
     predict_cycles(transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4)), loop.law)
     rclpy.init()
-    Graph({node: {} for node in NODES}).close()
+    SimulatedGraph({node: {} for node in NODES}).close()
     rclpy.shutdown()

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.excitation import NONE, TURN, Excitation, calm, excitation, shape
+from furuta_control.excitation import NONE, TURN, Excitation, excitation, shape, within_limits
 from furuta_control.parameters import ControllerParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import place_poles
@@ -63,7 +63,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: StateFeedback
     u = 0.0
     if not p.excitation.open_loop:
         u = friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
-    if p.excitation.kind != NONE and calm(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
+    if p.excitation.kind != NONE and within_limits(x[PHI], x[PHI_DOT], x[THETA], p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
         memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
     return min(max(u, -p.voltage_limit), p.voltage_limit)

@@ -24,7 +24,7 @@ from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
 UNDER_WAY = QOS.depth
 
 
-class Controller(FurutaNode[ControllerParameters]):
+class ControllerNode(FurutaNode[ControllerParameters]):
     """Stabilises the pendulum.
 
     Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
@@ -112,4 +112,4 @@ def _control(memory: np.ndarray, x: np.ndarray, friction: float, feedback: np.nd
 
 def main() -> None:
     """Entry point of the executable ``controller``."""
-    sys.exit(run_node(Controller))
+    sys.exit(run_node(ControllerNode))

@@ -24,7 +24,7 @@ BEGAN = LOWPASS + LOWPASS_MEMORY
 MEMORY = BEGAN + 1
 
 
-class Estimator(NamedTuple):
+class EstimatorDesign(NamedTuple):
     """What :func:`estimate_state` computes with."""
 
     kalman: bool
@@ -35,9 +35,9 @@ class Estimator(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def estimator(p: EstimatorParameters) -> Estimator:
+def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe; kept, for its design takes a millisecond."""
-    return Estimator(
+    return EstimatorDesign(
         p.method == "kalman",
         p.sensors.ideal,
         sample_lowpass(p),
@@ -48,7 +48,7 @@ def estimator(p: EstimatorParameters) -> Estimator:
 
 @inlined
 def estimate_state(
-    memory: np.ndarray, measurement: np.ndarray, p: Estimator, estimate: np.ndarray
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
 ) -> None:
     """One sample: ``memory`` is updated, ``estimate`` (5,) written.
 

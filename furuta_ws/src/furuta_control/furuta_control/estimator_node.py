@@ -9,7 +9,7 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_control.estimator import MEMORY, estimate_state, estimator
+from furuta_control.estimator import MEMORY, design_estimator, estimate_state
 from furuta_control.parameters import EstimatorParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -24,7 +24,7 @@ TOLERANCE = 0.01
 MANY = 100
 
 
-class Estimator(FurutaNode[EstimatorParameters]):
+class EstimatorNode(FurutaNode[EstimatorParameters]):
     """Estimates the state from what the sensors say.
 
     Subscribes to ``measurement``, whose effort of the arm is the torque applied since the last
@@ -46,7 +46,7 @@ class Estimator(FurutaNode[EstimatorParameters]):
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Sample the filters anew; their memory stays."""
-        made = estimator(parameters)
+        made = design_estimator(parameters)
         self._ideal, self._kalman = made.ideal, made.kalman
         self._estimator = block(made)
         self._interval = parameters.sample_time * NANOSECONDS
@@ -89,4 +89,4 @@ def _estimate(
 
 def main() -> None:
     """Entry point of the executable ``estimator``."""
-    sys.exit(run_node(Estimator))
+    sys.exit(run_node(EstimatorNode))

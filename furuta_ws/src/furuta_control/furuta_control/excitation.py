@@ -69,7 +69,7 @@ def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
 
 
 @compiled
-def calm(phi: float, phi_dot: float, theta: float, p: Excitation) -> bool:
+def within_limits(phi: float, phi_dot: float, theta: float, p: Excitation) -> bool:
     """Whether arm and pendulum are within the limits."""
     return (
         (p.open_loop or abs(theta) <= p.tilt_limit)

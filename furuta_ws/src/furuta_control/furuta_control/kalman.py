@@ -70,8 +70,8 @@ def _sampled(p: EstimatorParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray
     system[:EFFORT, EFFORT], system[:EFFORT, SIGNALS] = -b, b
     sampled = expm(system * dt)
     density = np.zeros((SIGNALS, SIGNALS))
-    density[EFFORT, EFFORT] = p.friction_spread**2
-    density[THETA_DOT, THETA_DOT] = p.pendulum_spread**2
+    density[EFFORT, EFFORT] = p.friction_process_noise**2
+    density[THETA_DOT, THETA_DOT] = p.pendulum_process_noise**2
     free = system[:SIGNALS, :SIGNALS]
     loan = expm(np.block([[-free, density], [np.zeros_like(free), free.T]]) * dt)
     spread = loan[SIGNALS:, SIGNALS:].T @ loan[:SIGNALS, SIGNALS:]

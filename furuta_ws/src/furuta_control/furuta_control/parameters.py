@@ -24,11 +24,11 @@ class EstimatorParameters(NamedTuple):
     ] = "kalman"
     model: FurutaPendulum = FurutaPendulum()
     sensors: Sensors = Sensors()
-    friction_spread: Annotated[
+    friction_process_noise: Annotated[
         float,
         About("kalman: how far friction walks in a second, grows as √t", "V/√s", 1e-3, 1e3),
     ] = 0.3
-    pendulum_spread: Annotated[
+    pendulum_process_noise: Annotated[
         float,
         About("kalman: how far the pendulum's speed walks from the model", "rad/s/√s", 1e-3, 1e3),
     ] = 0.1

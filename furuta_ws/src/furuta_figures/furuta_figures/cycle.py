@@ -10,12 +10,12 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from furuta_analysis.limit_cycles.continuation import BranchPoint
-from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, Trace
+from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, Trajectory
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_studies.feedback_map import StudyPoint
 
 
-def draw_cycle(motion: Trace, cycle: LimitCycle, law: str, path: Path) -> None:
+def draw_cycle(motion: Trajectory, cycle: LimitCycle, law: str, path: Path) -> None:
     """Arm, pendulum, control and friction over one period, and the arm's phase plane."""
     figure, axes = plt.subplots(2, 2, figsize=(10, 6.5), layout="constrained")
     (arm, pendulum), (force, plane) = axes

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 
 from furuta_analysis.simulation.closed_loop import Record
 from furuta_model.state import PHI, THETA
-from furuta_recordings.bags.recorded_run import Course
+from furuta_recordings.bags.recorded_run import RecordedRun
 from furuta_studies.demo import Phase
 
 TITLES = {
@@ -41,13 +41,13 @@ def draw_run(run: Record, path: Path) -> None:
     plt.close(figure)
 
 
-def draw(course: Course, phases: list[Phase], path: Path) -> None:
+def draw(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
     """One column per phase, one row per signal, each row with one scale."""
     figure, axes = plt.subplots(
         4, len(phases), sharex="col", sharey="row", figsize=(14, 8), layout="constrained"
     )
     for column, phase in zip(axes.T, phases, strict=True):
-        part = course.between(max(phase.start, phase.end - SHOWN), phase.end)
+        part = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
         column[0].set_title(TITLES[phase.compensation])
         column[0].plot(part.time, part.state[:, PHI], lw=1.2)
         column[1].plot(part.time, part.state[:, THETA], lw=1.2)

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 
 from furuta_analysis.simulation.recomputation import Recomputed
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
-from furuta_studies.recompute import Session
+from furuta_studies.recompute import RecordedLoop
 
 SERIES = (
     ("arm speed [rad/s]", "estimate", PHI_DOT),
@@ -19,7 +19,7 @@ SERIES = (
 )
 
 
-def draw_difference(session: Session, again: Recomputed, path: Path) -> None:
+def draw_difference(session: RecordedLoop, again: Recomputed, path: Path) -> None:
     """Each series recorded and computed again."""
     figure, axes = plt.subplots(
         len(SERIES), 1, sharex=True, figsize=(10, 2 * len(SERIES)), layout="constrained"

@@ -8,13 +8,13 @@ import matplotlib.pyplot as plt
 
 from furuta_figures.demo import LABELS
 from furuta_model.state import PHI, THETA
-from furuta_studies.experiments import Outcome, sensor_resolution
+from furuta_studies.experiments import ExperimentResult, sensor_resolution
 
 # Seconds shown, the last ones.
 SHOWN = 10.0
 
 
-def draw_experiment(title: str, outcome: Outcome, path: Path) -> None:
+def draw_experiment(title: str, outcome: ExperimentResult, path: Path) -> None:
     """Four rows over the same time; the encoder's steps as a scale in the first."""
     figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 8), layout="constrained")
     rig, ideal = outcome.rig, outcome.ideal

@@ -87,12 +87,12 @@ def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) 
     The observer runs under every kind, so that a switch to it finds it converged.
     """
     v, seen = estimate[PHI_DOT], estimate[EFFORT]
-    push = -p.observer_gain * estimate[PHI]
+    correction = -p.observer_gain * estimate[PHI]
     if p.kind == _ADAPTIVE:
-        force = _observe(memory, v, push, p.sample_time, _adapted(memory, p.friction))
+        force = _observe(memory, v, correction, p.sample_time, _adapted(memory, p.friction))
         _adapt(memory, v, force, seen, p)
         return force
-    force = _observe(memory, v, push, p.sample_time, p.friction)
+    force = _observe(memory, v, correction, p.sample_time, p.friction)
     if p.kind == _LUGRE:
         return force
     if p.kind == _STICTION:
@@ -131,14 +131,14 @@ def stiction(v: float, seen: float, p: LuGre) -> float:
 
 
 @inlined
-def _observe(memory: np.ndarray, v: float, push: float, dt: float, p: LuGre) -> float:
+def _observe(memory: np.ndarray, v: float, correction: float, dt: float, p: LuGre) -> float:
     """Move ẑ by one sample and return F̂ [V]."""
-    z, _ = bristle_after(v, push, memory[BRISTLE], dt, p)
+    z, _ = bristle_after(v, correction, memory[BRISTLE], dt, p)
     highest = highest_level(p)
     limit = highest / p.sigma0
     z = min(max(z, -limit), limit)
     memory[BRISTLE] = z
-    force = p.sigma0 * z + p.sigma1 * (bristle_rate(v, z, p) + push)
+    force = p.sigma0 * z + p.sigma1 * (bristle_rate(v, z, p) + correction)
     return min(max(force, -highest), highest) + p.viscous * v
 
 

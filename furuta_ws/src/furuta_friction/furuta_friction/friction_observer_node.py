@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_friction.compensators import MEMORY, compensator, estimate_friction
-from furuta_friction.parameters import SEEING, ObserverParameters
+from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import EFFORT, SIGNALS
@@ -22,7 +22,7 @@ from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 
-class FrictionObserver(FurutaNode[ObserverParameters]):
+class FrictionObserverNode(FurutaNode[ObserverParameters]):
     """Estimates the friction in the arm's joint.
 
     Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. A
@@ -55,7 +55,7 @@ class FrictionObserver(FurutaNode[ObserverParameters]):
     def _check_seeing(self) -> None:
         """Tell when the compensation lacks the friction that it needs to see."""
         compensation = self.parameters.compensation
-        if compensation in SEEING and isnan(self._x[EFFORT]):
+        if compensation in NEEDS_OBSERVED_FRICTION and isnan(self._x[EFFORT]):
             self.get_logger().warning(
                 f"compensation {compensation} needs effort in joint_states, the friction that "
                 "the estimator's method kalman tells",
@@ -70,4 +70,4 @@ def _estimate(memory: np.ndarray, x: np.ndarray, compensator: np.ndarray) -> flo
 
 def main() -> None:
     """Entry point of the executable ``friction_observer``."""
-    sys.exit(run_node(FrictionObserver))
+    sys.exit(run_node(FrictionObserverNode))

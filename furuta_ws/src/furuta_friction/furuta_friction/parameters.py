@@ -9,7 +9,7 @@ from furuta_model.parameters import INLINE, About
 
 COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive")
 # Those that need to see the friction: an estimate of it beside that of the state.
-SEEING = ("stiction", "adaptive")
+NEEDS_OBSERVED_FRICTION = ("stiction", "adaptive")
 
 
 class ObserverParameters(NamedTuple):

@@ -11,21 +11,21 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from furuta_control.controller_node import Controller
-from furuta_control.estimator_node import Estimator
-from furuta_friction.friction_observer_node import FrictionObserver
+from furuta_control.controller_node import ControllerNode
+from furuta_control.estimator_node import EstimatorNode
+from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.settings import Settings
-from furuta_hw.bridge_node import HardwareBridge
+from furuta_hw.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until
-from furuta_sim.plant_node import Plant
+from furuta_sim.plant_node import PlantNode
 
 # Longest wait for the nodes of this process to find each other [s].
 DISCOVERY_TIMEOUT = 30.0
 
 
-class Ring:
+class ComposedGraph:
     """Estimator, friction observer and controller around what they control, with others beside.
 
     Time starts once all know each other and the bag, if they are to ``record``, is on the disk, so
@@ -45,9 +45,9 @@ class Ring:
         def overrides(node: str) -> list[Parameter]:
             return [Parameter(name, value=value) for name, value in settings[node].items()]
 
-        self.estimator = Estimator(overrides("estimator"))
-        self.friction_observer = FrictionObserver(overrides("friction_observer"))
-        self.controller = Controller(overrides("controller"))
+        self.estimator = EstimatorNode(overrides("estimator"))
+        self.friction_observer = FrictionObserverNode(overrides("friction_observer"))
+        self.controller = ControllerNode(overrides("controller"))
         self.nodes: list[Node] = [
             type(self).controlled(overrides(self.name)),
             self.estimator,
@@ -72,30 +72,30 @@ class Ring:
             node.destroy_node()
 
 
-class Graph(Ring):
+class SimulatedGraph(ComposedGraph):
     """The ring around the simulated plant."""
 
-    controlled, name = Plant, "plant"
+    controlled, name = PlantNode, "plant"
 
     @property
-    def plant(self) -> Plant:
+    def plant(self) -> PlantNode:
         """The plant's node."""
-        return cast(Plant, self.nodes[0])
+        return cast(PlantNode, self.nodes[0])
 
     def run_until(self, seconds: float) -> None:
         """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
         spin_until(self.executor, lambda: self.plant.time >= seconds - 1e-9 or self.plant.paused)
 
 
-class HardwareGraph(Ring):
+class HardwareGraph(ComposedGraph):
     """The ring around a real rig."""
 
-    controlled, name = HardwareBridge, "hardware_bridge"
+    controlled, name = HardwareBridgeNode, "hardware_bridge"
 
     @property
-    def bridge(self) -> HardwareBridge:
+    def bridge(self) -> HardwareBridgeNode:
         """The bridge's node."""
-        return cast(HardwareBridge, self.nodes[0])
+        return cast(HardwareBridgeNode, self.nodes[0])
 
 
 def _wait_until_matched(nodes: list[Node]) -> None:

@@ -1,4 +1,4 @@
-"""What a person does with ``ros2 param``: read and set parameters of running nodes."""
+"""What a user does with ``ros2 param``: read and set parameters of running nodes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ServiceError(UserError):
     """A node is not there, does not answer, or refuses."""
 
 
-class Operator:
+class ParameterClient:
     """Uses the parameter services of other nodes through ``node``, spun by ``executor``."""
 
     def __init__(self, node: Node, executor: Executor) -> None:

@@ -11,14 +11,14 @@ from typing import TypeVar
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_graph.composed import Graph, HardwareGraph, Ring
+from furuta_graph.composed import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_graph.settings import Settings
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.scheduling import Scheduling, schedule
-from furuta_ros.spinning import Stop, spin_until
+from furuta_ros.spinning import StopSignal, spin_until
 from furuta_sim.realtime import RealTime
 
-AnyRing = TypeVar("AnyRing", bound=Ring)
+AnyGraph = TypeVar("AnyGraph", bound=ComposedGraph)
 
 
 def run_composed(
@@ -32,8 +32,8 @@ def run_composed(
 
     ``timing`` is a table of how late samples were.
     """
-    with _running(Graph, settings, record, scheduling) as graph:
-        stop, plant = Stop(), graph.plant
+    with _running(SimulatedGraph, settings, record, scheduling) as graph:
+        stop, plant = StopSignal(), graph.plant
         spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
         _report(graph)
         if timing is not None:
@@ -48,7 +48,7 @@ def run_on_hardware(
 ) -> None:
     """Run the graph on a rig until it is told to stop or the rig's time is up."""
     with _running(HardwareGraph, settings, record, scheduling) as graph:
-        stop, bridge = Stop(), graph.bridge
+        stop, bridge = StopSignal(), graph.bridge
         if bridge.state != bridge.parameters.autostart:
             raise SystemExit(1)  # the bridge has said why in its log
         period = bridge.rig.line.sample_time
@@ -62,11 +62,11 @@ def run_on_hardware(
 
 @contextmanager
 def _running(
-    make: Callable[..., AnyRing],
+    make: Callable[..., AnyGraph],
     settings: Settings,
     record: MakeRecorder | None,
     scheduling: Scheduling,
-) -> Iterator[AnyRing]:
+) -> Iterator[AnyGraph]:
     """The graph from ROS's start to its end; says what of ``scheduling`` the system granted."""
     for granted in schedule(scheduling):
         print(granted)
@@ -81,28 +81,28 @@ def _running(
         rclpy.try_shutdown()
 
 
-def _report(graph: Graph) -> None:
+def _report(graph: SimulatedGraph) -> None:
     plant = graph.plant
     print(f"{plant.sample} samples, {plant.time:.3f} s")
-    if isinstance(plant.clockwork, RealTime):
-        count = plant.clockwork.punctuality
+    if isinstance(plant.pacing, RealTime):
+        count = plant.pacing.timing_counts
         share = count.on_time / max(1, count.samples)
         print(
             f"{share:.2%} of {count.samples} samples had their command before the next one; "
             f"{count.overruns} overruns, {count.timeouts} samples at 0 V for want of a command"
         )
-        print(f"latency   {plant.clockwork.latency.summary()}")
-        print(f"lateness  {plant.clockwork.lateness.summary()}")
+        print(f"latency   {plant.pacing.latency.summary()}")
+        print(f"lateness  {plant.pacing.lateness.summary()}")
 
 
-def _write_timing(graph: Graph, path: Path) -> None:
+def _write_timing(graph: SimulatedGraph, path: Path) -> None:
     """Both histograms, a row per microsecond that anything was counted in."""
-    clockwork = graph.plant.clockwork
-    if not isinstance(clockwork, RealTime):
+    pacing = graph.plant.pacing
+    if not isinstance(pacing, RealTime):
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["from_us", "latency", "lateness"])
-        counts = zip(clockwork.latency.counts, clockwork.lateness.counts, strict=True)
+        counts = zip(pacing.latency.counts, pacing.lateness.counts, strict=True)
         writer.writerows([us, a, b] for us, (a, b) in enumerate(counts) if a or b)

@@ -14,7 +14,7 @@ from sensor_msgs.msg import JointState
 
 from furuta_control.parameters import EstimatorParameters
 from furuta_friction.parameters import ObserverParameters
-from furuta_graph.parameter_client import Operator, ServiceError
+from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joints
@@ -44,7 +44,7 @@ class Estimates:
         self.waiting.append(message)
 
 
-class RunningRig:
+class RunningLoop:
     """Watches ``joint_states`` and sets the friction observer as ``ros2 param`` would.
 
     ``stop`` is asked at every turn; once it is true, :meth:`watch` raises
@@ -53,12 +53,12 @@ class RunningRig:
 
     def __init__(
         self,
-        operator: Operator,
+        client: ParameterClient,
         estimates: Estimates,
         executor: Executor,
         stop: Callable[[], bool] = lambda: False,
     ) -> None:
-        self.operator = operator
+        self.client = client
         self._executor = executor
         self._stop = stop
         self._waiting = estimates.waiting
@@ -71,7 +71,7 @@ class RunningRig:
         wanted = values(observer)
         changes = {name: each for name, each in wanted.items() if each != self._applied[name]}
         if changes:
-            self.operator.set_all("friction_observer", changes)
+            self.client.set_all("friction_observer", changes)
             self._applied = wanted
         self._waiting.clear()
 
@@ -95,4 +95,4 @@ class RunningRig:
 
     def _read(self, node: str, group: type[Group]) -> Group:
         names = [each.name for each in declared(group)]
-        return build(group, self.operator.get(node, names))
+        return build(group, self.client.get(node, names))

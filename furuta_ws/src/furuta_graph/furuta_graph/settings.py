@@ -12,7 +12,7 @@ import yaml
 
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import SEEING, ObserverParameters
+from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
 from furuta_hw.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
@@ -32,7 +32,7 @@ ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 Settings = dict[str, dict[str, Any]]
 
 
-def gather(
+def load_settings(
     files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
 ) -> Settings:
     """Settings from ``base``, parameter files, assignments, later ones over earlier ones.
@@ -46,8 +46,8 @@ def gather(
     return _assigned(settings, assignments)
 
 
-def varied(settings: Settings, values: Mapping[str, Any]) -> Settings:
-    """The settings with further values by name, as checked as :func:`gather`'s."""
+def with_values(settings: Settings, values: Mapping[str, Any]) -> Settings:
+    """The settings with further values by name, as checked as :func:`load_settings`'s."""
     copied = {node: dict(given) for node, given in settings.items()}
     return _assigned(copied, [f"{name}={value}" for name, value in values.items()])
 
@@ -65,7 +65,7 @@ def _assigned(settings: Settings, assignments: Iterable[str]) -> Settings:
     return settings
 
 
-def merged(under: Settings, over: Settings) -> Settings:
+def merge_settings(under: Settings, over: Settings) -> Settings:
     """Two settings in one, the second over the first."""
     return {node: under[node] | over[node] for node in NODES}
 
@@ -90,7 +90,7 @@ def _check_sample_times(made: dict[str, Any]) -> None:
 def _check_seeing(made: dict[str, Any]) -> None:
     """Refuse a compensation that needs to see the friction with a filter that does not."""
     observer, estimator = made["friction_observer"], made["estimator"]
-    if observer.compensation in SEEING and estimator.method != "kalman":
+    if observer.compensation in NEEDS_OBSERVED_FRICTION and estimator.method != "kalman":
         raise ParameterError(
             f"compensation {observer.compensation} needs estimator.method=kalman, which tells "
             f"the friction; given {estimator.method}"

@@ -40,7 +40,7 @@ SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 
 
-class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
+class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     """Takes the plant's place: publishes ``measurement``, subscribes to ``command`` [V].
 
     A managed node. Configured, it reads the rig and publishes; only active, and armed by the
@@ -285,4 +285,4 @@ class HardwareBridge(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
 def main() -> None:
     """Entry point of the executable ``hardware_bridge``."""
-    sys.exit(run_node(HardwareBridge))
+    sys.exit(run_node(HardwareBridgeNode))

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 if TYPE_CHECKING:
-    from furuta_hw.bridge_node import HardwareBridge
+    from furuta_hw.bridge_node import HardwareBridgeNode
 
 
-def diagnostics(bridge: HardwareBridge) -> DiagnosticArray:
+def diagnostics(bridge: HardwareBridgeNode) -> DiagnosticArray:
     """OK while it drives, WARN while it only reads, ERROR after a stop or without a line."""
     guard, connection = bridge.guard, bridge.connection
     values: dict[str, object] = {

@@ -11,13 +11,13 @@ from furuta_hw.faults import Faults, Impairment
 from furuta_hw.firmware import Firmware
 from furuta_hw.rig import Rig
 from furuta_model.state import PHI, PHI_DOT, THETA
-from furuta_sim.parameters import Actuator, InitialState, Plant
+from furuta_sim.parameters import Actuator, InitialState, PlantParameters
 from furuta_sim.plant import Noise, initial_state, move, substeps
 
 
-def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> Plant:
+def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
     """The simulated plant of a rig, with noise of one code on its analogue channels."""
-    return Plant(
+    return PlantParameters(
         model=rig.model,
         friction=rig.friction,
         sensors=rig.sensors,
@@ -31,7 +31,9 @@ def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> P
 class EmulatedRig:
     """``receive`` bytes at any time, ``tick`` once a sample."""
 
-    def __init__(self, rig: Rig, plant: Plant | None = None, faults: Faults | None = None) -> None:
+    def __init__(
+        self, rig: Rig, plant: PlantParameters | None = None, faults: Faults | None = None
+    ) -> None:
         self.plant = plant or simulated(rig)
         self._rig = rig
         self._arm, self._speed = rig.arm.channel, rig.speed.channel

@@ -1,4 +1,4 @@
-"""What can go wrong with a rig, in words for the person at it."""
+"""What can go wrong with a rig, in words for the user."""
 
 
 class RigError(RuntimeError):

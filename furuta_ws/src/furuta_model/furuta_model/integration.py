@@ -15,7 +15,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled
 from furuta_model.lugre import LuGre, bristle_after
-from furuta_model.pendulum import FurutaPendulum, accelerations_at, turned
+from furuta_model.pendulum import FurutaPendulum, accelerations_at, rotate
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Rate of the stuck arm on its bristle times the substep: the midpoint rule is stable below 2.
@@ -55,7 +55,7 @@ def advance(
         v_dot, w_dot = accelerations_at(v, sine, cosine, w, torque, body)
         v_mid = v + half * v_dot
         w_mid = w + half * w_dot
-        sine, cosine = turned(sine, cosine, half * w)
+        sine, cosine = rotate(sine, cosine, half * w)
 
         end, mean = bristle_after(v_mid, 0.0, z, h, lugre)
         bristle = lugre.sigma0 * mean + damping * (end - z)

@@ -91,20 +91,22 @@ def steady_friction(v: float, p: LuGre) -> float:
 
 
 @compiled
-def bristle_after(v: float, push: float, z: float, dt: float, p: LuGre) -> tuple[float, float]:
-    """Exact solution of ż = v + push − λz over ``dt`` [s] at constant speed v [rad/s].
+def bristle_after(
+    v: float, correction: float, z: float, dt: float, p: LuGre
+) -> tuple[float, float]:
+    """Exact solution of ż = v + correction − λz over ``dt`` [s] at constant speed v [rad/s].
 
-    Returns the deflection at the end and its mean over the step [rad]. ``push`` [rad/s] is an
+    Returns the deflection at the end and its mean over the step [rad]. ``correction`` [rad/s] is an
     observer's correction, zero for the plant.
     """
     rate = p.sigma0 / stribeck_level(v, p) * abs(v)
-    to_end, to_mean = travel(rate * dt)
-    step = dt * (v + push - rate * z)
+    to_end, to_mean = decay_fractions(rate * dt)
+    step = dt * (v + correction - rate * z)
     return z + step * to_end, z + step * to_mean
 
 
 @compiled
-def travel(d: float) -> tuple[float, float]:
+def decay_fractions(d: float) -> tuple[float, float]:
     r"""Parts of its first rate times the step that a decaying quantity has moved: end, mean.
 
     .. math:: φ = (1 - e^{-d})/d, \qquad ψ = (1 - φ)/d

@@ -78,7 +78,7 @@ def accelerations_at(
 
 
 @compiled
-def turned(s: float, c: float, angle: float) -> tuple[float, float]:
+def rotate(s: float, c: float, angle: float) -> tuple[float, float]:
     """Sine and cosine of an angle with sine ``s`` and cosine ``c``, turned by ``angle`` [rad].
 
     Exact to rounding: for a small turn, the usual one within a step, by the series of its own

@@ -29,7 +29,7 @@ PARAMETERS_FILE = "parameters.yaml"
 RECORDABLE = (*TOPICS, TIMING)
 
 
-class Recorder(Node):
+class RecorderNode(Node):
     """Writes topics as they are, undecoded, to ``path``.
 
     It belongs to no executor: the middleware keeps what arrives, with its time, until
@@ -85,7 +85,7 @@ class Recorder(Node):
                 self._stamp = seconds * NANOSECONDS + nanoseconds
             self._bag.add(index, self._stamp if self._stamped else time, data)
             self.kept += 1
-        self._bag.push(wait=self._stamped)
+        self._bag.send(wait=self._stamped)
         self._tell_failure()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
@@ -123,7 +123,7 @@ class Recorder(Node):
 
 
 # What makes the recorder of a run once ROS is up.
-MakeRecorder = Callable[[], Recorder]
+MakeRecorder = Callable[[], RecorderNode]
 
 
 def chosen_topics(names: Iterable[str]) -> tuple[Topic, ...]:

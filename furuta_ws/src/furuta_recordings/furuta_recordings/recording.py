@@ -41,7 +41,7 @@ class Recording(NamedTuple):
         chosen = (self.time >= start) & (self.time < end)
         return self._replace(time=self.time[chosen], measured=self.measured[chosen])
 
-    def turned(self, zero: float, pendulum: float, arm: float) -> Recording:
+    def reoriented(self, zero: float, pendulum: float, arm: float) -> Recording:
         """The same in other coordinates: θ = pendulum·measured + zero [rad], φ = arm·measured."""
         measured = self.measured.copy()
         measured[:, THETA] = pendulum * measured[:, THETA] + zero
@@ -50,11 +50,11 @@ class Recording(NamedTuple):
         measured[:, PHI_DOT] *= arm
         return self._replace(measured=measured)
 
-    def with_command_turned(self) -> Recording:
+    def with_command_negated(self) -> Recording:
         """The same with the command's sign turned."""
         return self._replace(command=-self.command)
 
-    def with_command_later(self, delay: float) -> Recording:
+    def with_delayed_command(self, delay: float) -> Recording:
         """The same with the command's times ``delay`` [s] later."""
         return self._replace(command_time=self.command_time + delay)
 

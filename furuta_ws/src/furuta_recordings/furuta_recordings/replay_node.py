@@ -28,7 +28,7 @@ TICK = 0.01
 NAP = 0.1
 
 
-class Wishes(NamedTuple):
+class ReplayOptions(NamedTuple):
     """How to replay: ``rate`` (0: as fast as possible), ``topics`` (none: all), remapping."""
 
     rate: float = 1.0
@@ -38,24 +38,24 @@ class Wishes(NamedTuple):
     wait: bool = False
 
 
-class Replay(Node):
+class ReplayNode(Node):
     """Publishes what a bag holds, in its order."""
 
-    def __init__(self, bag: Path, wishes: Wishes) -> None:
+    def __init__(self, bag: Path, options: ReplayOptions) -> None:
         super().__init__("replay")
-        self._bag, self._wishes = bag, wishes
+        self._bag, self._options = bag, options
         self.published = 0
         self.latest = 0.0
         self._channels: dict[str, Publisher] = {}
         with Bag(bag) as reader:
             kinds = {c.topic: c.msgtype for c in reader.connections}
-        wanted = {_full(topic) for topic in wishes.topics}
+        wanted = {_full(topic) for topic in options.topics}
         unknown = wanted - {_full(topic) for topic in kinds}
         if unknown:
             raise ParameterError(
                 f"{bag} has no topic {', '.join(sorted(unknown))}; it has {', '.join(kinds)}"
             )
-        names = {_full(a): b for a, b in wishes.remap}
+        names = {_full(a): b for a, b in options.remap}
         for topic, kind in kinds.items():
             if wanted and _full(topic) not in wanted:
                 continue
@@ -68,11 +68,11 @@ class Replay(Node):
             self._channels[topic] = self.create_publisher(
                 made, names.get(_full(topic), topic), deep(DEPTH)
             )
-        self._ticker = self.create_publisher(Clock, "/clock", deep(10)) if wishes.clock else None
+        self._ticker = self.create_publisher(Clock, "/clock", deep(10)) if options.clock else None
 
     def play(self, stop: Callable[[], bool]) -> None:
         """Publish everything, or until ``stop()``."""
-        if self._wishes.wait:
+        if self._options.wait:
             self._wait(stop)
         began, first, tick = 0.0, None, -1
         with Bag(self._bag) as reader:
@@ -80,8 +80,8 @@ class Replay(Node):
             for connection, time, data in reader.messages(chosen):
                 if first is None:
                     began, first = monotonic(), time
-                if self._wishes.rate > 0.0:
-                    due = began + (time - first) / NANOSECONDS / self._wishes.rate
+                if self._options.rate > 0.0:
+                    due = began + (time - first) / NANOSECONDS / self._options.rate
                     self._sleep_until(due, stop)
                     self.latest = max(self.latest, monotonic() - due)
                 if stop():

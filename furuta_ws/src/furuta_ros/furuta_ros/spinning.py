@@ -41,7 +41,7 @@ def settle_memory() -> None:
     gc.freeze()
 
 
-class Stop:
+class StopSignal:
     """Becomes true at SIGINT or SIGTERM."""
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class Stop:
 
 def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Run one node until it is told to stop; returns the process's exit status."""
-    stop = Stop()
+    stop = StopSignal()
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises its own, unexported, types here

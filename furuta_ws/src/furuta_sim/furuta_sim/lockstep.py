@@ -16,7 +16,7 @@ from rclpy.clock import Clock, ClockType
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
 if TYPE_CHECKING:
-    from furuta_sim.plant_node import Plant
+    from furuta_sim.plant_node import PlantNode
 
 LOOK = 0.1  # [s] between looks at the state of the ring
 REPEAT = 0.5  # [s] without command after which a lost measurement is sent again
@@ -27,7 +27,7 @@ COMPLAIN = 5.0  # [s] without command after which, and how often, the user is to
 class LockStep:
     """Drives a :class:`Plant` by the arrival of commands."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: PlantNode) -> None:
         self._plant = plant
         self._waiting = False  # for the command to the published sample
         self._repeated = False

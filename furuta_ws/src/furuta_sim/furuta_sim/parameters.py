@@ -37,7 +37,7 @@ class InitialState(NamedTuple):
     theta_dot: Annotated[float, About("pendulum speed", "rad/s", -100, 100, read_only=True)] = 0.0
 
 
-class Plant(NamedTuple):
+class PlantParameters(NamedTuple):
     """Everything that :mod:`furuta_sim.plant` computes with."""
 
     model: FurutaPendulum = FurutaPendulum()
@@ -63,7 +63,7 @@ class Plant(NamedTuple):
 class PlantNodeParameters(NamedTuple):
     """Parameters of the node ``plant``: the rig and how its time runs."""
 
-    plant: Annotated[Plant, INLINE] = Plant()
+    plant: Annotated[PlantParameters, INLINE] = PlantParameters()
     clock: Annotated[
         str,
         About(

@@ -14,7 +14,7 @@ from furuta_model.compiled import compiled
 from furuta_model.integration import advance, substeps_for
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
-from furuta_sim.parameters import Actuator, Plant
+from furuta_sim.parameters import Actuator, PlantParameters
 
 # Noise drawn per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
@@ -64,19 +64,19 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
 
 
 @compiled
-def move(x: np.ndarray, command: float, substeps: int, plant: Plant) -> float:
+def move(x: np.ndarray, command: float, substeps: int, plant: PlantParameters) -> float:
     """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
     torque = drive(command, plant.actuator)
     advance(x, torque, plant.sample_time, substeps, plant.model, plant.friction)
     return torque
 
 
-def substeps(plant: Plant) -> int:
+def substeps(plant: PlantParameters) -> int:
     """Integration steps per sample that this plant needs."""
     return substeps_for(plant.sample_time, plant.model, plant.friction)
 
 
-def initial_state(plant: Plant) -> np.ndarray:
+def initial_state(plant: PlantParameters) -> np.ndarray:
     """State (5,) at rest of the bristle."""
     x = np.zeros(PLANT_STATES)
     x[:BRISTLE] = plant.initial

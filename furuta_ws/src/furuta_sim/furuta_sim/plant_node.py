@@ -24,7 +24,7 @@ from furuta_sim.plant import NOISE_CHANNELS, Noise, initial_state, measure, move
 from furuta_sim.realtime import RealTime
 
 
-class Plant(FurutaNode[PlantNodeParameters]):
+class PlantNode(FurutaNode[PlantNodeParameters]):
     """Simulates the rig.
 
     Publishes ``measurement`` (NaN where there is no sensor; effort of the arm: the torque applied
@@ -52,7 +52,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
         self._truth_publisher = self.publish_on(GROUND_TRUTH)
         self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
-        self.clockwork = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
+        self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
         self.subscribe_to(COMMAND, self._on_command)
 
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
@@ -96,7 +96,7 @@ class Plant(FurutaNode[PlantNodeParameters]):
     def _on_command(self, message: Float64) -> None:
         command = read_float(message)
         self.held = False
-        self.clockwork.on_command(command)
+        self.pacing.on_command(command)
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self.x = initial_state(self._rig)
@@ -127,4 +127,4 @@ def _move(x: np.ndarray, command: float, substeps: int, rig: np.ndarray) -> floa
 
 def main() -> None:
     """Entry point of the executable ``plant``."""
-    sys.exit(run_node(Plant))
+    sys.exit(run_node(PlantNode))

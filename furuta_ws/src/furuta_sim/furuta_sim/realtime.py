@@ -14,7 +14,7 @@ from furuta_ros.topics import TIMING
 from furuta_sim.histogram import Histogram
 
 if TYPE_CHECKING:
-    from furuta_sim.plant_node import Plant
+    from furuta_sim.plant_node import PlantNode
 
 
 # Bins of the published histograms, and how often they are published [s].
@@ -22,7 +22,7 @@ WIDTH, BINS = 20, 250  # [µs]
 PUBLISHED_EVERY = 1.0
 
 
-class Punctuality(NamedTuple):
+class TimingCounts(NamedTuple):
     """Counts since the start of the motion."""
 
     samples: int = 0  # measurements published
@@ -40,13 +40,13 @@ class RealTime:
     distance; the rig moves on meanwhile, as a real one would.
     """
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: PlantNode) -> None:
         self._plant = plant
         self._period = round(plant.parameters.plant.sample_time * NANOSECONDS)
         self._command = 0.0
         self._command_at = 0
         self._answered = False
-        self.punctuality = Punctuality()
+        self.timing_counts = TimingCounts()
         self.latency, self.lateness = Histogram(), Histogram()
         self._published_at = 0
         self._timing = plant.publish_on(TIMING)
@@ -97,8 +97,8 @@ class RealTime:
         )
 
     def _count(self, due: int, stale: bool) -> None:
-        samples, on_time, overruns, timeouts = self.punctuality
-        self.punctuality = Punctuality(
+        samples, on_time, overruns, timeouts = self.timing_counts
+        self.timing_counts = TimingCounts(
             samples + 1,
             on_time + self._answered,
             overruns + due - 1,

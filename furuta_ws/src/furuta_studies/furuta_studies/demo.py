@@ -1,7 +1,7 @@
 """The paper's experiment through the real graph: Figs 6 to 9 in sequence.
 
 In lock-step. First the compensator is tuned on a graph of its own; then one pendulum runs on while
-the compensation is switched. Both use the parameter services, as a person would.
+the compensation is switched. Both use the parameter services, as a user would.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from rclpy.node import Node
 
 from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_friction.parameters import ObserverParameters
-from furuta_graph.composed import Graph
-from furuta_graph.parameter_client import Operator
+from furuta_graph.composed import SimulatedGraph
+from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
-from furuta_graph.running_graph import Estimates, RunningRig
+from furuta_graph.running_graph import Estimates, RunningLoop
 from furuta_graph.settings import Settings
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.recorded_run import Course
-from furuta_recordings.recorder_node import Recorder
+from furuta_recordings.bags.recorded_run import RecordedRun
+from furuta_recordings.recorder_node import RecorderNode
 from furuta_studies.tuning.report import parameters
-from furuta_studies.tuning.tuning import Plan, Report, Tuned, tune
+from furuta_studies.tuning.tuning import Plan, Report, TuningResult, tune
 
 # The phases: the three compensations of the paper, and LuGre as tuned.
 TUNED = "tuned"
@@ -44,33 +44,35 @@ class Phase(NamedTuple):
     wall_seconds: float
 
 
-class PausingRig(RunningRig):
+class PausingLoop(RunningLoop):
     """A graph in lock-step that stands still while nobody watches.
 
     So the sample at which a parameter changes is known, and the tuning repeatable.
     """
 
-    def __init__(self, graph: Graph, operator: Operator, estimates: Estimates) -> None:
-        super().__init__(operator, estimates, graph.executor)
+    def __init__(
+        self, graph: SimulatedGraph, client: ParameterClient, estimates: Estimates
+    ) -> None:
+        super().__init__(client, estimates, graph.executor)
         self._graph = graph
         self._end = 0.0
 
     def watch(self, seconds: float) -> np.ndarray:
         """The estimates (n, 5) of the next ``seconds`` of pendulum time."""
         self._end += seconds
-        self.operator.set("plant", run_until=self._end)
+        self.client.set("plant", run_until=self._end)
         estimates = super().watch(seconds)
         self._graph.run_until(self._end)
         return estimates
 
 
-def tune_graph(settings: Settings, plan: Plan, report: Report) -> Tuned:
+def tune_graph(settings: Settings, plan: Plan, report: Report) -> TuningResult:
     """Tune a graph with ``settings``, in lock-step and with nobody else near."""
-    person = Node("person")
-    estimates = Estimates(person)
-    graph = Graph(_in_lockstep(settings), [person])
+    node = Node("furuta_demo")
+    estimates = Estimates(node)
+    graph = SimulatedGraph(_in_lockstep(settings), [node])
     try:
-        rig = PausingRig(graph, Operator(person, graph.executor), estimates)
+        rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)
         return tune(rig, rig.observer, rig.estimator, plan, report)
     finally:
         graph.close()
@@ -94,20 +96,20 @@ def run_demo(
 
     ``progress`` is told the pendulum's time now and then.
     """
-    person = Node("person")
+    node = Node("furuta_demo")
     settings = _in_lockstep(settings)
-    record = partial(Recorder, bag, stamped=True, parameters=settings_file(settings))
-    graph = Graph(settings, [person], record)
+    record = partial(RecorderNode, bag, stamped=True, parameters=settings_file(settings))
+    graph = SimulatedGraph(settings, [node], record)
     try:
         graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
-        operator = Operator(person, graph.executor)
+        client = ParameterClient(node, graph.executor)
         phases = []
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
             chosen = parameters(tuned) if compensation == TUNED else {"compensation": compensation}
-            operator.set_all("friction_observer", chosen)
-            operator.set("plant", run_until=end)
+            client.set_all("friction_observer", chosen)
+            client.set("plant", run_until=end)
             graph.run_until(end)
             phases.append(Phase(compensation, number * seconds, end, perf_counter() - began))
         progress(graph.plant.time)
@@ -116,11 +118,11 @@ def run_demo(
         graph.close()
 
 
-def evaluate(phases: list[Phase], course: Course) -> list[dict[str, Any]]:
+def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]:
     """What each phase came to, on the recorded truth."""
     rows = []
     for phase in phases:
-        settled = course.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
+        settled = recorded.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
         oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
         rows.append(
             {
@@ -129,7 +131,7 @@ def evaluate(phases: list[Phase], course: Course) -> list[dict[str, Any]]:
                 "theta_peak_to_peak_rad": oscillation.theta_peak_to_peak_rad,
                 "period_s": oscillation.period_s,
                 "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
-                "samples": len(course.between(phase.start, phase.end).time),
+                "samples": len(recorded.between(phase.start, phase.end).time),
                 "sim_seconds": phase.end - phase.start,
                 "wall_seconds": phase.wall_seconds,
             }

@@ -20,7 +20,7 @@ from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillat
 from furuta_control.controller import state_feedback
 from furuta_model.friction_laws import LUGRE, FrictionLaw
 from furuta_studies.feedback_map import predicted_size
-from furuta_studies.tuning.tuning import Plan, Report, SimulatedRig, tune
+from furuta_studies.tuning.tuning import Plan, Report, SimulatedLoop, tune
 
 # The motor's friction differs by direction (Fig. 6); by how much the paper does not say.
 ASYMMETRY = 0.05
@@ -46,7 +46,7 @@ EXPERIMENTS = {
 }
 
 
-class Outcome(NamedTuple):
+class ExperimentResult(NamedTuple):
     """What the rig did, what the ideal loop does, and the predictions [rad] (NaN for none)."""
 
     loop: Loop
@@ -57,7 +57,7 @@ class Outcome(NamedTuple):
     describing_function_phi_peak_to_peak_rad: float
 
 
-def experiment(name: str, loop: Loop, seconds: float, report: Report) -> Outcome:
+def experiment(name: str, loop: Loop, seconds: float, report: Report) -> ExperimentResult:
     """Run the experiment ``name`` on ``loop`` for ``seconds`` beyond the transients."""
     made = _prepared(EXPERIMENTS[name], loop, report)
     rig, ideal = (simulate(each, TRANSIENT + seconds) for each in (made, _idealised(made)))
@@ -69,7 +69,7 @@ def experiment(name: str, loop: Loop, seconds: float, report: Report) -> Outcome
         theory = _ideal_loop(made)
         exact = limit_cycle(theory, released(0.05)).phi_peak_to_peak_rad
         describing = predicted_size(theory)
-    return Outcome(made, rig, ideal, measured, exact, describing)
+    return ExperimentResult(made, rig, ideal, measured, exact, describing)
 
 
 def sensor_resolution(loop: Loop) -> float:
@@ -85,7 +85,7 @@ def _prepared(which: Experiment, loop: Loop, report: Report) -> Loop:
         plant = plant._replace(friction=plant.friction._replace(asymmetry=ASYMMETRY))
     made = loop._replace(plant=plant, observer=observer)
     if which.tuned:
-        tuned = tune(SimulatedRig(made), observer, made.estimator, Plan(), report)
+        tuned = tune(SimulatedLoop(made), observer, made.estimator, Plan(), report)
         made = made._replace(observer=tuned.after.observer)
     return made
 

@@ -10,7 +10,7 @@ import numpy as np
 from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_control.controller import state_feedback
-from furuta_graph.settings import gather, loop, parameters_named
+from furuta_graph.settings import load_settings, loop, parameters_named
 from furuta_model.friction_laws import LAWS, FrictionLaw
 from furuta_model.parameters import ParameterError
 
@@ -18,7 +18,7 @@ GAINS = ("l1", "l2", "l3", "l4")
 MOST_VALUES = 1000
 
 
-class Choice(NamedTuple):
+class LoopOptions(NamedTuple):
     """What the options of an analysis verb say."""
 
     files: tuple[Path, ...]
@@ -31,7 +31,7 @@ class Choice(NamedTuple):
         """The ideal loop with further values: parameters by name, or l1 to l4."""
         values = values or {}
         named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
-        made = loop(gather(self.files, [*self.assignments, *named]))
+        made = loop(load_settings(self.files, [*self.assignments, *named]))
         gains = list(self.feedback or [-each for each in state_feedback(made.controller)[:4]])
         for name, value in values.items():
             if name in GAINS:
@@ -50,7 +50,7 @@ class Choice(NamedTuple):
         """What the settings say of a parameter or gain, None where its nodes disagree."""
         if name in GAINS:
             return float(getattr(self.loop(), name))
-        settings = gather(self.files, self.assignments)
+        settings = load_settings(self.files, self.assignments)
         found = {
             settings[node].get(each.name, each.default) for node, each in parameters_named(name)
         }

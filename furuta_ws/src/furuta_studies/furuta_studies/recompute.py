@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_analysis.simulation.recomputation import Recomputed, recompute
-from furuta_graph.settings import Settings, gather, loop, merged, read_file
+from furuta_graph.settings import Settings, load_settings, loop, merge_settings, read_file
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 from furuta_recordings.bags.bag import Bag, last_part, refuse_too_long, signals
@@ -18,7 +18,7 @@ from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 
 
-class Session(NamedTuple):
+class RecordedLoop(NamedTuple):
     """What a bag holds of the graph, one row a measurement.
 
     ``time`` (n,) [s], ``measurement`` (n, 5); ``recorded`` what the nodes made of it, NaN where
@@ -31,7 +31,7 @@ class Session(NamedTuple):
     changes: list[tuple[int, str, dict[str, Any]]]
 
 
-def read_session(bag: Path) -> Session:
+def read_recorded_loop(bag: Path) -> RecordedLoop:
     """Read a bag of the graph, sample by sample."""
     measured = array("d")
     samples: dict[int, int] = {}  # of the stamps of measurements
@@ -69,7 +69,7 @@ def read_session(bag: Path) -> Session:
         estimates[:n], _filled(floats[FRICTION_ESTIMATE.name], n), _filled(floats[COMMAND.name], n)
     )
     measurement = np.array(measured).reshape(-1, SIGNALS)
-    return Session((stamps - stamps[0]) / NANOSECONDS, measurement, recorded, changes)
+    return RecordedLoop((stamps - stamps[0]) / NANOSECONDS, measurement, recorded, changes)
 
 
 def _filled(series: array[float], n: int) -> np.ndarray:
@@ -93,18 +93,18 @@ def _value(value: Any) -> Any:
 
 def recomputed(
     bag: Path, files: tuple[Path, ...], assignments: tuple[str, ...]
-) -> tuple[Session, Recomputed]:
+) -> tuple[RecordedLoop, Recomputed]:
     """Compute a session again, with the recorded parameters unless others are given."""
-    session = read_session(bag)
+    session = read_recorded_loop(bag)
     kept = bag / PARAMETERS_FILE
-    base = read_file(kept) if kept.is_file() else gather([], [])
+    base = read_file(kept) if kept.is_file() else load_settings([], [])
     # Recorded parameters of a later version may lack what this one has; defaults fill in.
-    own = gather(files, assignments)
-    parameters = [(0, loop(merged(base, own)))]
+    own = load_settings(files, assignments)
+    parameters = [(0, loop(merge_settings(base, own)))]
     for sample, node, given in session.changes:
         if node in base:
-            base = merged(base, _only(base, node, given))
-            parameters.append((sample, loop(merged(base, own))))
+            base = merge_settings(base, _only(base, node, given))
+            parameters.append((sample, loop(merge_settings(base, own))))
     return session, recompute(session.measurement, parameters)
 
 
@@ -112,7 +112,7 @@ def _only(settings: Settings, node: str, given: dict[str, Any]) -> Settings:
     return {each: (given if each == node else {}) for each in settings}
 
 
-def compare(session: Session, again: Recomputed) -> dict[str, Any]:
+def compare(session: RecordedLoop, again: Recomputed) -> dict[str, Any]:
     """Largest and mean square difference of each series where something was recorded."""
     result: dict[str, Any] = {"samples": len(session.time), "identical": True}
     for name in Recomputed._fields:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TextIO
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Outcome
-from furuta_graph.settings import Settings, loop, varied
+from furuta_graph.settings import Settings, loop, with_values
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep_points import Axis, Point, design, size_of
 
@@ -49,7 +49,7 @@ class Study(NamedTuple):
         for number, point in enumerate(self.design()):
             if number not in done:
                 try:
-                    yield number, loop(varied(self.settings, point))
+                    yield number, loop(with_values(self.settings, point))
                 except ParameterError as error:
                     yield number, str(error)
 

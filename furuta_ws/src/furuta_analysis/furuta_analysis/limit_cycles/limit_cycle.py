@@ -199,7 +199,7 @@ def periodic_orbit(
     return None
 
 
-class Trace(NamedTuple):
+class Trajectory(NamedTuple):
     """One period of a cycle: time (n,) [s], state (n, 5), control and friction (n,) [V]."""
 
     time: np.ndarray
@@ -208,7 +208,7 @@ class Trace(NamedTuple):
     friction: np.ndarray
 
 
-def trace(loop: IdealLoop, cycle: LimitCycle) -> Trace:
+def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
     """The motion of an oscillation over one period, at the steps of its integration."""
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
@@ -223,7 +223,7 @@ def trace(loop: IdealLoop, cycle: LimitCycle) -> Trace:
         elapsed += took
     table = np.array(rows)
     state = table[:, 1:]
-    return Trace(
+    return Trajectory(
         table[:, 0],
         state,
         np.array([feedback(x, loop) for x in state]),

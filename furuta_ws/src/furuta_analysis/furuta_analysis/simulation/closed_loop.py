@@ -11,11 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.simulation.oscillation import METER, look, observe, oscillation
+from furuta_analysis.simulation.oscillation import (
+    METER_SIZE,
+    accumulate,
+    find_midpoint,
+    oscillation,
+)
 from furuta_control.controller import MEMORY as CONTROLLER_MEMORY
 from furuta_control.controller import StateFeedback, control, state_feedback
 from furuta_control.estimator import MEMORY as ESTIMATOR_MEMORY
-from furuta_control.estimator import Estimator, estimate_state, estimator
+from furuta_control.estimator import EstimatorDesign, design_estimator, estimate_state
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.compensators import MEMORY as OBSERVER_MEMORY
 from furuta_friction.compensators import Compensator, compensator, estimate_friction
@@ -23,7 +28,7 @@ from furuta_friction.parameters import ObserverParameters
 from furuta_model.compiled import compiled
 from furuta_model.lugre import friction
 from furuta_model.state import BRISTLE, EFFORT, PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA
-from furuta_sim.parameters import Plant
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, initial_state, measure, move, substeps
 
 # Part of a run that counts for its outcome: the last half, after the transients.
@@ -40,7 +45,7 @@ _SUMS = 4
 class Loop(NamedTuple):
     """Parameters of every member of the loop."""
 
-    plant: Plant = Plant()
+    plant: PlantParameters = PlantParameters()
     estimator: EstimatorParameters = EstimatorParameters()
     observer: ObserverParameters = ObserverParameters()
     controller: ControllerParameters = ControllerParameters()
@@ -123,7 +128,7 @@ class Simulation:
         self._members = (
             substeps(loop.plant),
             loop.plant,
-            estimator(loop.estimator),
+            design_estimator(loop.estimator),
             compensator(loop.observer),
             state_feedback(loop.controller),
         )
@@ -145,7 +150,7 @@ class Simulation:
         """Go on; the series go into ``record`` where that has room."""
         samples = self._samples(seconds)
         counted = max(1, round(settled * samples))
-        meter, sums = np.zeros(METER), np.zeros(_SUMS)
+        meter, sums = np.zeros(METER_SIZE), np.zeros(_SUMS)
         _run(
             self._state,
             self._noise,
@@ -189,8 +194,8 @@ def _run(
     x: np.ndarray,
     generator: np.random.Generator,
     steps: int,
-    plant: Plant,
-    estimation: Estimator,
+    plant: PlantParameters,
+    estimation: EstimatorDesign,
     observer: Compensator,
     feedback: StateFeedback,
     memory: Memory,
@@ -225,9 +230,9 @@ def _run(
             record.friction_estimate[k] = estimated
             record.command[k] = u
         if transient // 2 <= k < transient:
-            look(meter, x)
+            find_midpoint(meter, x)
         if k >= transient:
-            observe(meter, x)
+            accumulate(meter, x)
             sums[_PHI_SQUARED] += x[PHI] * x[PHI]
             sums[_COMMAND_SQUARED] += u * u
             sums[_ERROR_SQUARED] += (true_friction - estimated) * (true_friction - estimated)

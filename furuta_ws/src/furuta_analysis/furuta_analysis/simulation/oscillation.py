@@ -1,7 +1,7 @@
 """What is measured on an oscillation: size, period, time at rest.
 
-Sample by sample, so that a run of any length is measured in the same few numbers: a :data:`METER`,
-an array that first looks where the motion's middle is, then observes. Of a run these are two parts
+Sample by sample, so that a run of any length needs the same few numbers: an array of METER_SIZE,
+which first finds the middle of the motion, then accumulates. In a run these are two parts
 that follow each other, of a recorded series the same part twice.
 """
 
@@ -37,7 +37,7 @@ _BELOW = 10  # whether φ has been well below the middle since its last upward c
 _CROSSINGS = 11
 _FIRST = 12  # sample of the first and of the last upward crossing
 _LAST = 13
-METER = 14
+METER_SIZE = 14
 
 
 class Oscillation(NamedTuple):
@@ -50,8 +50,8 @@ class Oscillation(NamedTuple):
 
 
 @compiled
-def look(meter: np.ndarray, x: np.ndarray) -> None:
-    """Look where the middle of the arm's motion is; ``meter`` is (METER,), zeros at first."""
+def find_midpoint(meter: np.ndarray, x: np.ndarray) -> None:
+    """Look where the middle of the arm's motion is; ``meter`` is (METER_SIZE,), zeros at first."""
     if meter[_LOOKS] == 0.0:
         meter[_LOW] = meter[_HIGH] = x[PHI]
     meter[_LOW] = min(meter[_LOW], x[PHI])
@@ -60,7 +60,7 @@ def look(meter: np.ndarray, x: np.ndarray) -> None:
 
 
 @compiled
-def observe(meter: np.ndarray, x: np.ndarray) -> None:
+def accumulate(meter: np.ndarray, x: np.ndarray) -> None:
     """Take one sample's true state ``x`` (4 or more) into a ``meter`` that has looked."""
     phi, theta = x[PHI], x[THETA]
     if meter[_SAMPLES] == 0.0:
@@ -108,7 +108,7 @@ def oscillation(meter: np.ndarray, sample_time: float) -> Oscillation:
 
 def measure_oscillation(state: np.ndarray, sample_time: float) -> Oscillation:
     """Measure on the true state (n, 4), sampled every ``sample_time`` [s], transients cut off."""
-    meter = np.zeros(METER)
+    meter = np.zeros(METER_SIZE)
     _observe_series(meter, np.ascontiguousarray(state, dtype=float))
     return oscillation(meter, sample_time)
 
@@ -116,9 +116,9 @@ def measure_oscillation(state: np.ndarray, sample_time: float) -> Oscillation:
 @compiled
 def _observe_series(meter: np.ndarray, state: np.ndarray) -> None:
     for x in state:
-        look(meter, x)
+        find_midpoint(meter, x)
     for x in state:
-        observe(meter, x)
+        accumulate(meter, x)
 
 
 def period(signal: np.ndarray, sample_time: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from furuta_analysis.simulation.closed_loop import Loop, Memory, fresh_memory
 from furuta_control.controller import StateFeedback, control, state_feedback
-from furuta_control.estimator import Estimator, estimate_state, estimator
+from furuta_control.estimator import EstimatorDesign, design_estimator, estimate_state
 from furuta_friction.compensators import Compensator, compensator, estimate_friction
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
@@ -36,7 +36,7 @@ def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recom
         _run(
             measurement[start:end],
             memory,
-            estimator(loop.estimator),
+            design_estimator(loop.estimator),
             compensator(loop.observer),
             state_feedback(loop.controller),
             Recomputed(*(series[start:end] for series in result)),
@@ -48,7 +48,7 @@ def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recom
 def _run(
     measurement: np.ndarray,
     memory: Memory,
-    estimation: Estimator,
+    estimation: EstimatorDesign,
     observer: Compensator,
     feedback: StateFeedback,
     result: Recomputed,

@@ -14,9 +14,9 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.recovery import recover as mend
 from furuta_recordings.recorder_node import PARAMETERS_FILE
-from furuta_recordings.replay_node import Replay, Wishes
+from furuta_recordings.replay_node import ReplayNode, ReplayOptions
 from furuta_ros.messages import NANOSECONDS
-from furuta_ros.spinning import Stop
+from furuta_ros.spinning import StopSignal
 from furuta_studies.recompute import compare, recomputed
 
 BAG = click.argument("bag", type=click.Path(path_type=Path))
@@ -95,8 +95,8 @@ def replay(
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         names = tuple((a, b) for a, b in pairs)
-        node = Replay(bag, Wishes(rate, topics, names, clock, wait))
-        node.play(Stop())
+        node = ReplayNode(bag, ReplayOptions(rate, topics, names, clock, wait))
+        node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
     finally:

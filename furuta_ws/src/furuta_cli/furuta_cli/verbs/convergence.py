@@ -20,8 +20,8 @@ from furuta_analysis.convergence.passive_error import passive_error
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_cli.options import feedback_option, json_option, model_options, print_json
-from furuta_graph.settings import gather, loop
-from furuta_studies.ideal_loop import Choice
+from furuta_graph.settings import load_settings, loop
+from furuta_studies.ideal_loop import LoopOptions
 
 NEVER = (
     "No L and no K satisfies the condition with an error made of the arm angle alone: G then has "
@@ -49,8 +49,8 @@ def command(
     For the plant's model and friction, the controller's gain L or --feedback, and the observer's
     gain K (--set observer_gain=0.1).
     """
-    given = Choice(files, assignments, "lugre", feedback).checked_loop()
-    made = loop(gather(files, assignments))
+    given = LoopOptions(files, assignments, "lugre", feedback).checked_loop()
+    made = loop(load_settings(files, assignments))
     gain, friction = made.observer.observer_gain, given.law.parameters
     g = error_loop(given.body, given.gains, friction)
     verdict = convergence(g, gain, friction)

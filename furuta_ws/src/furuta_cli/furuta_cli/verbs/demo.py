@@ -18,8 +18,8 @@ from rich.table import Table
 
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_figures.demo import draw
-from furuta_graph.settings import gather
-from furuta_recordings.bags.recorded_run import read_course
+from furuta_graph.settings import load_settings
+from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_studies.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
 from furuta_studies.tuning.report import parameters
 from furuta_studies.tuning.tuning import Plan
@@ -53,7 +53,7 @@ def command(
     compensations are switched, by the parameter services.
     """
     check_seconds(seconds)
-    settings = gather(files, assignments)
+    settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
     (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
     if as_json:
@@ -83,11 +83,11 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     finally:
         rclpy.try_shutdown()
     with console.status("reading the bag, drawing"):
-        course = read_course(bag)
+        recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
-        draw(course, phases, figure)
+        draw(recorded, phases, figure)
     return {
-        "runs": evaluate(phases, course),
+        "runs": evaluate(phases, recorded),
         "tuned_parameters": parameters(tuned.after.observer),
         "figure": str(figure),
         "bag": str(bag),

@@ -13,7 +13,7 @@ from furuta_analysis.describing_functions.steady_rotation import steady_rotation
 from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
-from furuta_studies.ideal_loop import Choice
+from furuta_studies.ideal_loop import LoopOptions
 
 INCOMPLETE = "The winding number disagrees with the cycles found: some may be missing."
 
@@ -39,7 +39,7 @@ def command(
 
     A prediction from first harmonics, next to which `furuta limit-cycle` is exact.
     """
-    given = Choice(files, assignments, law, feedback).checked_loop()
+    given = LoopOptions(files, assignments, law, feedback).checked_loop()
     prediction = predict_cycles(transfer(given.body, given.gains), given.law)
     _draw(given, prediction, out, curves)
     result = _result(given, prediction)

@@ -13,9 +13,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_studies.experiments import EXPERIMENTS, Outcome, experiment, sensor_resolution
+from furuta_studies.experiments import EXPERIMENTS, ExperimentResult, experiment, sensor_resolution
 from furuta_studies.tuning.report import parameters
 
 
@@ -42,7 +42,7 @@ def command(
     """
     if not 5.0 <= seconds <= 3600.0:
         raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
-    made = loop(gather(files, assignments))
+    made = loop(load_settings(files, assignments))
     rows = []
     console = Console(stderr=True, quiet=as_json)
     for name in EXPERIMENTS if "all" in names else dict.fromkeys(names):
@@ -59,7 +59,7 @@ def command(
         _print(rows, sensor_resolution(made))
 
 
-def _row(name: str, outcome: Outcome) -> dict[str, Any]:
+def _row(name: str, outcome: ExperimentResult) -> dict[str, Any]:
     return {
         "experiment": name,
         "compensation": outcome.loop.observer.compensation,

@@ -12,7 +12,7 @@ from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_
 from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, released, trace
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
-from furuta_studies.ideal_loop import Choice, parse_range, require_stabilising
+from furuta_studies.ideal_loop import LoopOptions, parse_range, require_stabilising
 
 
 @click.command()
@@ -41,7 +41,7 @@ def command(
     Ideal: all states measured, feedback u = l·x without sampling or saturation. With --branch
     the cycle is followed over a parameter, round its folds, unstable cycles included.
     """
-    choice = Choice(files, assignments, law, feedback, linear)
+    choice = LoopOptions(files, assignments, law, feedback, linear)
     loop = choice.loop()
     if not 0.0 < abs(release) < 0.5 * np.pi:
         raise ParameterError(
@@ -77,7 +77,7 @@ def command(
 
 
 def _follow(
-    choice: Choice, name: str, cycle: LimitCycle, low: float, high: float
+    choice: LoopOptions, name: str, cycle: LimitCycle, low: float, high: float
 ) -> list[BranchPoint]:
     """The branch through the cycle of the settings as they are, or of the range's middle."""
     here = choice.value(name)

@@ -9,7 +9,7 @@ import numpy as np
 
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_control.controller import state_feedback
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_model.linear import linearize
 
 
@@ -18,7 +18,7 @@ from furuta_model.linear import linearize
 @json_option
 def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
     """Linear model (2), (3) of the controller's nominal pendulum and its gain, eq. (7)."""
-    parameters = loop(gather(files, assignments)).controller
+    parameters = loop(load_settings(files, assignments)).controller
     a, b = linearize(parameters.model)
     gain = np.array(state_feedback(parameters)[:4])
 

@@ -14,7 +14,7 @@ from rich.progress import track
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_studies.feedback_map import StudyPoint, study
-from furuta_studies.ideal_loop import Choice, parse_range
+from furuta_studies.ideal_loop import LoopOptions, parse_range
 
 COUNT = 20
 
@@ -40,7 +40,7 @@ def command(
 
     Any parameter by name, or the gains l1 to l4 of u = l·x: furuta map omega1=2:12 omega2=2:12
     """
-    choice = Choice(files, assignments, law, feedback)
+    choice = LoopOptions(files, assignments, law, feedback)
     (first, firsts), (second, seconds) = (parse_range(each, COUNT) for each in ranges)
     if first == second:
         raise ParameterError(f"a map needs two different parameters, given {first} twice")

@@ -13,7 +13,7 @@ from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 
 from furuta_cli.options import json_option, print_json
-from furuta_graph.parameter_client import Operator
+from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import parameter_file, parameter_table
 from furuta_graph.settings import NODES
 from furuta_model.parameters import ParameterError
@@ -26,11 +26,11 @@ def command() -> None:
 
 
 @contextmanager
-def _operator() -> Iterator[Operator]:
+def _client() -> Iterator[ParameterClient]:
     rclpy.init(args=[])
     try:
         node = Node("furuta_param")
-        yield Operator(node, executor_of([node]))
+        yield ParameterClient(node, executor_of([node]))
     finally:
         rclpy.try_shutdown()
 
@@ -40,8 +40,8 @@ def _operator() -> Iterator[Operator]:
 @json_option
 def list_(node: str, as_json: bool) -> None:
     """List the parameters of NODE with their values."""
-    with _operator() as operator:
-        values = operator.get(node, operator.names(node))
+    with _client() as client:
+        values = client.get(node, client.names(node))
     if as_json:
         print_json({name: _plain(value) for name, value in values.items()})
     else:
@@ -55,8 +55,8 @@ def list_(node: str, as_json: bool) -> None:
 @json_option
 def get(node: str, name: str, as_json: bool) -> None:
     """Print the value of one parameter."""
-    with _operator() as operator:
-        value = _plain(operator.get(node, [name])[name])
+    with _client() as client:
+        value = _plain(client.get(node, [name])[name])
     if as_json:
         print_json({name: value})
     else:
@@ -75,10 +75,10 @@ def set_(node: str, assignments: tuple[str, ...]) -> None:
     )
     if any(len(pair) != 2 for pair in pairs):
         raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
-    with _operator() as operator:
+    with _client() as client:
         names = [name for name, _ in pairs]
         values = {}
-        for (name, text), about in zip(pairs, operator.describe(node, names), strict=True):
+        for (name, text), about in zip(pairs, client.describe(node, names), strict=True):
             value = yaml.safe_load(text)
             # 80 is a fine value for a parameter of type double, whatever ROS thinks of it.
             if about.type == ParameterType.PARAMETER_DOUBLE and isinstance(value, (int, str)):
@@ -86,7 +86,7 @@ def set_(node: str, assignments: tuple[str, ...]) -> None:
             if about.type == ParameterType.PARAMETER_DOUBLE_ARRAY and isinstance(value, list):
                 value = [float(each) for each in value]
             values[name] = value
-        operator.set_all(node, values)
+        client.set_all(node, values)
 
 
 def _number(value: int | str) -> float | int | str:

@@ -14,11 +14,11 @@ from furuta_graph.parameter_files import settings_file
 from furuta_graph.processes import HARDWARE, run_processes
 from furuta_graph.rigs import find_rig, rig_file, rig_settings
 from furuta_graph.run import run_composed, run_on_hardware
-from furuta_graph.settings import Settings, gather
+from furuta_graph.settings import Settings, load_settings
 from furuta_model.parameters import ParameterError
-from furuta_recordings.recorder_node import MakeRecorder, Recorder, chosen_topics
+from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
 from furuta_ros.scheduling import Scheduling
-from furuta_ros.spinning import Stop
+from furuta_ros.spinning import StopSignal
 
 
 @click.command()
@@ -31,7 +31,7 @@ from furuta_ros.spinning import Stop
 @click.option("--processes", is_flag=True, help="One process per node instead of one for all.")
 @click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record a bag.")
 @click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
-@click.option("--seconds", type=float, help="Stop after this pendulum time.")
+@click.option("--seconds", type=float, help="StopSignal after this pendulum time.")
 @click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
 @click.option("--cores", metavar="N,N", help="Run on these cores only.")
 @click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
@@ -61,7 +61,7 @@ def command(
 
     What the system grants of --priority, --cores and --lock-memory is printed at the start.
     """
-    settings = gather(files, assignments, rig_settings(find_rig(rig)) if rig else None)
+    settings = load_settings(files, assignments, rig_settings(find_rig(rig)) if rig else None)
     scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
     if seconds is not None and not seconds > 0:
         raise ParameterError(f"--seconds must be above 0, given {seconds:g}")
@@ -73,7 +73,7 @@ def command(
             raise ParameterError("a rig keeps its own time: no --lockstep, --realtime or --timing")
         _on_a_rig(settings["hardware_bridge"], port, rig, read_only)
         if processes:
-            sys.exit(run_processes(settings, Stop(), HARDWARE, recorder(stamped=False)))
+            sys.exit(run_processes(settings, StopSignal(), HARDWARE, recorder(stamped=False)))
         run_on_hardware(settings, recorder(stamped=False), seconds, scheduling)
         return
     if port or read_only:
@@ -86,7 +86,7 @@ def command(
         raise ParameterError("--timing is of real time; in lock-step nothing is late")
     record_it = recorder(stamped=settings["plant"].get("clock") == "lockstep")
     if processes:
-        sys.exit(run_processes(settings, Stop(), record=record_it))
+        sys.exit(run_processes(settings, StopSignal(), record=record_it))
     run_composed(settings, record_it, seconds, scheduling, timing)
 
 
@@ -98,7 +98,7 @@ def _recorder(
         if topics:
             raise ParameterError("--topic chooses what --record records")
         return None
-    return partial(Recorder, path, stamped, chosen_topics(topics), settings_file(settings))
+    return partial(RecorderNode, path, stamped, chosen_topics(topics), settings_file(settings))
 
 
 def _on_a_rig(bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool) -> None:

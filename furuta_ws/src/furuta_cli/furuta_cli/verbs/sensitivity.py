@@ -11,11 +11,11 @@ from rich.markup import escape
 from rich.table import Table
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_studies.experiments import sensor_resolution
 from furuta_studies.sensitivity import Sensitivity, sensitivity
-from furuta_studies.tuning.tuning import Plan, SimulatedRig, tune
+from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
 
 # Multiples of the rig's noise.
 NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -43,13 +43,13 @@ def command(
         raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
     if not 1 <= seeds <= 1000:
         raise ParameterError(f"--seeds must be 1 to 1000, given {seeds}")
-    made = loop(gather(files, assignments))
+    made = loop(load_settings(files, assignments))
     with Console(stderr=True, quiet=as_json).status("tuning, then simulating"):
         compensations = {
             name: made.observer._replace(compensation=name)
             for name in ("coulomb", "stiction", "lugre", "adaptive")
         }
-        tuned = tune(SimulatedRig(made), made.observer, made.estimator, Plan(), lambda *_: None)
+        tuned = tune(SimulatedLoop(made), made.observer, made.estimator, Plan(), lambda *_: None)
         compensations["lugre, tuned"] = tuned.after.observer
         first = made.plant.seed
         rows = sensitivity(made, compensations, NOISES, range(first, first + seeds), seconds)

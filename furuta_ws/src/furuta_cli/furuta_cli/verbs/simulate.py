@@ -12,7 +12,7 @@ import numpy as np
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import fell, measure_oscillation
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_graph.settings import gather, loop
+from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 
 
@@ -53,7 +53,7 @@ def command(
         extra.append(f"plant.seed={seed}")
     if feedback is not None:
         extra.append(f"controller.gain={[-each for each in feedback]}")
-    settings = gather(files, [*assignments, *extra])
+    settings = load_settings(files, [*assignments, *extra])
     began = perf_counter()
     record = simulate(loop(settings), seconds)
     wall = perf_counter() - began

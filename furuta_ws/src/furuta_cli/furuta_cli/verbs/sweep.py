@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_graph.settings import gather
+from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep import Journal, Result, Study, run_here, write_table
 from furuta_studies.sweep_points import METHODS, parse_axis
@@ -63,7 +63,7 @@ def command(
     if out.exists():
         raise ParameterError(f"{out} exists already; name another file with --out")
     axes = tuple(parse_axis(each, COUNT) for each in ranges)
-    study = Study(gather(files, assignments), axes, method, points, seed, seconds)
+    study = Study(load_settings(files, assignments), axes, method, points, seed, seconds)
     size = study.size
     journal = Journal(out, study)
     before = len(journal.results)

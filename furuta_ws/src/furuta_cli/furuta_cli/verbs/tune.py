@@ -12,12 +12,12 @@ from rich.console import Console
 from rich.table import Table
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_graph.parameter_client import Operator
-from furuta_graph.running_graph import Estimates, RunningRig, TuningInterruptedError
-from furuta_graph.settings import gather, loop
+from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.running_graph import Estimates, RunningLoop, TuningInterruptedError
+from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
-from furuta_ros.spinning import Stop, executor_of
+from furuta_ros.spinning import StopSignal, executor_of
 from furuta_studies.tuning.report import described, parameters, write_parameter_file
 from furuta_studies.tuning.tuning import (
     FITTED,
@@ -25,8 +25,8 @@ from furuta_studies.tuning.tuning import (
     GuardError,
     Plan,
     Report,
-    SimulatedRig,
-    Tuned,
+    SimulatedLoop,
+    TuningResult,
     tune,
 )
 
@@ -119,17 +119,17 @@ def command(
 
 def _tune_simulated(
     plan: Plan, files: tuple[Path, ...], assignments: tuple[str, ...], quiet: bool
-) -> Tuned:
-    made = loop(gather(files, assignments))
-    return tune(SimulatedRig(made), made.observer, made.estimator, plan, _reporter(quiet))
+) -> TuningResult:
+    made = loop(load_settings(files, assignments))
+    return tune(SimulatedLoop(made), made.observer, made.estimator, plan, _reporter(quiet))
 
 
-def _tune_running(plan: Plan, quiet: bool) -> Tuned:
+def _tune_running(plan: Plan, quiet: bool) -> TuningResult:
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node("furuta_tune")
         executor = executor_of([node])
-        rig = RunningRig(Operator(node, executor), Estimates(node), executor, Stop())
+        rig = RunningLoop(ParameterClient(node, executor), Estimates(node), executor, StopSignal())
         return tune(rig, rig.observer, rig.estimator, plan, _reporter(quiet))
     finally:
         rclpy.try_shutdown()
@@ -144,7 +144,7 @@ def _reporter(quiet: bool) -> Report:
     return report
 
 
-def _print(tuned: Tuned, out: Path | None) -> None:
+def _print(tuned: TuningResult, out: Path | None) -> None:
     table = Table.grid(padding=(0, 3))
     table.add_row("arm, peak to peak, before", f"{tuned.before.amplitude:.4f} rad")
     table.add_row("after", f"{tuned.after.amplitude:.4f} rad")

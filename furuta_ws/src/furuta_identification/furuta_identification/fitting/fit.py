@@ -35,23 +35,23 @@ def identify(recordings: list[Recording], options: Options) -> Model:
             prepared.append(ready)
             findings += found
     lag = float(np.median([speed_lag(each) for each in prepared]))
-    prepared, regression, delay, turned = _regress(prepared, lag)
-    if turned:
-        findings.append("a positive command turns the arm in its negative direction: sign turned")
+    prepared, regression, delay, negated = _regress(prepared, lag)
+    if negated:
+        findings.append("a positive command turns the arm in its negative direction: sign inverted")
     guess = _first_guess(regression, lag)
     if all(np.max(np.abs(each.measured[:, THETA])) < BALANCED for each in prepared):
         # In so slow a motion the regression hardly tells a delay from an inertia.
         model, delay = fit_balanced(prepared, guess, regression, findings, options), 0.0
     else:
-        later = [each.with_command_later(delay) for each in prepared]
+        later = [each.with_delayed_command(delay) for each in prepared]
         model = fit_swinging(later, guess, regression, findings, options)
-    return model._replace(turned=turned, shift=delay)
+    return model._replace(command_negated=negated, shift=delay)
 
 
 def _regress(
     recordings: list[Recording], lag: float
 ) -> tuple[list[Recording], MomentumFit, float, bool]:
-    """The recordings, their best regression, a delay [s], and whether the command was turned.
+    """The recordings, their best regression, a delay [s], and whether the command was negated.
 
     The delay is the least with which the regression is about as good as can be and finds a
     pendulum, not the best one: in slow motion a delay is much like an inertia.
@@ -61,11 +61,11 @@ def _regress(
     total = np.sqrt(np.sum(np.square(misfits), axis=0))
     good = delays[total <= AS_GOOD * np.min(total)]
     for delay in good[np.argsort(np.abs(good), kind="stable")]:
-        for turned in (False, True):
-            each_turned = [each.with_command_turned() if turned else each for each in recordings]
+        for negated in (False, True):
+            each_turned = [each.with_command_negated() if negated else each for each in recordings]
             best = _surest(each_turned, lag, float(delay))
             if min(best.alpha, best.beta, best.gamma, best.delta) > 0.0:
-                return each_turned, best, float(delay), turned
+                return each_turned, best, float(delay), negated
     raise ParameterError(
         f"{', '.join(each.name for each in recordings)}: no Furuta pendulum under this command "
         "moves so (the regression finds a negative inertia); are joints and command the right "
@@ -74,7 +74,7 @@ def _regress(
 
 
 def _surest(recordings: list[Recording], lag: float, delay: float) -> MomentumFit:
-    fits = [momentum_fit(with_speeds(each.with_command_later(delay), lag)) for each in recordings]
+    fits = [momentum_fit(with_speeds(each.with_delayed_command(delay), lag)) for each in recordings]
     return min(fits, key=lambda fit: abs(fit.standard_errors[0] / fit.alpha))
 
 

@@ -16,8 +16,9 @@ class Model(NamedTuple):
 
     ``names`` the unknowns fitted, ``covariance`` of their vector, ``information`` the data's own
     part of its inverse; ``window`` [s] infinite for free runs; ``regression`` the first step;
-    ``turned`` whether a positive command turns the arm in its negative direction, ``shift`` [s] by
-    which the recordings' commands were moved before the rest of their delay was fitted.
+    ``command_negated`` whether a positive command turns the arm in its negative direction,
+    ``shift`` [s] by which the recordings' commands were moved before the rest of their delay was
+    fitted.
     """
 
     guess: Guess
@@ -29,5 +30,5 @@ class Model(NamedTuple):
     regression: MomentumFit
     recordings: list[Recording]
     findings: list[str]
-    turned: bool = False
+    command_negated: bool = False
     shift: float = 0.0

@@ -69,7 +69,7 @@ def fit_swinging(
     names, guess, held, found = _without_coulomb_if_one_way(recordings, names, guess)
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    starts = [_climb(each, names, guess, window, scale) for each in recordings]
+    starts = [_fit_growing_segments(each, names, guess, window, scale) for each in recordings]
     scale = np.median([residual_scale(each.shooting, each.vector) for each in starts], axis=0)
     fitted = _together(recordings, names, starts, window, scale)
     scale = residual_scale(fitted.shooting, fitted.vector)
@@ -83,7 +83,7 @@ def fit_swinging(
         )
         names = [*names, *RIPPLE]
         fitted = fitted._replace(guess=fitted.guess.changed(["ripple_order"], [order]))
-    names = [*names, *_told(fitted, [name for name in LUGRE if name not in names])]
+    names = [*names, *_determined_by_data(fitted, [name for name in LUGRE if name not in names])]
     fitted = optimise(recordings, names, fitted.guess, window, scale, robust=True)
     follows = pendulum_fit(fitted.shooting, fitted.vector)
     if follows < FOLLOWED and options.window is None:
@@ -133,7 +133,7 @@ def _one_way(recording: Recording) -> bool:
     return not (np.any(v > fast) and np.any(v < -fast))
 
 
-def _climb(
+def _fit_growing_segments(
     recording: Recording, names: list[str], guess: Guess, window: float, scale: np.ndarray
 ) -> Fitted:
     """Fit over ever longer stretches, by the ladder that ends nearest to the data."""
@@ -188,7 +188,7 @@ def _with_friction(
     return min((fitted, other), key=lambda each: misfit(each.shooting, each.vector))
 
 
-def _told(fitted: Fitted, names: list[str]) -> list[str]:
+def _determined_by_data(fitted: Fitted, names: list[str]) -> list[str]:
     """Those of the unknowns ``names`` that the data know better than their prior."""
     both = [*fitted.shooting.names, *names]
     wider = Shooting(fitted.shooting.parts, both, fitted.guess)

@@ -29,7 +29,7 @@ def in_radians(recording: Recording, angles: str) -> tuple[Recording, list[str]]
         return candidates[angles], [f"angles in {angles} (as given)"] if angles == "deg" else []
     slopes = {unit: _with_slopes(each) for unit, each in candidates.items()}
     limit = pendulum_misfit(slopes["deg"]) / BETTER
-    if all(pendulum_misfit(slopes["rad"].turned(zero, 1.0, 1.0)) > limit for zero in ZEROS):
+    if all(pendulum_misfit(slopes["rad"].reoriented(zero, 1.0, 1.0)) > limit for zero in ZEROS):
         return candidates["deg"], ["angles in deg (found)"]
     return candidates["rad"], []
 

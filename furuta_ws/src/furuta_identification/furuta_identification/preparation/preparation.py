@@ -128,7 +128,7 @@ def oriented(recording: Recording, zero: str) -> tuple[Recording, list[str]]:
             f"zero were {found}"
         )
     direction = -1.0 if coupling < 0.0 else 1.0
-    turned = recording.turned(np.pi if found == "hanging" else 0.0, direction, 1.0)
+    turned = recording.reoriented(np.pi if found == "hanging" else 0.0, direction, 1.0)
     turns = 2.0 * np.pi * np.round(np.mean(turned.measured[:, THETA]) / (2.0 * np.pi))
     turned.measured[:, THETA] -= turns
     formula = (

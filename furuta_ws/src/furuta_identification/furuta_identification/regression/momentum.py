@@ -70,7 +70,7 @@ def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
     beta, gamma = _pendulum_equation(recording, windows).found[:2]
     return np.array(
         [
-            _arm_equation(recording.with_command_later(delay), windows, beta, gamma).misfit
+            _arm_equation(recording.with_delayed_command(delay), windows, beta, gamma).misfit
             for delay in delays
         ]
     )

@@ -72,9 +72,9 @@ def held_out(model: Model, recording: Recording, options: Options) -> tuple[Foll
     started elsewhere, and its zero is taken from that rest.
     """
     ready, findings = prepare(recording, options)
-    if model.turned:
-        ready = ready.with_command_turned()
-    ready = ready.with_command_later(model.shift)
+    if model.command_negated:
+        ready = ready.with_command_negated()
+    ready = ready.with_delayed_command(model.shift)
     at_rest = ready.between(ready.time[0], ready.time[0] + 0.1).measured[:, THETA]
     if np.isinf(model.window) and np.ptp(at_rest) < OTHER_ZERO:
         g = model.guess

@@ -31,7 +31,7 @@ class Found(NamedTuple):
     data: bytes
 
 
-class BrokenError(Exception):
+class DamagedError(Exception):
     """Here the sound part of a file ends, with the reason in words."""
 
 
@@ -41,7 +41,7 @@ def salvage(files: list[Path], reasons: list[str]) -> Iterator[Found]:
         read = _of_sqlite if file.suffix == ".db3" else _of_mcap
         try:
             yield from read(file, reasons)
-        except (BrokenError, OSError, ValueError, sqlite3.Error) as error:
+        except (DamagedError, OSError, ValueError, sqlite3.Error) as error:
             reasons.append(f"{file.name}: {error}")
 
 
@@ -71,7 +71,7 @@ def _is_time(value: object) -> bool:
 def _of_mcap(file: Path, reasons: list[str]) -> Iterator[Found]:
     with file.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
-            raise BrokenError("no MCAP file")
+            raise DamagedError("no MCAP file")
         yield from _of_records(stream, {}, {}, reasons)
 
 
@@ -90,20 +90,20 @@ def _of_records(
         if not head:
             return
         if len(head) < _HEAD.size:
-            raise BrokenError("ends within a record")
+            raise DamagedError("ends within a record")
         opcode, length = _HEAD.unpack(head)
         if opcode in (0, _DATA_END):
             return
         if length > LONGEST_RECORD:
             if opcode >= 0x80:
                 return
-            raise BrokenError(f"a record that claims {length} bytes")
+            raise DamagedError(f"a record that claims {length} bytes")
         content = stream.read(length)
         if len(content) < length:
-            raise BrokenError("ends within a record")
+            raise DamagedError("ends within a record")
         try:
             yield from _of_record(opcode, content, schemas, channels)
-        except BrokenError as broken:
+        except DamagedError as broken:
             if reasons is None:
                 raise
             reasons.append(f"left out {broken}")
@@ -115,7 +115,7 @@ def _of_record(
     try:
         yield from _of_sound_record(opcode, content, schemas, channels)
     except (struct.error, ValueError, KeyError, EOFError, ArithmeticError, McapError) as error:
-        raise BrokenError(f"a malformed record ({type(error).__name__})") from None
+        raise DamagedError(f"a malformed record ({type(error).__name__})") from None
 
 
 def _of_sound_record(
@@ -131,11 +131,11 @@ def _of_sound_record(
     elif opcode == _CHUNK:
         chunk = Chunk.read(stream)
         if chunk.uncompressed_size > LONGEST_RECORD:
-            raise BrokenError(f"a chunk that claims {chunk.uncompressed_size} bytes")
+            raise DamagedError(f"a chunk that claims {chunk.uncompressed_size} bytes")
         try:
             records = breakup_chunk(chunk, validate_crc=True)
         except Exception as error:  # whatever a decompressor raises
-            raise BrokenError(f"a chunk that cannot be read ({error})") from None
+            raise DamagedError(f"a chunk that cannot be read ({error})") from None
         for record in records:
             yield from _of_known(record, schemas, channels)
 

@@ -13,7 +13,7 @@ from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
 
 
-class Course(NamedTuple):
+class RecordedRun(NamedTuple):
     """What a lock-step run of the graph was in truth, one row per sample.
 
     ``time`` (n,) [s], true ``state`` (n, 4), true ``friction`` (n,) [V], ``friction_estimate``
@@ -26,13 +26,13 @@ class Course(NamedTuple):
     friction_estimate: np.ndarray
     command: np.ndarray
 
-    def between(self, start: float, end: float) -> Course:
+    def between(self, start: float, end: float) -> RecordedRun:
         """The part with start ≤ time < end."""
         chosen = (self.time >= start - 1e-9) & (self.time < end - 1e-9)
-        return Course(*(series[chosen] for series in self))
+        return RecordedRun(*(series[chosen] for series in self))
 
 
-def read_course(path: Path) -> Course:
+def read_recorded_run(path: Path) -> RecordedRun:
     """Read a lock-step recording with ground truth."""
     rows: list[list[float]] = []
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE.name: [], COMMAND.name: []}
@@ -48,7 +48,7 @@ def read_course(path: Path) -> Course:
                 floats[name].append(message.data)
     samples = min(len(rows), *map(len, floats.values()))
     table = np.array(rows[:samples])
-    return Course(
+    return RecordedRun(
         table[:, 0],
         table[:, 1 : 1 + RIGID_STATES],
         table[:, -1],

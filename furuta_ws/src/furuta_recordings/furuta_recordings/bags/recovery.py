@@ -8,7 +8,7 @@ from pathlib import Path
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.damaged_files import BrokenError, salvage
+from furuta_recordings.bags.damaged_files import DamagedError, salvage
 from furuta_recordings.bags.mcap_file import Kind
 from furuta_recordings.bags.writer import BagWriter
 from furuta_recordings.recorder_node import PARAMETERS_FILE
@@ -55,7 +55,7 @@ def _kinds(files: list[Path], reasons: list[str]) -> list[Kind]:
     for kind in kinds.values():
         try:
             sound.append(kind._replace(definition=_definition(kind)))
-        except BrokenError as broken:
+        except DamagedError as broken:
             reasons.append(f"left out {kind.topic}: {broken}")
     return sound
 
@@ -68,5 +68,5 @@ def _definition(kind: Kind) -> str:
             return kind.definition
     types = get_typestore(Stores.ROS2_JAZZY)
     if kind.type_name not in types.types:
-        raise BrokenError(f"nothing defines its type {kind.type_name!r}")
+        raise DamagedError(f"nothing defines its type {kind.type_name!r}")
     return types.generate_msgdef(kind.type_name, ros_version=2)[0]

@@ -62,7 +62,7 @@ class BagProcess:
             fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
         os.set_blocking(self._pipe, False)
         self.add(0, 0, json.dumps([kinds, parameters]).encode())
-        self.push(wait=True)
+        self.send(wait=True)
         answer = self._said()
         if answer != READY:
             self._process.wait()
@@ -72,7 +72,7 @@ class BagProcess:
         """Take a message of one of the kinds (index), received at ``time`` [ns]."""
         self._added += (_FRAME.pack(len(data), kind, time), data)
 
-    def push(self, wait: bool = False) -> None:
+    def send(self, wait: bool = False) -> None:
         """Hand over what was added: what there is room for or, with ``wait``, all of it."""
         if self._added:
             self._waiting.append(memoryview(b"".join(self._added)))
@@ -100,7 +100,7 @@ class BagProcess:
         assert self._process.stdin is not None
         if self._process.stdin.closed:
             return
-        self.push(wait=True)
+        self.send(wait=True)
         self._process.stdin.close()
         if self._process.wait() and self.failure is None:
             self.failure = self._said()

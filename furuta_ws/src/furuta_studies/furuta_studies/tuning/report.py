@@ -9,10 +9,10 @@ import yaml
 
 from furuta_friction.parameters import ObserverParameters
 from furuta_model.parameters import values
-from furuta_studies.tuning.tuning import Trial, Tuned
+from furuta_studies.tuning.tuning import Trial, TuningResult
 
 
-def described(tuned: Tuned) -> dict[str, Any]:
+def described(tuned: TuningResult) -> dict[str, Any]:
     """The tuning as JSON's objects."""
     return {
         "parameters": parameters(tuned.after.observer),

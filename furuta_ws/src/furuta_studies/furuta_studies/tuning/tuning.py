@@ -54,7 +54,7 @@ CANDIDATES = 3
 FIRST_STEP, LAST_STEP = 0.6, 0.1
 
 
-class Rig(Protocol):
+class TunableLoop(Protocol):
     """A pendulum in motion whose friction observer can be set and whose estimates be watched."""
 
     def apply(self, observer: ObserverParameters) -> None:
@@ -112,7 +112,7 @@ class Trial(NamedTuple):
     amplitude: float
 
 
-class Tuned(NamedTuple):
+class TuningResult(NamedTuple):
     """The outcome: amplitudes [rad] before and after, and the pendulum time [s] it took."""
 
     before: Trial
@@ -130,12 +130,12 @@ Report = Callable[[str, float], None]
 
 
 def tune(
-    rig: Rig,
+    rig: TunableLoop,
     start: ObserverParameters,
     estimator: EstimatorParameters,
     plan: Plan,
     report: Report,
-) -> Tuned:
+) -> TuningResult:
     """Tune ``rig``'s LuGre compensator, which is left with the best parameters found.
 
     Raises :class:`GuardError` where the motion leaves the guard even with the parameters of the
@@ -156,7 +156,9 @@ def tune(
 
 
 class _Tuner:
-    def __init__(self, rig: Rig, start: ObserverParameters, plan: Plan, report: Report) -> None:
+    def __init__(
+        self, rig: TunableLoop, start: ObserverParameters, plan: Plan, report: Report
+    ) -> None:
         self._rig = rig
         self._start = start
         self._plan = plan
@@ -164,14 +166,14 @@ class _Tuner:
         self._seconds = 0.0
         self._trials: list[Trial] = []
 
-    def run(self, estimator: EstimatorParameters) -> Tuned:
+    def run(self, estimator: EstimatorParameters) -> TuningResult:
         before = self._trial(self._start, WINDOW)
         self._report(f"before: {before.amplitude:.4f} rad", self._seconds)
         fitted = self._listen(estimator)
         self._search(self._start._replace(friction=fitted))
         after = self._best()
         self._rig.apply(after.observer)
-        return Tuned(before, fitted, after, self._trials, self._seconds)
+        return TuningResult(before, fitted, after, self._trials, self._seconds)
 
     def _best(self) -> Trial:
         """The best of the best trials, looked at again for all the time that is left."""
@@ -280,8 +282,8 @@ def _moved(
 _ABOUT = {each.name: each.about for each in declared(ObserverParameters)}
 
 
-class SimulatedRig:
-    """A simulated loop as a :class:`Rig`."""
+class SimulatedLoop:
+    """A simulated loop as a :class:`TunableLoop`."""
 
     def __init__(self, loop: Loop) -> None:
         self._simulation = Simulation(loop)
