@@ -8,7 +8,7 @@ from time import perf_counter, process_time
 
 from furuta_analysis.simulation.batch import available_cores, batch
 from furuta_analysis.simulation.closed_loop import Loop
-from furuta_friction.parameters import ObserverParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_sim.parameters import PlantParameters
 
 RUNS, SECONDS = 2000, 30.0

@@ -25,7 +25,7 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.simulation.closed_loop import outcome
 from furuta_analysis.simulation.oscillation import Oscillation
-from furuta_model.friction_laws import LAWS, FrictionLaw
+from furuta_model.friction.laws import friction_law
 
 TURNS = 7
 SOLVER_SECONDS = 5.0  # of the pendulum, for the slow ones
@@ -61,7 +61,7 @@ def speed() -> dict[str, float]:
 def errors() -> dict[str, float]:
     """Relative errors of the limit cycle at a step of 1 ms against the tight reference."""
     reference = tight_reference()
-    law = FrictionLaw(LAWS.index("lugre"), LOOP.plant.friction)
+    law = friction_law("lugre", LOOP.plant.friction.parameters)
     l1, l2, l3, l4 = FEEDBACK
     exact = limit_cycle(IdealLoop(LOOP.plant.model, law, l1, l2, l3, l4))
     figures = {

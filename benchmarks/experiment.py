@@ -13,9 +13,9 @@ from scipy.integrate import odeint
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
-from furuta_control.controller import state_feedback
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_model.lugre import LuGre
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_model.friction.parameters import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.parameters import Actuator, PlantParameters, Sensors
 
@@ -29,7 +29,7 @@ LOOP = Loop(
     EstimatorParameters(sensors=SENSORS, sample_time=STEP),
 )
 # u = l·x
-FEEDBACK = tuple(-each for each in state_feedback(ControllerParameters())[:4])
+FEEDBACK = tuple(-each for each in ControllerParameters().feedback_gain)
 TURNS = 4  # of the cycle that the reference follows, the first third left out
 
 

@@ -8,9 +8,8 @@ import numpy as np
 from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
-from furuta_control.estimator import MEMORY, design_estimator, estimate_state
+from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
 from furuta_control.estimator_node import EstimatorNode
-from furuta_control.parameters import EstimatorParameters
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000

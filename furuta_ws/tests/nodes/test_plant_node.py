@@ -146,13 +146,13 @@ def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
     """True friction is turned while it runs; the bad value of two refuses both."""
     node = plant(bench)
     assert node.set_parameters([Parameter("friction.alpha0", value=0.3)])[0].successful
-    assert node.parameters.plant.friction.alpha0 == 0.3
+    assert node.parameters.plant.friction.parameters.alpha0 == 0.3
     result = node.set_parameters_atomically(
         [Parameter("friction.alpha0", value=0.4), Parameter("model.alpha", value=1e-6)]
     )
     assert not result.successful
     assert "gamma" in result.reason
-    assert node.parameters.plant.friction.alpha0 == 0.3
+    assert node.parameters.plant.friction.parameters.alpha0 == 0.3
     expected = build(PlantNodeParameters, {"friction.alpha0": 0.3})
     assert node.parameters == expected
 

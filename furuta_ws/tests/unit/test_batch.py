@@ -11,9 +11,10 @@ import pytest
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
 from furuta_analysis.simulation.oscillation import fell, measure_oscillation
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import LuGre
 from furuta_model.state import PHI
 from furuta_sim.parameters import InitialState, PlantParameters
 

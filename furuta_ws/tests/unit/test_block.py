@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.estimator import design_estimator
-from furuta_control.parameters import EstimatorParameters
+from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_sim.parameters import PlantParameters
@@ -53,7 +52,7 @@ def test_the_product_s_parameters() -> None:
     plant = PlantParameters(seed=2**61 + 1)
     held = block(plant)[0]
     assert held["seed"] == plant.seed
-    assert held["friction"]["sigma0"] == plant.friction.sigma0
+    assert held["friction"]["sigma0"] == plant.friction.parameters.sigma0
     assert held["initial"]["theta"] == plant.initial.theta
     made = design_estimator(EstimatorParameters())
     np.testing.assert_array_equal(block(made)[0]["kalman_step"], made.kalman_step)

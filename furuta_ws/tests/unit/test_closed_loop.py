@@ -9,9 +9,10 @@ from scipy.signal import cont2discrete
 
 from furuta_analysis.simulation.closed_loop import Loop, Record, Simulation, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import LuGre
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
 

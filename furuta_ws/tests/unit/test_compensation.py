@@ -9,10 +9,14 @@ import pytest
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Simulation
-from furuta_control.parameters import EstimatorParameters
-from furuta_friction.compensators import compensator, largest_estimate
-from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import (
+    COMPENSATIONS,
+    ObserverParameters,
+    design_compensator,
+    largest_estimate,
+)
+from furuta_model.friction.parameters import LuGre
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantParameters
 from furuta_studies.experiments import EXPERIMENTS, experiment
@@ -65,7 +69,7 @@ def _drifting(observer: ObserverParameters, knowing: bool, seed: int) -> float:
     parts = []
     for k in range(750):
         factor = 1.0 + 0.3 * sin(2 * pi * 0.1 * k / 60.0)
-        true, known = loop.plant.friction, observer.friction
+        true, known = loop.plant.friction.parameters, observer.friction
         simulation.loop = loop._replace(
             plant=loop.plant._replace(friction=at_level(true, factor)),
             observer=observer._replace(friction=at_level(known, factor) if knowing else known),
@@ -108,7 +112,7 @@ def test_hard_conditions(kind: str) -> None:
             )
         )
         run = simulation.run(30.0)
-        made = compensator(observer)
+        made = design_compensator(observer)
         bounds = [largest_estimate(v, made) for v in run.estimate[:, 1]]
         assert np.all(np.isfinite(run.estimate))
         assert np.all(np.isfinite(run.state))
@@ -123,7 +127,7 @@ def test_switching_on_the_rig(before: str, after: str) -> None:
     simulation.run(5.0)
     simulation.loop = simulation.loop._replace(observer=ObserverParameters(after))
     run = simulation.run(5.0)
-    made = compensator(ObserverParameters(after))
+    made = design_compensator(ObserverParameters(after))
     assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], made)
     assert np.max(np.abs(run.state[:, 2])) < 0.1
 
@@ -133,7 +137,7 @@ def test_experiments_of_the_paper(name: str) -> None:
     """Each figure's amplitude beside its prediction, the friction by direction from Fig. 6 on."""
     found = experiment(name, Loop(), 20.0, silent)
     size, predicted = found.measured.phi_peak_to_peak_rad, found.predicted_phi_peak_to_peak_rad
-    assert found.loop.plant.friction.asymmetry == (0.0 if name == "fig5" else 0.05)
+    assert found.loop.plant.friction.parameters.asymmetry == (0.0 if name == "fig5" else 0.05)
     if EXPERIMENTS[name].compensation == "none":
         assert size == pytest.approx(predicted, rel=0.01)
         assert found.describing_function_phi_peak_to_peak_rad == pytest.approx(0.64, abs=0.01)

@@ -10,15 +10,16 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_friction.compensators import (
+from furuta_friction.compensation import (
+    COMPENSATIONS,
     MEMORY,
     Compensator,
-    compensator,
+    ObserverParameters,
+    design_compensator,
     estimate_friction,
     largest_estimate,
 )
-from furuta_friction.parameters import COMPENSATIONS, ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 
 DT = 1e-3
 
@@ -31,7 +32,7 @@ def signals(v: float, phi: float = 0.0, seen: float = nan) -> np.ndarray:
 def compensators(**parameters: object) -> dict[str, Compensator]:
     """One compensator of each kind."""
     return {
-        kind: compensator(ObserverParameters(compensation=kind, **parameters))
+        kind: design_compensator(ObserverParameters(compensation=kind, **parameters))
         for kind in COMPENSATIONS
     }
 

@@ -6,19 +6,31 @@ import numpy as np
 import pytest
 from unit import reference
 
-from furuta_control.controller import control, state_feedback
+from furuta_control.control import (
+    BALANCING,
+    MEMORY,
+    ControllerParameters,
+    control,
+    design_controller,
+)
 from furuta_control.excitation import ExcitationParameters
-from furuta_control.parameters import ControllerParameters
 from furuta_model.pendulum import FurutaPendulum
 
 GAIN = (-1.0, -2.0, -30.0, -4.0)
 RNG = np.random.default_rng(13)
 
 
+def memory_of(balancing: bool = True) -> np.ndarray:
+    """The memory of a controller that holds the pendulum, or does not."""
+    memory = np.zeros(MEMORY)
+    memory[BALANCING] = balancing
+    return memory
+
+
 def command(x: list[float] | np.ndarray, friction: float = 0.0, **parameters: object) -> float:
     """U of a controller that holds the pendulum."""
-    feedback = state_feedback(ControllerParameters(**{"gain": GAIN} | parameters))
-    return control(np.ones(1), np.array(x, dtype=float), friction, feedback)
+    feedback = design_controller(ControllerParameters(**{"gain": GAIN} | parameters))
+    return control(memory_of(), np.array(x, dtype=float), friction, feedback)
 
 
 def test_feedback_is_minus_lx() -> None:
@@ -43,11 +55,11 @@ def test_exact_estimate_cancels_friction() -> None:
 
 def test_gain_from_the_poles() -> None:
     """Without explicit gain the poles on the nominal model decide: here those of the paper."""
-    l1, l2, l3, l4 = state_feedback(ControllerParameters())[:4]
+    l1, l2, l3, l4 = ControllerParameters().feedback_gain
     a = np.array([[0, 1, 0, 0], [0, 0, -11, 0], [0, 0, 0, 1], [0, 0, 33, 0]])
     closed = a - np.outer([0, 45, 0, -29], [l1, l2, l3, l4])
     assert np.poly(closed) == pytest.approx([1, 16.8, 142.6, 588, 1225])
-    assert state_feedback(ControllerParameters(gain=GAIN))[:4] == GAIN
+    assert ControllerParameters(gain=GAIN).feedback_gain == GAIN
 
 
 @pytest.mark.parametrize("limit", [0.0, 2.5, 10.0])
@@ -68,10 +80,10 @@ def test_disabled() -> None:
 @pytest.mark.parametrize("side", [-1, 1])
 def test_falls_and_catches(side: int) -> None:
     """Beyond fall_angle it lets go, and takes over again only within catch_angle."""
-    feedback = state_feedback(
+    feedback = design_controller(
         ControllerParameters(gain=GAIN, fall_angle=0.7, catch_angle=0.2, voltage_limit=100.0)
     )
-    memory = np.zeros(1)
+    memory = memory_of(False)
     driven = [
         control(memory, np.array([0, 0, side * tilt, 0]), 0.1, feedback) != 0.0
         for tilt in (0.5, 0.21, 0.2, 0.5, 0.7, 0.71, 0.5, 0.21, 3.0, 0.0)
@@ -81,9 +93,9 @@ def test_falls_and_catches(side: int) -> None:
 
 def test_disabled_controller_still_watches_the_pendulum() -> None:
     """A pendulum that fell while disabled is not driven when enabled in between."""
-    memory = np.ones(1)
-    disabled = state_feedback(ControllerParameters(gain=GAIN, enabled=False))
-    enabled = state_feedback(ControllerParameters(gain=GAIN))
+    memory = memory_of()
+    disabled = design_controller(ControllerParameters(gain=GAIN, enabled=False))
+    enabled = design_controller(ControllerParameters(gain=GAIN))
     control(memory, np.array([0, 0, 1.0, 0]), 0.0, disabled)
     assert control(memory, np.array([0, 0, 0.5, 0]), 0.0, enabled) == 0.0
 
@@ -92,9 +104,9 @@ def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
     """What excitation adds to the command, sample by sample."""
     plain = ControllerParameters(gain=GAIN, voltage_limit=1e3)
     p = plain._replace(excitation=ExcitationParameters(**parameters))
-    memory, state = np.array([1.0, 0.0]), np.array(x)
-    without = control(np.ones(1), state, 0.1, state_feedback(plain))
-    feedback = state_feedback(p)
+    memory, state = memory_of(), np.array(x)
+    without = control(memory_of(), state, 0.1, design_controller(plain))
+    feedback = design_controller(p)
     return np.array([control(memory, state, 0.1, feedback) for _ in range(samples)]) - without
 
 
@@ -118,28 +130,50 @@ def test_excitation_is_silent_outside_its_limits(outside: tuple[int, float]) -> 
     excitation = ExcitationParameters(
         "steps", 0.5, period=0.004, tilt_limit=0.1, excursion_limit=0.5, speed_limit=3.0
     )
-    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
-    plain = state_feedback(ControllerParameters(gain=GAIN))
-    memory, inside, beyond = np.array([1.0, 0.0]), np.zeros(4), np.zeros(4)
+    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
+    plain = design_controller(ControllerParameters(gain=GAIN))
+    memory, inside, beyond = memory_of(), np.zeros(4), np.zeros(4)
     beyond[outside[0]] = outside[1]
     states = [inside, beyond, beyond, beyond, inside, inside, inside]
-    added = [control(memory, x, 0.0, feedback) - control(np.ones(1), x, 0.0, plain) for x in states]
+    added = [
+        control(memory, x, 0.0, feedback) - control(memory_of(), x, 0.0, plain) for x in states
+    ]
     assert added == pytest.approx([0.5, 0.0, 0.0, 0.0, 0.5, -0.5, -0.5])
 
 
 def test_excitation_stays_within_the_limits_of_the_command() -> None:
     """Nor does it drive a pendulum that was given up."""
     excitation = ExcitationParameters("steps", 50.0, tilt_limit=3.0)
-    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
-    assert control(np.array([1.0, 0.0]), np.zeros(4), 0.0, feedback) == 10.0
-    assert control(np.array([0.0, 0.0]), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0
+    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
+    assert control(memory_of(), np.zeros(4), 0.0, feedback) == 10.0
+    assert control(memory_of(False), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0
 
 
 def test_open_loop_drives_a_hanging_pendulum() -> None:
     """The signal alone at any pendulum angle, within its limits, and only while enabled."""
-    excitation = ExcitationParameters("steps", 0.5, speed_limit=3.0, open_loop=True)
-    feedback = state_feedback(ControllerParameters(gain=GAIN, excitation=excitation))
+    excitation = ExcitationParameters("steps", 0.5, speed_limit=3.0)
+    feedback = design_controller(
+        ControllerParameters(mode="open_loop", gain=GAIN, excitation=excitation)
+    )
     hanging, fast = np.array([0.5, 1.0, np.pi, 2.0]), np.array([0.0, 3.1, np.pi, 0.0])
-    assert control(np.zeros(2), hanging, 0.2, feedback) == 0.5
-    assert control(np.zeros(2), fast, 0.2, feedback) == 0.0
-    assert control(np.zeros(2), hanging, 0.2, feedback._replace(enabled=False)) == 0.0
+    assert control(memory_of(False), hanging, 0.2, feedback) == 0.5
+    assert control(memory_of(False), fast, 0.2, feedback) == 0.0
+    assert control(memory_of(False), hanging, 0.2, feedback._replace(enabled=False)) == 0.0
+
+
+def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
+    """A mode starts afresh: after open loop the pendulum is caught within catch_angle only."""
+    modes = [design_controller(ControllerParameters(mode=m)) for m in ("open_loop", "balance")]
+    memory, tilted, upright = memory_of(), np.array([0, 0, 0.5, 0]), np.array([0, 0, 0.1, 0])
+    open_loop, balance = modes
+    control(memory, tilted, 0.0, open_loop)
+    assert control(memory, tilted, 0.0, balance) == 0.0
+    assert control(memory, upright, 0.0, balance) != 0.0
+    assert control(memory, tilted, 0.0, balance) != 0.0
+
+
+def test_off() -> None:
+    """Mode off is 0 V, excitation included."""
+    excitation = ExcitationParameters("steps", 0.5)
+    off = design_controller(ControllerParameters(mode="off", excitation=excitation))
+    assert control(memory_of(), np.array([1, 1, 0.1, 1]), 0.2, off) == 0.0

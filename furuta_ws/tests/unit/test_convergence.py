@@ -17,8 +17,8 @@ from furuta_analysis.convergence.convergence import (
 )
 from furuta_analysis.convergence.passive_error import passive_error
 from furuta_analysis.describing_functions.transfer import FIGURE_4
+from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, linearize, place_poles
-from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI
 

@@ -10,7 +10,7 @@ from unit import reference
 
 from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta_analysis.describing_functions.describing_function import bias, describing_function
-from furuta_model.friction_laws import (
+from furuta_model.friction.laws import (
     COULOMB,
     LUGRE,
     STICTION,
@@ -18,7 +18,7 @@ from furuta_model.friction_laws import (
     FrictionLaw,
     steady_friction,
 )
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
 
 UNEQUAL = LuGre(viscous=0.3, asymmetry=0.25)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimator import MEMORY, design_estimator, estimate_state
-from furuta_control.parameters import EstimatorParameters
+from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
 from furuta_model.sensors import Sensors
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from furuta_analysis.convergence.friction_passivity import friction_passivity
-from furuta_model.lugre import LuGre, bristle_after, bristle_rate, friction
+from furuta_model.friction.lugre import bristle_after, bristle_rate, friction
+from furuta_model.friction.parameters import LuGre
 
 PAPER = LuGre()
 

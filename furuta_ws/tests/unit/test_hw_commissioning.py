@@ -15,7 +15,7 @@ from furuta_hw.frames import FrameReader, Sensors
 from furuta_hw.rig import Arm, Pendulum, Rig, Speed
 from furuta_hw.sensing import Sensing
 from furuta_hw.session import Experiment
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_sim.parameters import InitialState
 

@@ -7,8 +7,9 @@ import pytest
 from rig_log import Truth, swing
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
 from furuta_control.excitation import ExcitationParameters
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_identification.fitting.fit import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import (
@@ -22,7 +23,7 @@ from furuta_identification.preparation.preparation import Options, prepare
 from furuta_identification.regression.momentum import momentum_fit, ratios
 from furuta_identification.regression.speeds import speed_lag, with_speeds
 from furuta_identification.uncertainty.quality import fit_percent, follow, held_out
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording

@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_control.estimator import MEMORY, design_estimator, estimate_state
-from furuta_control.parameters import EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
+from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_friction.compensation import ObserverParameters
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantParameters
 

@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_model.lugre import (
-    SMALL_DECAY,
-    LuGre,
+from furuta_model.friction.bristle import SMALL_DECAY
+from furuta_model.friction.lugre import (
     bristle_after,
     bristle_rate,
     friction,
@@ -19,6 +18,7 @@ from furuta_model.lugre import (
     steady_friction,
     stribeck_level,
 )
+from furuta_model.friction.parameters import LuGre
 
 UNEQUAL = LuGre(viscous=0.3, asymmetry=0.2)
 SPEEDS = [0.001, 0.02, 0.05, 0.3, 5.0, 100.0]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from unit import reference
 
+from furuta_model.friction.parameters import LuGre
 from furuta_model.integration import advance, substeps_for
-from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum, energy
 
 BODY = FurutaPendulum()

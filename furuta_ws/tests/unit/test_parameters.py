@@ -8,9 +8,9 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from furuta_control.parameters import ControllerParameters
+from furuta_control.control import ControllerParameters
 from furuta_graph.settings import NODES
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import (
     INLINE,
     About,

@@ -134,6 +134,6 @@ def test_one_sample_of_the_rig() -> None:
     plant = PlantParameters(sample_time=0.005)
     for command, torque in ((50.0, 10 - 20 / 4096), (0.006, 20 / 4096)):
         x = np.array([0.1, 0.5, 0.05, -0.2, 0.001])
-        expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction)
+        expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction.parameters)
         move(x, command, 8 * substeps(plant), plant)
         assert x == pytest.approx(expected, abs=2e-5)

@@ -28,7 +28,7 @@ def file(tmp_path: Path) -> Any:
 def test_nothing_said() -> None:
     """Without files and assignments nothing is set and the loop has its defaults."""
     assert load_settings([], []) == {node: {} for node in NODES}
-    assert loop(load_settings([], [])).plant.friction.sigma0 == 80.0
+    assert loop(load_settings([], [])).plant.friction.parameters.sigma0 == 80.0
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -198,7 +198,7 @@ def test_loop_has_what_was_set(file: Any) -> None:
     path = file(yaml.safe_dump({"plant": {"ros__parameters": {"sensors": {"ideal": True}}}}))
     made = loop(load_settings([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=lowpass", "seed=9"]))
     assert made.plant.sensors.ideal
-    assert (made.plant.friction.alpha0, made.observer.friction.alpha0) == (0.3, 0.3)
+    assert (made.plant.friction.parameters.alpha0, made.observer.friction.alpha0) == (0.3, 0.3)
     assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)
     assert made.estimator.method == "lowpass"
     assert made.plant.seed == 9

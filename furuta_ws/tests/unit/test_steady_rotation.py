@@ -11,9 +11,10 @@ from furuta_analysis.describing_functions.loop_note import loop_note
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
 from furuta_analysis.describing_functions.transfer import FIGURE_4
 from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_model.friction_laws import COULOMB, LAWS, LUGRE, STRIBECK, FrictionLaw, steady_friction
-from furuta_model.lugre import LuGre
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_model.friction.laws import COULOMB, LAWS, LUGRE, STRIBECK, FrictionLaw, steady_friction
+from furuta_model.friction.parameters import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
 from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors

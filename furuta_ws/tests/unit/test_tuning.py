@@ -9,10 +9,11 @@ import pytest
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Simulation
-from furuta_control.kalman import sample_kalman
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_control.estimators.kalman import sample_kalman
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import values
 from furuta_sim.parameters import PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
-from furuta_model.friction_laws import LAWS
+from furuta_model.friction.laws import LAWS
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -10,8 +10,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_control.controller import MEMORY, control, state_feedback
-from furuta_control.parameters import ControllerParameters
+from furuta_control.control import MEMORY, ControllerParameters, control, design_controller
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
@@ -54,8 +53,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def parameters_changed(self, parameters: ControllerParameters) -> None:
         """Place the poles anew."""
-        self._feedback = block(state_feedback(parameters))
-        _control(self._memory.copy(), self._x, 0.0, self._feedback)
+        self._design = block(design_controller(parameters))
+        _control(self._memory.copy(), self._x, 0.0, self._design)
 
     def _on_state(self, message: JointState) -> None:
         read_joints(message, self._x)
@@ -101,13 +100,13 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         return self.parameters.friction_timeout * NANOSECONDS
 
     def _publish(self, friction: float) -> None:
-        self._command.data = _control(self._memory, self._x, friction, self._feedback)
+        self._command.data = _control(self._memory, self._x, friction, self._design)
         self._publisher.publish(self._command)
 
 
 @compiled
-def _control(memory: np.ndarray, x: np.ndarray, friction: float, feedback: np.ndarray) -> float:
-    return control(memory, x, friction, feedback[0])
+def _control(memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray) -> float:
+    return control(memory, x, friction, design[0])
 
 
 def main() -> None:

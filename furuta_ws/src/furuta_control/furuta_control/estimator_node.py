@@ -9,11 +9,10 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_control.estimator import MEMORY, design_estimator, estimate_state
-from furuta_control.parameters import EstimatorParameters
+from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.state import EFFORT, SIGNALS
+from furuta_model.state import OBSERVED_FRICTION, SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nanoseconds
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
@@ -47,7 +46,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Sample the filters anew; their memory stays."""
         made = design_estimator(parameters)
-        self._ideal, self._kalman = made.ideal, made.kalman
+        self._ideal = made.ideal
         self._estimator = block(made)
         self._interval = parameters.sample_time * NANOSECONDS
         _estimate(self._memory.copy(), self._measurement, self._estimator, self._estimate)
@@ -57,7 +56,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         if stamp != self._last_stamp:
             self._read(message)
             _estimate(self._memory, self._measurement, self._estimator, self._estimate)
-            filled = self._writer.fill(self._estimate, self._estimate[EFFORT])
+            filled = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
             filled.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
@@ -65,7 +64,12 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
 
     def _read(self, message: JointState) -> None:
         """Take the measurement if it has what the estimator needs."""
-        read_joints(message, self._measurement, pendulum_speed=self._ideal, effort=self._kalman)
+        read_joints(
+            message,
+            self._measurement,
+            pendulum_speed=self._ideal,
+            effort=self.parameters.chosen.needs_applied_torque,
+        )
 
     def _check_interval(self, interval: int) -> None:
         """Tell when the measurements keep coming at another interval than the filter is for."""

@@ -1,8 +1,8 @@
-"""A signal added to the command so that a recording tells more of the rig.
+"""An excitation signal added to the command, so that a recording identifies more of the rig.
 
-Around the upright pendulum: outside declared limits of angles and speed it is silent and its time
-stands still, until the feedback has brought the pendulum back. In open loop it is the whole
-command, for a pendulum that hangs: where its limits end the arm is left alone.
+Outside its limits of angle and speed the signal is zero and its phase stands still, until the
+feedback has brought arm and pendulum back. In mode ``open_loop`` it is the whole command, and the
+angle of the pendulum does not limit it.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import About
+from furuta_model.state import PHI, PHI_DOT, THETA
 
 NONE, STEPS, SINE, MULTISINE = range(4)
 KINDS = ("none", "steps", "sine", "multisine")
@@ -45,13 +46,13 @@ class ExcitationParameters(NamedTuple):
     speed_limit: Annotated[
         float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
     ] = 2.0
-    open_loop: Annotated[
-        bool, About("the signal alone, without feedback, at any pendulum angle: from hanging")
-    ] = False
 
 
 class Excitation(NamedTuple):
-    """What the signal is computed with; ``step`` is its phase in a sample [rad]."""
+    """What the signal is computed with; ``step`` is its phase in a sample [rad].
+
+    With ``any_tilt`` the pendulum's angle does not limit it.
+    """
 
     kind: int
     amplitude: float
@@ -59,22 +60,22 @@ class Excitation(NamedTuple):
     tilt_limit: float
     excursion_limit: float
     speed_limit: float
-    open_loop: bool
+    any_tilt: bool
 
 
-def excitation(p: ExcitationParameters, sample_time: float) -> Excitation:
+def excitation(p: ExcitationParameters, sample_time: float, any_tilt: bool = False) -> Excitation:
     """The signal for samples of ``sample_time`` [s]."""
     step = TURN * min(sample_time / p.period, 0.5)
-    return Excitation(KINDS.index(p.kind), p.amplitude, step, *p[3:])
+    return Excitation(KINDS.index(p.kind), p.amplitude, step, *p[3:], any_tilt)
 
 
-@compiled
-def within_limits(phi: float, phi_dot: float, theta: float, p: Excitation) -> bool:
-    """Whether arm and pendulum are within the limits."""
+@inlined
+def within_limits(x: np.ndarray, p: Excitation) -> bool:
+    """Whether arm and pendulum of the state ``x`` are within the limits."""
     return (
-        (p.open_loop or abs(theta) <= p.tilt_limit)
-        and abs(phi) <= p.excursion_limit
-        and abs(phi_dot) <= p.speed_limit
+        (p.any_tilt or abs(x[THETA]) <= p.tilt_limit)
+        and abs(x[PHI]) <= p.excursion_limit
+        and abs(x[PHI_DOT]) <= p.speed_limit
     )
 
 

@@ -13,13 +13,14 @@ from furuta_analysis.describing_functions.predicted_cycles import Prediction
 from furuta_analysis.describing_functions.transfer import Transfer, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_figures.nyquist import curve, title
-from furuta_model.friction_laws import LAWS, LUGRE, FrictionLaw
+from furuta_model.friction.laws import LAWS, FrictionLaw
 
 # Amplitudes drawn about the predicted one, points per curve, axes' extent over |G| there.
 SPAN = 300.0
 POINTS = 200
 ZOOM = 2.0
-COLOURS = dict(zip(LAWS, ("tab:red", "tab:orange", "tab:purple", "tab:green"), strict=True))
+PALETTE = ("tab:red", "tab:orange", "tab:purple", "tab:green", "tab:brown", "tab:cyan")
+COLOURS = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(LAWS)}
 
 
 def draw(given: IdealLoop, prediction: Prediction, path: Path) -> None:
@@ -55,10 +56,9 @@ def _plane(
     _, values = curve(g)
     axis.plot(values.real, values.imag, color="tab:blue", lw=1.8, label="G(jω)")
     amplitudes = np.geomspace(amplitude / SPAN, amplitude * SPAN, 4 * POINTS)
-    for kind in (law.kind, LUGRE if law.kind != LUGRE else 0):
-        drawn = FrictionLaw(kind, law.parameters)
+    for drawn in (law, law.named("coulomb" if law.bristle else "lugre")):
         inverse = _inverse(drawn, amplitudes, omega)
-        label = f"-1/N, {drawn.name}" + (f", ω = {omega:.3g} rad/s" if kind == LUGRE else "")
+        label = f"-1/N, {drawn.name}" + (f", ω = {omega:.3g} rad/s" if drawn.bristle else "")
         axis.plot(inverse.real, inverse.imag, color=COLOURS[drawn.name], lw=1.8, label=label)
     for cycle in prediction.cycles:
         point = complex(g.at(cycle.omega_rad_s))

@@ -8,8 +8,9 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from furuta_model.friction_laws import LAWS, LUGRE, FrictionLaw, breakaway_level, steady_friction
-from furuta_model.lugre import LuGre, bristle_after
+from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level, steady_friction
+from furuta_model.friction.lugre import bristle_after
+from furuta_model.friction.parameters import LuGre
 
 # Speeds shown, in Stribeck velocities, and the oscillation in LuGre's panel.
 EXTENT = 4.0
@@ -26,7 +27,7 @@ def draw_laws(p: LuGre, path: Path) -> None:
     for kind, axis in enumerate(axes):
         law = FrictionLaw(kind, p)
         _steady(axis, law)
-        if kind == LUGRE:
+        if law.bristle:
             _moving(axis, p)
         else:
             _rest(axis, law)

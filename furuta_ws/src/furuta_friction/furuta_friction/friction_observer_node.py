@@ -11,11 +11,15 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_friction.compensators import MEMORY, compensator, estimate_friction
-from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
+from furuta_friction.compensation import (
+    MEMORY,
+    ObserverParameters,
+    design_compensator,
+    estimate_friction,
+)
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.state import EFFORT, SIGNALS
+from furuta_model.state import OBSERVED_FRICTION, SIGNALS
 from furuta_ros.messages import read_joints, stamp_nanoseconds
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
@@ -40,25 +44,25 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
         """Take the compensator that the parameters name; its memory stays."""
-        self._compensator = block(compensator(parameters))
+        self._compensator = block(design_compensator(parameters))
         _estimate(self._memory.copy(), self._x, self._compensator)
 
     def _on_state(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             read_joints(message, self._x)
-            self._check_seeing()
+            self._check_observed_friction()
             self._estimate.data = _estimate(self._memory, self._x, self._compensator)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
 
-    def _check_seeing(self) -> None:
-        """Tell when the compensation lacks the friction that it needs to see."""
-        compensation = self.parameters.compensation
-        if compensation in NEEDS_OBSERVED_FRICTION and isnan(self._x[EFFORT]):
+    def _check_observed_friction(self) -> None:
+        """Tell when the compensation lacks the observed friction that it needs."""
+        chosen = self.parameters.chosen
+        if chosen.needs_observed_friction and isnan(self._x[OBSERVED_FRICTION]):
             self.get_logger().warning(
-                f"compensation {compensation} needs effort in joint_states, the friction that "
-                "the estimator's method kalman tells",
+                f"compensation {chosen.name} needs effort in joint_states, the friction that an "
+                "estimator with method kalman observes",
                 throttle_duration_sec=WARNING_PERIOD,
             )
 

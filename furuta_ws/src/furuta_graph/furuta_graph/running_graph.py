@@ -12,8 +12,8 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from furuta_control.parameters import EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS

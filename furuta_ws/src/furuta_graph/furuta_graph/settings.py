@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import yaml
 
 from furuta_analysis.simulation.closed_loop import Loop
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_hw.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
@@ -90,7 +91,7 @@ def _check_sample_times(made: dict[str, Any]) -> None:
 def _check_seeing(made: dict[str, Any]) -> None:
     """Refuse a compensation that needs to see the friction with a filter that does not."""
     observer, estimator = made["friction_observer"], made["estimator"]
-    if observer.compensation in NEEDS_OBSERVED_FRICTION and estimator.method != "kalman":
+    if observer.chosen.needs_observed_friction and not estimator.chosen.observes_friction:
         raise ParameterError(
             f"compensation {observer.compensation} needs estimator.method=kalman, which tells "
             f"the friction; given {estimator.method}"

@@ -11,15 +11,15 @@ from furuta_hw.faults import Faults, Impairment
 from furuta_hw.firmware import Firmware
 from furuta_hw.rig import Rig
 from furuta_model.state import PHI, PHI_DOT, THETA
-from furuta_sim.parameters import Actuator, InitialState, PlantParameters
-from furuta_sim.plant import Noise, initial_state, move, substeps
+from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
+from furuta_sim.plant import Noise, design_plant, initial_state, move
 
 
 def simulated(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
     """The simulated plant of a rig, with noise of one code on its analogue channels."""
     return PlantParameters(
         model=rig.model,
-        friction=rig.friction,
+        friction=PlantFriction(parameters=rig.friction),
         sensors=rig.sensors,
         actuator=Actuator(rig.drive.range, 0),  # its codes are whole already
         initial=initial or InitialState(),
@@ -41,7 +41,7 @@ class EmulatedRig:
         drive = self._drive
         self.firmware = Firmware(drive.low, drive.high, drive.to_code(0.0))
         self._noise = Noise(self.plant.seed)
-        self._substeps = substeps(self.plant)
+        self._plant = design_plant(self.plant)
         self.faults = faults or Faults()
         self._down, self._up = Impairment(1), Impairment(2)
         self._inbox = b""
@@ -54,7 +54,7 @@ class EmulatedRig:
         self.x = initial_state(self.plant)
         self.held = True
         self._driven = self.firmware.driven
-        move(self.x.copy(), 0.0, self._substeps, self.plant)  # compiled before it counts
+        move(self.x.copy(), 0.0, self._plant)  # compiled before it counts
 
     def receive(self, data: bytes) -> None:
         """Bytes from the host."""
@@ -72,7 +72,7 @@ class EmulatedRig:
         self.held = self.held and firmware.driven == self._driven
         self.volts = self._drive.to_si(firmware.code) if firmware.armed else 0.0
         if not self.held:
-            move(self.x, self.volts, self._substeps, self.plant)
+            move(self.x, self.volts, self._plant)
         firmware.fault = self.faults.rig_fault
         return self._up.carry(firmware.sample(*self._codes()), self.faults)
 

@@ -9,7 +9,7 @@ from math import pi, sqrt
 from typing import Annotated, NamedTuple
 
 from furuta_hw.codes import Channel, converter, encoder
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors

@@ -11,7 +11,7 @@ import hashlib
 import inspect
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -22,11 +22,12 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def compiled(function: Function, **options: Any) -> Function:
+def compiled(function: Function, cached: bool = True, **options: Any) -> Function:
     """Compile ``function`` in nopython mode, cached beside its installed source.
 
     No fast-math: results do not depend on the compiler's freedom to reorder. ``options`` are
-    those of numba.
+    those of numba. A function made by another function (a closure) cannot be cached; it is
+    compiled into the cached functions that call it.
     """
     digest = _digest(function)
     cache = _cache_directory(inspect.getfile(function)) / digest[:16]
@@ -34,7 +35,7 @@ def compiled(function: Function, **options: Any) -> Function:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
-        dispatcher: Any = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(
+        dispatcher: Any = numba.njit(cache=cached, nogil=True, error_model="numpy", **options)(
             function
         )
     finally:
@@ -43,20 +44,38 @@ def compiled(function: Function, **options: Any) -> Function:
     return cast(Function, dispatcher)
 
 
-def inlined(function: Function) -> Function:
+def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
+    """One compiled function ``f(kind, *arguments)`` that calls ``functions[kind]``.
+
+    The functions take and return the same types, numbers and named tuples of numbers.
+    """
+    first, *others = functions
+    if not others:
+        return compiled(lambda kind, *arguments: first(*arguments), cached=False)
+    rest = by_kind(others)
+
+    def choose(kind: int, *arguments: Any) -> Any:
+        if kind == 0:
+            return first(*arguments)
+        return rest(kind - 1, *arguments)
+
+    return compiled(choose, cached=False)
+
+
+def inlined(function: Function, **options: Any) -> Function:
     """Compile ``function``, which makes no array, into those that call it.
 
     For what is called every sample and hands arrays on. Their owner outlives the call, so their
     references need not be counted: counting takes a third of the whole loop's time.
     """
-    return compiled(function, forceinline=True, _nrt=False)
+    return compiled(function, forceinline=True, _nrt=False, **options)
 
 
 def _digest(function: Callable[..., Any]) -> str:
     """Hash of this file, the function's, and all that its machine code depends on elsewhere.
 
-    That is, through its globals and the modules among them: compiled functions that it calls,
-    numbers that it uses, and the named tuples that it makes or takes.
+    That is, through its globals, the modules among them, and its closure: compiled functions
+    that it calls, numbers that it uses, and the named tuples that it makes or takes.
     """
     content = hashlib.sha256(_file_digest(__file__).encode())
     content.update(_file_digest(inspect.getfile(function)).encode())
@@ -68,6 +87,8 @@ def _digest(function: Callable[..., Any]) -> str:
                 _add(content, inner, getattr(used, inner, None))
         else:
             _add(content, name, used)
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        _add(content, name, cell.cell_contents)
     return content.hexdigest()
 
 

@@ -1,8 +1,19 @@
-"""Order of the state everywhere: x = (φ, φ̇, θ, θ̇), then the bristle deflection z of the plant.
+"""Order of the state and of the signals of the loop, by name.
 
-φ is the arm's angle [rad], θ the pendulum's [rad], zero upright. Between the members of the loop
-the arm's torque follows x instead: in a measurement the one that the drive applied since the
-last sample, in an estimate the friction; NaN where it is not known.
+The state is x = (φ, φ̇, θ, θ̇) everywhere: arm angle and speed, pendulum angle (zero upright) and
+speed [rad, rad/s]. Three arrays (5,) begin with it and differ in what follows:
+
+=============  ==================================  =============================================
+array          index                               meaning of the fifth number
+=============  ==================================  =============================================
+plant state    :data:`BRISTLE`                     memory of the friction law: deflection of the
+                                                   bristle [rad], or the friction [V] of a law
+                                                   that truly sticks
+measurement    :data:`APPLIED_TORQUE`              torque applied since the last measurement [V]
+estimate       :data:`OBSERVED_FRICTION`           friction that the estimator observes [V]
+=============  ==================================  =============================================
+
+NaN stands for what is not measured or not estimated.
 """
 
 from typing import Final
@@ -11,9 +22,13 @@ PHI: Final = 0
 PHI_DOT: Final = 1
 THETA: Final = 2
 THETA_DOT: Final = 3
-BRISTLE: Final = 4
-EFFORT: Final = 4
-
 RIGID_STATES: Final = 4
+
+BRISTLE: Final = 4
 PLANT_STATES: Final = 5
+
+APPLIED_TORQUE: Final = 4
+OBSERVED_FRICTION: Final = 4
 SIGNALS: Final = 5
+# The same place in a message: effort of the arm.
+EFFORT: Final = 4

@@ -8,8 +8,9 @@ from __future__ import annotations
 from math import pi
 from typing import Annotated, NamedTuple
 
+from furuta_model.friction.laws import LAWS
+from furuta_model.friction.parameters import LuGre
 from furuta_model.integration import MOST_SUBSTEPS, substeps_for
-from furuta_model.lugre import LuGre
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -37,11 +38,18 @@ class InitialState(NamedTuple):
     theta_dot: Annotated[float, About("pendulum speed", "rad/s", -100, 100, read_only=True)] = 0.0
 
 
+class PlantFriction(NamedTuple):
+    """Friction in the arm's joint: its law, and the parameters that the laws share."""
+
+    law: Annotated[str, About("friction law of the simulated arm", choices=LAWS)] = "lugre"
+    parameters: Annotated[LuGre, INLINE] = LuGre()
+
+
 class PlantParameters(NamedTuple):
-    """Everything that :mod:`furuta_sim.plant` computes with."""
+    """The simulated rig."""
 
     model: FurutaPendulum = FurutaPendulum()
-    friction: LuGre = LuGre()
+    friction: PlantFriction = PlantFriction()
     sensors: Sensors = Sensors()
     actuator: Actuator = Actuator()
     initial: InitialState = InitialState()
@@ -52,7 +60,10 @@ class PlantParameters(NamedTuple):
 
     def check(self) -> None:
         """Refuse a rig too stiff to simulate at its sample time."""
-        if not substeps_for(self.sample_time, self.model, self.friction) <= MOST_SUBSTEPS:
+        if (
+            not substeps_for(self.sample_time, self.model, self.friction.parameters)
+            <= MOST_SUBSTEPS
+        ):
             raise ParameterError(
                 f"this rig needs more than {MOST_SUBSTEPS} integration steps per sample of "
                 f"{self.sample_time:g} s: alpha * beta too near gamma², or sigma0, sigma1 or "

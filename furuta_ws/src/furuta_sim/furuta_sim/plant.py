@@ -1,23 +1,49 @@
-"""The rig's converters and one sample of the whole rig: command in, state moved, sensors read.
+"""The simulated rig: its converters, and one sample: command in, state moved, sensors read.
 
-The state is (5,): x = (φ, φ̇, θ, θ̇) and the bristle deflection z. A measurement is (5,): the order
-of x, with NaN where the rig has no sensor (θ̇), and the torque applied since the last one [V].
+Plant state and measurement are (5,), see :mod:`furuta_model.state`. A measurement is NaN where
+the rig has no sensor (θ̇).
 """
 
 from __future__ import annotations
 
 from math import floor, nan, pi
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled
+from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
+from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, PlantParameters
 
 # Noise drawn per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+
+
+class Plant(NamedTuple):
+    """What one sample of the simulated rig is computed with."""
+
+    model: FurutaPendulum
+    friction: FrictionLaw
+    sensors: Sensors
+    actuator: Actuator
+    sample_time: float
+    substeps: int
+
+
+def design_plant(p: PlantParameters) -> Plant:
+    """The rig that the parameters describe, with the integration steps that it needs."""
+    return Plant(
+        p.model,
+        friction_law(p.friction.law, p.friction.parameters),
+        p.sensors,
+        p.actuator,
+        p.sample_time,
+        substeps_for(p.sample_time, p.model, p.friction.parameters),
+    )
 
 
 @compiled
@@ -64,16 +90,17 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
 
 
 @compiled
-def move(x: np.ndarray, command: float, substeps: int, plant: PlantParameters) -> float:
+def move(x: np.ndarray, command: float, plant: Plant) -> float:
     """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
     torque = drive(command, plant.actuator)
-    advance(x, torque, plant.sample_time, substeps, plant.model, plant.friction)
+    advance(x, torque, plant.sample_time, plant.substeps, plant.model, plant.friction)
     return torque
 
 
-def substeps(plant: PlantParameters) -> int:
-    """Integration steps per sample that this plant needs."""
-    return substeps_for(plant.sample_time, plant.model, plant.friction)
+@compiled
+def true_friction(x: np.ndarray, plant: Plant) -> float:
+    """Friction F [V] in plant state ``x`` (5,)."""
+    return friction_force(x[PHI_DOT], x[BRISTLE], plant.friction)
 
 
 def initial_state(plant: PlantParameters) -> np.ndarray:

@@ -12,15 +12,22 @@ from std_srvs.srv import Trigger
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.lugre import friction
-from furuta_model.state import BRISTLE, PHI_DOT, SIGNALS
+from furuta_model.state import SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep
 from furuta_sim.parameters import PlantNodeParameters
-from furuta_sim.plant import NOISE_CHANNELS, Noise, initial_state, measure, move, substeps
+from furuta_sim.plant import (
+    NOISE_CHANNELS,
+    Noise,
+    design_plant,
+    initial_state,
+    measure,
+    move,
+    true_friction,
+)
 from furuta_sim.realtime import RealTime
 
 
@@ -58,8 +65,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
         """Take the new rig between two samples."""
         self._rig = parameters.plant
-        self._substeps = substeps(self._rig)
-        self._block = block(self._rig)
+        self._block = block(design_plant(self._rig))
         self.on_change()
 
     @property
@@ -74,10 +80,10 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
 
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the truth."""
-        true_friction = _read(self.x, self._noise(), self._block, self._measurement)
+        friction = _read(self.x, self._noise(), self._block, self._measurement)
         stamp = self.start + self.sample * self._period
         self._truth_writer.stamp(stamp)
-        self._truth_writer.fill(self.x, true_friction)
+        self._truth_writer.fill(self.x, friction)
         self._measurement_writer.stamp(stamp)
         self._measurement_writer.fill(self._measurement, self._torque)
         self._truth_publisher.publish(self._truth_writer.message)
@@ -90,7 +96,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = _move(self.x, command, self._substeps, self._block)
+            self._torque = _move(self.x, command, self._block)
         self.sample += 1
 
     def _on_command(self, message: Float64) -> None:
@@ -110,19 +116,19 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         """Have all compiled code in memory before time starts."""
         x = initial_state(self._rig)
         _read(x, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
-        _move(x, 0.0, self._substeps, self._block)
+        _move(x, 0.0, self._block)
 
 
 @compiled
-def _read(x: np.ndarray, noise: np.ndarray, rig: np.ndarray, measurement: np.ndarray) -> float:
+def _read(x: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray) -> float:
     """Read the sensors and return the true friction [V]."""
-    measure(x, noise, rig[0].sensors, measurement)
-    return friction(x[PHI_DOT], x[BRISTLE], rig[0].friction)
+    measure(x, noise, plant[0].sensors, measurement)
+    return true_friction(x, plant[0])
 
 
 @compiled
-def _move(x: np.ndarray, command: float, substeps: int, rig: np.ndarray) -> float:
-    return move(x, command, substeps, rig[0])
+def _move(x: np.ndarray, command: float, plant: np.ndarray) -> float:
+    return move(x, command, plant[0])
 
 
 def main() -> None:

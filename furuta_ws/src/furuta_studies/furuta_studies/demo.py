@@ -16,7 +16,7 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta_analysis.simulation.oscillation import measure_oscillation
-from furuta_friction.parameters import ObserverParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file

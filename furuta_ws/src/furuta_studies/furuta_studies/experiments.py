@@ -17,8 +17,8 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, released
 from furuta_analysis.simulation.closed_loop import Loop, Record, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
-from furuta_control.controller import state_feedback
-from furuta_model.friction_laws import LUGRE, FrictionLaw
+from furuta_model.friction.laws import friction_law
+from furuta_sim.parameters import PlantParameters
 from furuta_studies.feedback_map import predicted_size
 from furuta_studies.tuning.tuning import Plan, Report, SimulatedLoop, tune
 
@@ -81,13 +81,18 @@ def sensor_resolution(loop: Loop) -> float:
 def _prepared(which: Experiment, loop: Loop, report: Report) -> Loop:
     observer = loop.observer._replace(compensation=which.compensation)
     plant = loop.plant
-    if which.asymmetric and plant.friction.asymmetry == 0.0:
-        plant = plant._replace(friction=plant.friction._replace(asymmetry=ASYMMETRY))
+    if which.asymmetric and plant.friction.parameters.asymmetry == 0.0:
+        plant = _with_asymmetry(plant, ASYMMETRY)
     made = loop._replace(plant=plant, observer=observer)
     if which.tuned:
         tuned = tune(SimulatedLoop(made), observer, made.estimator, Plan(), report)
         made = made._replace(observer=tuned.after.observer)
     return made
+
+
+def _with_asymmetry(plant: PlantParameters, asymmetry: float) -> PlantParameters:
+    parameters = plant.friction.parameters._replace(asymmetry=asymmetry)
+    return plant._replace(friction=plant.friction._replace(parameters=parameters))
 
 
 def _idealised(loop: Loop) -> Loop:
@@ -108,9 +113,9 @@ def _idealised(loop: Loop) -> Loop:
 
 
 def _ideal_loop(loop: Loop) -> IdealLoop:
-    f = state_feedback(loop.controller)
-    law = FrictionLaw(LUGRE, loop.plant.friction)
-    return IdealLoop(loop.plant.model, law, -f.l1, -f.l2, -f.l3, -f.l4)
+    law = friction_law(loop.plant.friction.law, loop.plant.friction.parameters)
+    l1, l2, l3, l4 = (-each for each in loop.controller.feedback_gain)
+    return IdealLoop(loop.plant.model, law, l1, l2, l3, l4)
 
 
 def _settled(run: Record) -> np.ndarray:

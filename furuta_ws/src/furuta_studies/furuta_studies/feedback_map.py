@@ -11,7 +11,6 @@ from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle
 from furuta_analysis.simulation.batch import available_cores
-from furuta_model.friction_laws import LUGRE, STRIBECK
 from furuta_model.parameters import ParameterError
 
 
@@ -57,7 +56,7 @@ def study(
 
 def predicted_size(loop: IdealLoop) -> float:
     """Arm's travel [rad] that the describing function predicts, by the law's steady curve."""
-    law = loop.law._replace(kind=STRIBECK) if loop.law.kind == LUGRE else loop.law
+    law = loop.law.named("stribeck") if loop.law.bristle else loop.law
     g = transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4))
     stable = (c.phi_peak_to_peak_rad for c in predict_cycles(g, law).cycles if c.stable)
     return max(stable, default=0.0)

@@ -9,9 +9,8 @@ import numpy as np
 
 from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_control.controller import state_feedback
 from furuta_graph.settings import load_settings, loop, parameters_named
-from furuta_model.friction_laws import LAWS, FrictionLaw
+from furuta_model.friction.laws import friction_law
 from furuta_model.parameters import ParameterError
 
 GAINS = ("l1", "l2", "l3", "l4")
@@ -32,11 +31,11 @@ class LoopOptions(NamedTuple):
         values = values or {}
         named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
         made = loop(load_settings(self.files, [*self.assignments, *named]))
-        gains = list(self.feedback or [-each for each in state_feedback(made.controller)[:4]])
+        gains = list(self.feedback or [-each for each in made.controller.feedback_gain])
         for name, value in values.items():
             if name in GAINS:
                 gains[GAINS.index(name)] = value
-        law = FrictionLaw(LAWS.index(self.law), made.plant.friction)
+        law = friction_law(self.law, made.plant.friction.parameters)
         l1, l2, l3, l4 = gains
         return IdealLoop(made.plant.model, law, l1, l2, l3, l4, self.linear)
 

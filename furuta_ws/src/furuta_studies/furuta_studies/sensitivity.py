@@ -14,7 +14,7 @@ import numpy as np
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop
-from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_model.sensors import Sensors
 
 METHODS = ("kalman", "lowpass")
@@ -47,7 +47,8 @@ def sensitivity(
     cases = [
         (method, name, noise)
         for method, name, noise in product(METHODS, compensations, noises)
-        if method == "kalman" or compensations[name].compensation not in NEEDS_OBSERVED_FRICTION
+        if loop.estimator._replace(method=method).chosen.observes_friction
+        or not compensations[name].chosen.needs_observed_friction
     ]
     loops = (
         _noisy(loop, method, compensations[name], noise, seed)

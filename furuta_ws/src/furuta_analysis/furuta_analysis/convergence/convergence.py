@@ -28,8 +28,9 @@ import numpy as np
 
 from furuta_analysis.convergence.positive_real import real_part, strictly_positive_real
 from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import linearize
-from furuta_model.lugre import LuGre, highest_level
 from furuta_model.pendulum import FurutaPendulum
 
 

@@ -25,7 +25,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from furuta_model.lugre import LuGre, symmetric_level
+from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.stribeck import level as symmetric_level
 
 
 class FrictionPassivity(NamedTuple):

@@ -20,8 +20,8 @@ from scipy.linalg import solve_continuous_lyapunov
 from furuta_analysis.convergence.convergence import error_loop_of
 from furuta_analysis.convergence.positive_real import strictly_positive_real
 from furuta_analysis.describing_functions.transfer import checked_feedback
+from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import linearize
-from furuta_model.lugre import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI
 

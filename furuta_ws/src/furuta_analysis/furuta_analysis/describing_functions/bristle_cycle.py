@@ -13,12 +13,14 @@ bristle turns over within α₀/σ₀ and g(v) varies within vs.
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin, sinh, sqrt
+from math import cos, pi, sin, sinh, sqrt
 
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.lugre import SMALLEST_LEVEL, LuGre
+from furuta_model.friction.bristle import deflection_rate
+from furuta_model.friction.laws import FrictionLaw, sliding_level
+from furuta_model.friction.parameters import SMALLEST_LEVEL
 
 # Steps per quarter cycle; N is then right to about 1e-7 of it, far less at usual amplitudes.
 STEPS = 32
@@ -39,22 +41,23 @@ B1, B2, B3 = (16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0
 
 
 @compiled
-def bristle_fundamental(amplitude: float, omega: float, p: LuGre, steps: int) -> complex:
+def bristle_fundamental(amplitude: float, omega: float, law: FrictionLaw, steps: int) -> complex:
     """Z₁ [rad] of z ≈ Im(Z₁ exp(jωt)) under v = A sin ωt, A [rad/s], ω [rad/s].
 
-    ``steps`` is the number of steps per quarter cycle. The asymmetry of ``p`` is left out.
+    ``steps`` is the number of steps per quarter cycle. The asymmetry is left out.
     """
-    nodes = _nodes(amplitude, omega, p, steps)
-    end, _, _ = _half_cycle(0.0, nodes, amplitude, omega, p)
-    shifted, _, _ = _half_cycle(1.0, nodes, amplitude, omega, p)
+    nodes = _nodes(amplitude, omega, law, steps)
+    end, _, _ = _half_cycle(0.0, nodes, amplitude, omega, law)
+    shifted, _, _ = _half_cycle(1.0, nodes, amplitude, omega, law)
     start = -end / (1.0 + shifted - end)
-    _, in_phase, quadrature = _half_cycle(start, nodes, amplitude, omega, p)
+    _, in_phase, quadrature = _half_cycle(start, nodes, amplitude, omega, law)
     return complex(2.0 / pi * in_phase, 2.0 / pi * quadrature)
 
 
 @compiled
-def _nodes(amplitude: float, omega: float, p: LuGre, steps: int) -> np.ndarray:
+def _nodes(amplitude: float, omega: float, law: FrictionLaw, steps: int) -> np.ndarray:
     """Phases τ from 0 to π, crowded at both ends as sinh spreads equal steps."""
+    p = law.parameters
     level = max(p.alpha0 + p.alpha1, SMALLEST_LEVEL)
     turn_over = sqrt(2.0 * level * omega / (p.sigma0 * amplitude))
     scale = max(min(1.0, turn_over, p.stribeck_velocity / amplitude), 1e-9)
@@ -68,16 +71,16 @@ def _nodes(amplitude: float, omega: float, p: LuGre, steps: int) -> np.ndarray:
 
 @compiled
 def _half_cycle(
-    z: float, nodes: np.ndarray, amplitude: float, omega: float, p: LuGre
+    z: float, nodes: np.ndarray, amplitude: float, omega: float, law: FrictionLaw
 ) -> tuple[float, float, float]:
     """From z at τ = 0: z(π) and the integrals of z sin τ and z cos τ over the half cycle."""
     in_phase = quadrature = 0.0
     for i in range(len(nodes) - 1):
         t, h = nodes[i], nodes[i + 1] - nodes[i]
         t1, t2, t3 = t + C1 * h, t + C2 * h, t + h
-        s1, k1 = _source_and_rate(t1, amplitude, omega, p)
-        s2, k2 = _source_and_rate(t2, amplitude, omega, p)
-        s3, k3 = _source_and_rate(t3, amplitude, omega, p)
+        s1, k1 = _source_and_rate(t1, amplitude, omega, law)
+        s2, k2 = _source_and_rate(t2, amplitude, omega, law)
+        s3, k3 = _source_and_rate(t3, amplitude, omega, law)
         z1, z2, z3 = _solve3(
             (1.0 + h * A11 * k1, h * A12 * k2, h * A13 * k3),
             (h * A21 * k1, 1.0 + h * A22 * k2, h * A23 * k3),
@@ -95,12 +98,13 @@ def _half_cycle(
 
 
 @compiled
-def _source_and_rate(phase: float, amplitude: float, omega: float, p: LuGre) -> tuple[float, float]:
+def _source_and_rate(
+    phase: float, amplitude: float, omega: float, law: FrictionLaw
+) -> tuple[float, float]:
     """The two terms of dz/dτ = source − rate z."""
     source = amplitude / omega * sin(phase)
-    ratio = amplitude * sin(phase) / p.stribeck_velocity
-    level = max(p.alpha0 + p.alpha1 * exp(-ratio * ratio), SMALLEST_LEVEL)
-    return source, p.sigma0 * abs(source) / level
+    level = sliding_level(amplitude * sin(phase), 0.0, law)
+    return source, -deflection_rate(0.0, abs(source), 1.0, level, law.parameters)
 
 
 Row = tuple[float, float, float]

@@ -22,10 +22,9 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from scipy.special import dawsn, i0e
 
 from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
-from furuta_model.friction_laws import COULOMB, LUGRE, STICTION, FrictionLaw
+from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
 
 
@@ -36,9 +35,9 @@ def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> com
             "a describing function needs amplitude and frequency above 0, "
             f"given {amplitude:g} rad/s and {omega:g} rad/s"
         )
-    if law.kind == LUGRE:
+    if law.bristle:
         p = law.parameters
-        deflection = bristle_fundamental(amplitude, omega, p, STEPS)
+        deflection = bristle_fundamental(amplitude, omega, law, STEPS)
         return complex(p.sigma0, omega * p.sigma1) * deflection / amplitude + p.viscous
     return complex(static_describing_function(amplitude, law))
 
@@ -50,26 +49,15 @@ def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
 
 
 def fundamental_level(amplitude: float, law: FrictionLaw) -> float:
-    """The constant level [V] with the same fundamental as the law has at amplitude A [rad/s].
-
-    For Stribeck it is ∫ g(A sin x) sin x dx over a quarter cycle, Dawson's integral.
-    """
-    p = law.parameters
-    if law.kind in (COULOMB, STICTION):
-        return p.alpha0
-    ratio = amplitude / p.stribeck_velocity
-    return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
+    """The constant level [V] with the same fundamental as the law has at amplitude A [rad/s]."""
+    return law.law.fundamental_level(amplitude, law.parameters)
 
 
 def bias(amplitude: float, law: FrictionLaw) -> float:
     """Mean friction [V] under v = A sin ωt that levels differing by direction leave.
 
-    The asymmetry times the mean of g(A sin x) over a cycle, a modified Bessel function; the
-    feedback of φ balances it by a constant offset of the arm of bias/l₁. For LuGre it is the
-    sliding arm's; within the bristle's reach there is less.
+    The asymmetry times the mean of g(A sin x) over a cycle; the feedback of φ balances it by a
+    constant offset of the arm of bias/l₁. For LuGre it is that of the sliding arm; within the reach
+    of the bristle there is less.
     """
-    p = law.parameters
-    if law.kind in (COULOMB, STICTION):
-        return p.asymmetry * p.alpha0
-    ratio = amplitude / p.stribeck_velocity
-    return p.asymmetry * (p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio)))
+    return law.parameters.asymmetry * law.law.mean_level(amplitude, law.parameters)

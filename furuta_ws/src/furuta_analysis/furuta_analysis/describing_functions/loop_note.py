@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
 from furuta_analysis.describing_functions.transfer import Transfer, transfer
-from furuta_model.friction_laws import FrictionLaw
+from furuta_model.friction.laws import FrictionLaw
 from furuta_model.pendulum import FurutaPendulum
 
 HELD = "φ is fed back: the curve starts and ends at 0 and only its crossings count."

@@ -27,8 +27,8 @@ from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fu
 from furuta_analysis.describing_functions.residual import residual, residual_slopes
 from furuta_analysis.describing_functions.transfer import Transfer
 from furuta_model.compiled import compiled
-from furuta_model.friction_laws import FrictionLaw
-from furuta_model.lugre import LuGre
+from furuta_model.friction.laws import FrictionLaw
+from furuta_model.friction.parameters import LuGre
 
 Zero = tuple[float, float]
 Range = tuple[float, float]
@@ -83,7 +83,7 @@ def _search(
     g: Transfer, law: FrictionLaw, omegas: Range, deflections: Range, density: int
 ) -> tuple[list[Zero], bool]:
     omega, deflection = _grid(omegas, density), _grid(deflections, density)
-    h = _bristle_grid(deflection, omega, law.parameters) + g.inverse_at(omega)
+    h = _bristle_grid(deflection, omega, law) + g.inverse_at(omega)
     zeros: list[Zero] = []
     for i, j in suspects(h):
         zero = _newton(deflection[i] * omega[j], omega[j], g, law)
@@ -98,13 +98,14 @@ def _grid(ends: Range, density: int) -> np.ndarray:
 
 
 @compiled
-def _bristle_grid(deflection: np.ndarray, omega: np.ndarray, p: LuGre) -> np.ndarray:
+def _bristle_grid(deflection: np.ndarray, omega: np.ndarray, law: FrictionLaw) -> np.ndarray:
     """N [V s/rad] at every X of ``deflection`` (m,) and ω of ``omega`` (n,)."""
+    p = law.parameters
     n = np.empty((len(deflection), len(omega)), dtype=np.complex128)
     for i in range(len(deflection)):
         for j in range(len(omega)):
             amplitude = deflection[i] * omega[j]
-            z = bristle_fundamental(amplitude, omega[j], p, STEPS)
+            z = bristle_fundamental(amplitude, omega[j], law, STEPS)
             n[i, j] = complex(p.sigma0, omega[j] * p.sigma1) * z / amplitude + p.viscous
     return n
 

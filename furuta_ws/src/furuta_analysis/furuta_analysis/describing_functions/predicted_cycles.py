@@ -34,7 +34,7 @@ from furuta_analysis.describing_functions.describing_function import (
 from furuta_analysis.describing_functions.lugre_cycles import search
 from furuta_analysis.describing_functions.residual import residual_slopes
 from furuta_analysis.describing_functions.transfer import Transfer
-from furuta_model.friction_laws import LUGRE, STRIBECK, FrictionLaw
+from furuta_model.friction.laws import FrictionLaw
 
 
 class PredictedCycle(NamedTuple):
@@ -68,7 +68,7 @@ def predict_cycles(g: Transfer, law: FrictionLaw) -> Prediction:
     """Every solution of 1 + G(jω)N(A, ω) = 0, with ω > 0."""
     if law.parameters.alpha0 + law.parameters.alpha1 <= 0.0:
         return Prediction(())
-    if law.kind != LUGRE:
+    if not law.bristle:
         cycles = [
             _cycle(amplitude, omega, g, law)
             for omega, real in g.crossings
@@ -94,7 +94,7 @@ def _amplitude(wanted: float, law: FrictionLaw) -> float | None:
     if excess <= 0.0:
         return None
     low, high = 4.0 * p.alpha0 / (pi * excess), 4.0 * (p.alpha0 + p.alpha1) / (pi * excess)
-    if law.kind != STRIBECK or p.alpha1 == 0.0:
+    if law.law.constant or p.alpha1 == 0.0:
         return low if low > 0.0 else None
 
     def excess_at(amplitude: float) -> float:

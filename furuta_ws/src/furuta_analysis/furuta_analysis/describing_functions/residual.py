@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from furuta_analysis.describing_functions.describing_function import describing_function
 from furuta_analysis.describing_functions.transfer import Transfer
-from furuta_model.friction_laws import FrictionLaw
+from furuta_model.friction.laws import FrictionLaw
 
 # Relative step of the central differences: their error is 1e-10 of the slope.
 STEP = 1e-5

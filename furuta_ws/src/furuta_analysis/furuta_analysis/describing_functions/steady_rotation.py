@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
-from furuta_model.friction_laws import LUGRE, STRIBECK, FrictionLaw, sliding_level
+from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.pendulum import FurutaPendulum
 
 
@@ -77,7 +77,7 @@ def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]
     """
     p = law.parameters
     slope = _level_slope(v, law)
-    if law.kind != LUGRE:
+    if not law.bristle:
         return np.array([slope + p.viscous]), np.array([1.0])
     rate = p.sigma0 * abs(v) / sliding_level(v, float(np.sign(v)), law)
     lag = np.array([1.0, rate])
@@ -89,8 +89,4 @@ def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]
 def _level_slope(v: float, law: FrictionLaw) -> float:
     """d(friction)/dv [V s/rad] of the sliding arm, viscous part apart: at most 0."""
     p = law.parameters
-    if law.kind not in (STRIBECK, LUGRE):
-        return 0.0
-    ratio = v / p.stribeck_velocity
-    symmetric = -2.0 * abs(ratio) / p.stribeck_velocity * p.alpha1 * np.exp(-ratio * ratio)
-    return float(symmetric * (1.0 + np.sign(v) * p.asymmetry))
+    return float(law.law.level_slope(abs(v), p) * (1.0 + np.sign(v) * p.asymmetry))

@@ -14,7 +14,6 @@ import numpy as np
 
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import REST, LimitCycle, Section, periodic_orbit
-from furuta_model.friction_laws import LUGRE
 from furuta_model.parameters import ParameterError
 
 FIRST_STEP = 0.02  # of the scaled curve; the parameter's range is 1
@@ -94,7 +93,7 @@ class Branch:
         section = Section(self._loop_at(value))
         self._free = section.free
         self._scale = np.ones(len(section.free))
-        if section.loop.law.kind == LUGRE:
+        if section.loop.law.bristle:
             self._scale[-1] = 1.0 / section.loop.law.parameters.sigma0
         s = np.array(cycle.point)[section.free] / self._scale
         return np.append(s, (value - self._low) / self._range)

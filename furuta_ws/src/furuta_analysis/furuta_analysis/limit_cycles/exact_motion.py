@@ -20,7 +20,7 @@ from furuta_analysis.limit_cycles.ideal_loop import (
 )
 from furuta_analysis.simulation.oscillation import STUCK_SPEED
 from furuta_model.compiled import compiled
-from furuta_model.friction_laws import LUGRE
+from furuta_model.friction.laws import has_bristle
 from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
 # How a piece of motion ended.
@@ -212,7 +212,7 @@ def _account(
     extent[THETA_LOW] = min(extent[THETA_LOW], theta, end[THETA])
     extent[THETA_HIGH] = max(extent[THETA_HIGH], theta, end[THETA])
     resting = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
-    if mode == 0.0 or (loop.law.kind == LUGRE and resting):
+    if mode == 0.0 or (has_bristle(loop.law) and resting):
         extent[STUCK] += h
 
 

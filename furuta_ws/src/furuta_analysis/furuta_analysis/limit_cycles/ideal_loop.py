@@ -18,8 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction_laws import LUGRE, FrictionLaw, breakaway_level, sliding_level
-from furuta_model.lugre import SMALLEST_LEVEL, highest_level
+from furuta_model.friction.bristle import deflection_rate
+from furuta_model.friction.laws import FrictionLaw, breakaway_level, has_bristle, sliding_level
+from furuta_model.friction.lugre import highest_level
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -86,9 +87,9 @@ def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
         dy[THETA_DOT] = loop.body.delta / loop.body.beta * sine
         return
     level = sliding_level(v, mode, loop.law)
-    if loop.law.kind == LUGRE:
+    if has_bristle(loop.law):
         z = y[BRISTLE]
-        dy[BRISTLE] = v - p.sigma0 * mode * v / max(level, SMALLEST_LEVEL) * z
+        dy[BRISTLE] = deflection_rate(v, mode * v, z, level, p)
         force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
     else:
         force = mode * level
@@ -101,13 +102,13 @@ def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
     """Friction [V] in state ``y`` (5,): of the slide, or what holds the resting arm."""
     p = loop.law.parameters
     v = y[PHI_DOT]
-    if v == 0.0 and loop.law.kind != LUGRE:
+    if v == 0.0 and not has_bristle(loop.law):
         return holding_force(y, loop)
     mode = 1.0 if v >= 0.0 else -1.0
     level = sliding_level(v, mode, loop.law)
-    if loop.law.kind == LUGRE:
+    if has_bristle(loop.law):
         z = y[BRISTLE]
-        z_dot = v - p.sigma0 * abs(v) / max(level, SMALLEST_LEVEL) * z
+        z_dot = deflection_rate(v, abs(v), z, level, p)
         return p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
     return mode * level + p.viscous * v
 
@@ -124,7 +125,7 @@ def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
 @compiled
 def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
     """The piece of motion that follows an event at ``y``."""
-    if loop.law.kind == LUGRE:
+    if has_bristle(loop.law):
         return -mode
     hold = holding_force(y, loop)
     if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):
@@ -135,6 +136,6 @@ def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
 @compiled
 def least_travel(loop: IdealLoop) -> float:
     """How far [rad] the arm must go for a slide: the whole deflection of LuGre's bristle."""
-    if loop.law.kind != LUGRE:
+    if not has_bristle(loop.law):
         return 0.0
     return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0

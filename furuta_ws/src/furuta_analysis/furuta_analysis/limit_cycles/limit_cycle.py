@@ -31,8 +31,7 @@ from furuta_analysis.limit_cycles.ideal_loop import (
     next_mode,
     rate,
 )
-from furuta_model.friction_laws import COULOMB, LUGRE
-from furuta_model.lugre import highest_level
+from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
@@ -88,7 +87,7 @@ class Section:
         self.loop = loop
         free = [PHI] if loop.l1 != 0.0 else []
         free += [THETA, THETA_DOT]
-        self.free = [*free, BRISTLE] if loop.law.kind == LUGRE else free
+        self.free = [*free, BRISTLE] if loop.law.bristle else free
 
     def state(self, s: np.ndarray) -> np.ndarray:
         """State (5,) of section coordinates."""
@@ -135,7 +134,7 @@ def limit_cycle(loop: IdealLoop, start: np.ndarray | None = None) -> LimitCycle:
     _check(loop)
     if highest_level(loop.law.parameters) < FRICTIONLESS:
         # Without friction there is no bristle to follow.
-        loop = loop._replace(law=loop.law._replace(kind=COULOMB))
+        loop = loop._replace(law=loop.law.named("coulomb"))
     section = Section(loop)
     y = released(0.05) if start is None else np.array(start, dtype=float)
     points: list[np.ndarray] = []
@@ -283,7 +282,7 @@ def _first_mode(y: np.ndarray, loop: IdealLoop) -> float:
     """The piece of motion that begins when the state is let go."""
     if y[PHI_DOT] != 0.0:
         return float(np.sign(y[PHI_DOT]))
-    if loop.law.kind != LUGRE:
+    if not loop.law.bristle:
         return next_mode(y, 1.0, loop)
     dy = np.empty(PLANT_STATES)
     rate(y, 1.0, loop, dy)

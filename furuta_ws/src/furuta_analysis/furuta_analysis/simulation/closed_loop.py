@@ -11,25 +11,34 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_analysis.simulation.control_system import (
+    ControlSystem,
+    Memory,
+    control_sample,
+    design_control_system,
+    fresh_memory,
+)
 from furuta_analysis.simulation.oscillation import (
     METER_SIZE,
     accumulate,
     find_midpoint,
     oscillation,
 )
-from furuta_control.controller import MEMORY as CONTROLLER_MEMORY
-from furuta_control.controller import StateFeedback, control, state_feedback
-from furuta_control.estimator import MEMORY as ESTIMATOR_MEMORY
-from furuta_control.estimator import EstimatorDesign, design_estimator, estimate_state
-from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_friction.compensators import MEMORY as OBSERVER_MEMORY
-from furuta_friction.compensators import Compensator, compensator, estimate_friction
-from furuta_friction.parameters import ObserverParameters
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_model.compiled import compiled
-from furuta_model.lugre import friction
-from furuta_model.state import BRISTLE, EFFORT, PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA
+from furuta_model.state import APPLIED_TORQUE, PHI, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import NOISE_CHANNELS, initial_state, measure, move, substeps
+from furuta_sim.plant import (
+    NOISE_CHANNELS,
+    Plant,
+    design_plant,
+    initial_state,
+    measure,
+    move,
+    true_friction,
+)
 
 # Part of a run that counts for its outcome: the last half, after the transients.
 SETTLED = 0.5
@@ -90,21 +99,6 @@ class Outcome(NamedTuple):
     steps: int
 
 
-class Memory(NamedTuple):
-    """What the members of the loop keep from sample to sample, and the torque applied (1,) [V]."""
-
-    estimator: np.ndarray
-    observer: np.ndarray
-    controller: np.ndarray
-    torque: np.ndarray
-
-
-def fresh_memory() -> Memory:
-    """The memory of a loop that has not begun."""
-    sizes = (ESTIMATOR_MEMORY, OBSERVER_MEMORY, CONTROLLER_MEMORY, 1)
-    return Memory(*(np.zeros(size) for size in sizes))
-
-
 class Simulation:
     """A loop in motion; its parameters can be changed between two runs, as on the graph.
 
@@ -116,6 +110,7 @@ class Simulation:
         self._state = initial_state(loop.plant)
         self._noise = np.random.default_rng(loop.plant.seed)
         self._memory = fresh_memory()
+        self._torque = np.zeros(1)
 
     @property
     def loop(self) -> Loop:
@@ -125,13 +120,8 @@ class Simulation:
     @loop.setter
     def loop(self, loop: Loop) -> None:
         self._loop = loop
-        self._members = (
-            substeps(loop.plant),
-            loop.plant,
-            design_estimator(loop.estimator),
-            compensator(loop.observer),
-            state_feedback(loop.controller),
-        )
+        self._plant = design_plant(loop.plant)
+        self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
 
     def run(self, seconds: float) -> Record:
         """Go on for ``seconds``, at least one sample, and keep the series."""
@@ -154,8 +144,10 @@ class Simulation:
         _run(
             self._state,
             self._noise,
-            *self._members,
+            self._plant,
+            self._control_system,
             self._memory,
+            self._torque,
             samples,
             samples - counted,
             record,
@@ -193,40 +185,44 @@ def _room(sample_time: float, samples: int) -> Record:
 def _run(
     x: np.ndarray,
     generator: np.random.Generator,
-    steps: int,
-    plant: PlantParameters,
-    estimation: EstimatorDesign,
-    observer: Compensator,
-    feedback: StateFeedback,
+    plant: Plant,
+    control_system: ControlSystem,
     memory: Memory,
+    applied: np.ndarray,
     samples: int,
     transient: int,
     record: Record,
     meter: np.ndarray,
     sums: np.ndarray,
 ) -> None:
+    """``applied`` (1,) is the torque applied since the last measurement [V], kept between runs."""
     measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
     noise = np.zeros(NOISE_CHANNELS)
     keep = len(record.command) > 0
     # Out of the loop: taking an array from a tuple costs as much as a filter.
     estimator_memory, observer_memory = memory.estimator, memory.observer
-    controller_memory, torque = memory.controller, memory.torque[0]
+    controller_memory, torque = memory.controller, applied[0]
     for k in range(samples):
         if not plant.sensors.ideal:
             for channel in range(NOISE_CHANNELS):
                 noise[channel] = generator.standard_normal()
         measure(x, noise, plant.sensors, measurement)
-        measurement[EFFORT] = torque
-        estimate_state(estimator_memory, measurement, estimation, estimate)
-        estimated = estimate_friction(observer_memory, estimate, observer)
-        u = control(controller_memory, estimate, estimated, feedback)
-        true_friction = 0.0
+        measurement[APPLIED_TORQUE] = torque
+        estimated, u = control_sample(
+            estimator_memory,
+            observer_memory,
+            controller_memory,
+            measurement,
+            control_system,
+            estimate,
+        )
+        friction = 0.0
         if keep or k >= transient:
-            true_friction = friction(x[PHI_DOT], x[BRISTLE], plant.friction)
+            friction = true_friction(x, plant)
         if keep:
             record.state[k] = x[:RIGID_STATES]
             record.estimate[k] = estimate
-            record.friction[k] = true_friction
+            record.friction[k] = friction
             record.friction_estimate[k] = estimated
             record.command[k] = u
         if transient // 2 <= k < transient:
@@ -235,8 +231,8 @@ def _run(
             accumulate(meter, x)
             sums[_PHI_SQUARED] += x[PHI] * x[PHI]
             sums[_COMMAND_SQUARED] += u * u
-            sums[_ERROR_SQUARED] += (true_friction - estimated) * (true_friction - estimated)
+            sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)
         if abs(x[THETA]) > 0.5 * np.pi:
             sums[_FELL] = 1.0
-        torque = move(x, u, steps, plant)
-    memory.torque[0] = torque
+        torque = move(x, u, plant)
+    applied[0] = torque

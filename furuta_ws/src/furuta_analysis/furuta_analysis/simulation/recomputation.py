@@ -6,10 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.simulation.closed_loop import Loop, Memory, fresh_memory
-from furuta_control.controller import StateFeedback, control, state_feedback
-from furuta_control.estimator import EstimatorDesign, design_estimator, estimate_state
-from furuta_friction.compensators import Compensator, compensator, estimate_friction
+from furuta_analysis.simulation.closed_loop import Loop
+from furuta_analysis.simulation.control_system import (
+    ControlSystem,
+    Memory,
+    control_sample,
+    design_control_system,
+    fresh_memory,
+)
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 
@@ -36,9 +40,7 @@ def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recom
         _run(
             measurement[start:end],
             memory,
-            design_estimator(loop.estimator),
-            compensator(loop.observer),
-            state_feedback(loop.controller),
+            design_control_system(loop.estimator, loop.observer, loop.controller),
             Recomputed(*(series[start:end] for series in result)),
         )
     return result
@@ -46,16 +48,14 @@ def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recom
 
 @compiled
 def _run(
-    measurement: np.ndarray,
-    memory: Memory,
-    estimation: EstimatorDesign,
-    observer: Compensator,
-    feedback: StateFeedback,
-    result: Recomputed,
+    measurement: np.ndarray, memory: Memory, control_system: ControlSystem, result: Recomputed
 ) -> None:
     for k in range(len(measurement)):
-        estimate = result.estimate[k]
-        estimate_state(memory.estimator, measurement[k], estimation, estimate)
-        friction = estimate_friction(memory.observer, estimate, observer)
-        result.friction_estimate[k] = friction
-        result.command[k] = control(memory.controller, estimate, friction, feedback)
+        result.friction_estimate[k], result.command[k] = control_sample(
+            memory.estimator,
+            memory.observer,
+            memory.controller,
+            measurement[k],
+            control_system,
+            result.estimate[k],
+        )

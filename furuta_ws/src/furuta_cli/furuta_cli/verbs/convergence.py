@@ -75,7 +75,7 @@ def command(
 
 def _exact(made: Loop) -> bool:
     """Whether observer and controller know the plant as it is."""
-    known = made.observer.friction == made.plant.friction
+    known = made.observer.friction == made.plant.friction.parameters
     return known and made.controller.model == made.plant.model
 
 

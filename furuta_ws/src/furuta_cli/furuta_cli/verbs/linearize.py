@@ -8,7 +8,6 @@ import click
 import numpy as np
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_control.controller import state_feedback
 from furuta_graph.settings import load_settings, loop
 from furuta_model.linear import linearize
 
@@ -20,7 +19,7 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
     """Linear model (2), (3) of the controller's nominal pendulum and its gain, eq. (7)."""
     parameters = loop(load_settings(files, assignments)).controller
     a, b = linearize(parameters.model)
-    gain = np.array(state_feedback(parameters)[:4])
+    gain = np.array(parameters.feedback_gain)
 
     def poles(matrix: np.ndarray) -> list[list[float]]:
         return [[float(p.real), float(p.imag)] for p in np.sort_complex(np.linalg.eigvals(matrix))]

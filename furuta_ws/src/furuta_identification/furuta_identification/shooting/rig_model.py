@@ -19,8 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
+from furuta_model.friction.lugre import bristle_after
+from furuta_model.friction.parameters import LuGre
 from furuta_model.integration import LARGEST_STEP, substeps_for
-from furuta_model.lugre import LuGre, bristle_after
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 

@@ -16,7 +16,8 @@ from furuta_identification.regression.speeds import with_speeds
 from furuta_identification.shooting.prediction import predict
 from furuta_identification.shooting.unknowns import Guess
 from furuta_model.compiled import compiled
-from furuta_model.lugre import LuGre, bristle_after, highest_level
+from furuta_model.friction.lugre import bristle_after, highest_level
+from furuta_model.friction.parameters import LuGre
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 

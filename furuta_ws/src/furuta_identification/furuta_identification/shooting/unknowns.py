@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_identification.shooting.rig_model import NO_RIPPLE, RigModel
-from furuta_model.lugre import LuGre
+from furuta_model.friction.parameters import LuGre
 from furuta_model.pendulum import FurutaPendulum
 
 

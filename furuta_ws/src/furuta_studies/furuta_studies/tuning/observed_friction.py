@@ -24,8 +24,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from furuta_model.compiled import compiled
-from furuta_model.lugre import LuGre, bristle_after, friction
-from furuta_model.state import EFFORT, PHI_DOT
+from furuta_model.friction.lugre import bristle_after, friction
+from furuta_model.friction.parameters import LuGre
+from furuta_model.state import OBSERVED_FRICTION, PHI_DOT, RIGID_STATES
 
 # Standard deviation [V] of a seen friction that the model cannot explain, and the samples between
 # two whose errors do not depend on each other.
@@ -85,9 +86,9 @@ def fit_friction(
     ``kalman_step`` is the filter's (:func:`furuta_control.kalman.sample_kalman`). Raises
     :class:`ValueError` where the arm hardly moved or no friction was seen.
     """
-    speed, seen = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, EFFORT]
+    speed, seen = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, OBSERVED_FRICTION]
     _check(speed, seen)
-    errors = np.ascontiguousarray(kalman_step[1:, 1 : 1 + EFFORT])
+    errors = np.ascontiguousarray(kalman_step[1:, 1 : 1 + RIGID_STATES])
     scales = [SCALES[name] for name in names]
     begin = np.array([s.to_line(getattr(start, n)) for n, s in zip(names, scales, strict=True)])
     spread = np.array([s.spread for s in scales])

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from furuta_friction.parameters import ObserverParameters
+from furuta_friction.compensation import ObserverParameters
 from furuta_model.parameters import values
 from furuta_studies.tuning.tuning import Trial, TuningResult
 

@@ -22,10 +22,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 from furuta_analysis.simulation.closed_loop import Loop, Simulation
-from furuta_control.kalman import sample_kalman
-from furuta_control.parameters import EstimatorParameters
-from furuta_friction.parameters import ObserverParameters
-from furuta_model.lugre import LuGre
+from furuta_control.estimation import EstimatorParameters
+from furuta_control.estimators.kalman import sample_kalman
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import PHI, THETA
 from furuta_studies.tuning.observed_friction import SCALES, fit_friction
@@ -143,7 +143,7 @@ def tune(
     parameters of the start are in force again.
     """
     plan.check()
-    if estimator.method != "kalman":
+    if not estimator.chosen.observes_friction:
         raise ValueError(
             f"the estimator's method must be kalman, which sees the friction; given "
             f"{estimator.method}"
@@ -194,7 +194,7 @@ class _Tuner:
         estimates = self._watch(LISTEN)
         seen = fit_friction(
             estimates,
-            sample_kalman(estimator),
+            sample_kalman(estimator.rig, estimator.kalman),
             estimator.sample_time,
             self._start.friction,
             self._plan.fit,

@@ -21,16 +21,27 @@ second never leaves its count.
 
 from __future__ import annotations
 
-from math import pi
+from math import isnan, pi
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from furuta_control.parameters import EstimatorParameters
+from furuta_control.estimators.rig import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
+from furuta_model.parameters import About
 from furuta_model.sensors import Sensors
-from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
+from furuta_model.state import (
+    APPLIED_TORQUE,
+    OBSERVED_FRICTION,
+    PHI,
+    PHI_DOT,
+    RIGID_STATES,
+    SIGNALS,
+    THETA,
+    THETA_DOT,
+)
 
 # Smallest variance of a reading [rad², rad²/s²]: a perfect sensor would leave nothing to filter.
 SMALLEST_VARIANCE = 1e-14
@@ -39,10 +50,35 @@ SMALLEST_VARIANCE = 1e-14
 INPUTS = SIGNALS + 3
 
 
-def sample_kalman(p: EstimatorParameters) -> np.ndarray:
+class KalmanParameters(NamedTuple):
+    """How much the filter trusts its model."""
+
+    friction_process_noise: Annotated[
+        float,
+        About("kalman: how far friction walks in a second, grows as √t", "V/√s", 1e-3, 1e3),
+    ] = 0.3
+    pendulum_process_noise: Annotated[
+        float,
+        About("kalman: how far the pendulum's speed walks from the model", "rad/s/√s", 1e-3, 1e3),
+    ] = 0.1
+
+
+class Kalman(NamedTuple):
+    """The filter as it runs: ``step`` (5, 8) of one sample, half the encoder's count [rad]."""
+
+    step: np.ndarray
+    half_count: float
+
+
+def design(rig: NominalRig, p: KalmanParameters) -> Kalman:
+    """The filter for a rig."""
+    return Kalman(sample_kalman(rig, p), half_count(rig.sensors))
+
+
+def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
     """One sample of the filter as a matrix (5, 8) on signals and inputs; φ not yet kept."""
-    dynamics, torque, spread = _sampled(p)
-    gain = _gain(dynamics[1:, 1:], spread[1:, 1:], p.sensors)
+    dynamics, torque, covariance = _sampled(rig, p)
+    gain = _gain(dynamics[1:, 1:], covariance[1:, 1:], rig.sensors)
     step = np.zeros((SIGNALS, INPUTS))
     step[:, :SIGNALS] = dynamics
     step[:, SIGNALS] = torque
@@ -58,27 +94,27 @@ def half_count(sensors: Sensors) -> float:
     return pi / sensors.encoder_counts if sensors.encoder_counts else 0.0
 
 
-def _sampled(p: EstimatorParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Transition (5, 5), input (5,) and covariance (5, 5) of x and F over one sample.
 
     All from one exponential each (Van Loan).
     """
-    a, b = linearize(p.model)
-    dt = p.sample_time
+    a, b = linearize(rig.model)
+    dt = rig.sample_time
     system = np.zeros((SIGNALS + 1, SIGNALS + 1))
-    system[:EFFORT, :EFFORT] = a
-    system[:EFFORT, EFFORT], system[:EFFORT, SIGNALS] = -b, b
+    system[:RIGID_STATES, :RIGID_STATES] = a
+    system[:RIGID_STATES, OBSERVED_FRICTION], system[:RIGID_STATES, SIGNALS] = -b, b
     sampled = expm(system * dt)
     density = np.zeros((SIGNALS, SIGNALS))
-    density[EFFORT, EFFORT] = p.friction_process_noise**2
+    density[OBSERVED_FRICTION, OBSERVED_FRICTION] = p.friction_process_noise**2
     density[THETA_DOT, THETA_DOT] = p.pendulum_process_noise**2
     free = system[:SIGNALS, :SIGNALS]
     loan = expm(np.block([[-free, density], [np.zeros_like(free), free.T]]) * dt)
-    spread = loan[SIGNALS:, SIGNALS:].T @ loan[:SIGNALS, SIGNALS:]
-    return sampled[:SIGNALS, :SIGNALS], sampled[:SIGNALS, SIGNALS], spread
+    covariance = loan[SIGNALS:, SIGNALS:].T @ loan[:SIGNALS, SIGNALS:]
+    return sampled[:SIGNALS, :SIGNALS], sampled[:SIGNALS, SIGNALS], covariance
 
 
-def _gain(dynamics: np.ndarray, spread: np.ndarray, sensors: Sensors) -> np.ndarray:
+def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.ndarray:
     """Stationary gain (4, 2) on tachometer and potentiometer."""
     reads = np.zeros((2, 4))
     reads[0, PHI_DOT - 1] = reads[1, THETA - 1] = 1.0
@@ -92,7 +128,7 @@ def _gain(dynamics: np.ndarray, spread: np.ndarray, sensors: Sensors) -> np.ndar
             ),
         ]
     )
-    covariance = solve_discrete_are(dynamics.T, reads.T, spread, noise)
+    covariance = solve_discrete_are(dynamics.T, reads.T, process, noise)
     innovation = reads @ covariance @ reads.T + noise
     gain: np.ndarray = np.linalg.solve(innovation, reads @ covariance).T
     return gain
@@ -104,20 +140,28 @@ def _variance(noise: float, full_scale: float, bits: int) -> float:
 
 
 @inlined
-def fuse(memory: np.ndarray, measurement: np.ndarray, step: np.ndarray, half_count: float) -> None:
-    """One sample: x and friction, ``memory``'s first (5,), are moved to this ``measurement``."""
+def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
+    """One sample: the estimate, ``memory``'s first (5,), is moved to this ``measurement``.
+
+    Without an applied torque (NaN) the filter has no past and begins anew at every sample.
+    """
+    if isnan(measurement[APPLIED_TORQUE]):
+        for i in range(THETA_DOT):
+            memory[i] = measurement[i]
+        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
+        return
     phi, phi_dot = memory[PHI], memory[PHI_DOT]
-    theta, theta_dot, effort = memory[THETA], memory[THETA_DOT], memory[EFFORT]
+    theta, theta_dot, friction = memory[THETA], memory[THETA_DOT], memory[OBSERVED_FRICTION]
     for i in range(SIGNALS):
         memory[i] = (
-            step[i, PHI] * phi
-            + step[i, PHI_DOT] * phi_dot
-            + step[i, THETA] * theta
-            + step[i, THETA_DOT] * theta_dot
-            + step[i, EFFORT] * effort
-            + step[i, SIGNALS] * measurement[EFFORT]
-            + step[i, SIGNALS + 1] * measurement[PHI_DOT]
-            + step[i, SIGNALS + 2] * measurement[THETA]
+            p.step[i, PHI] * phi
+            + p.step[i, PHI_DOT] * phi_dot
+            + p.step[i, THETA] * theta
+            + p.step[i, THETA_DOT] * theta_dot
+            + p.step[i, OBSERVED_FRICTION] * friction
+            + p.step[i, SIGNALS] * measurement[APPLIED_TORQUE]
+            + p.step[i, SIGNALS + 1] * measurement[PHI_DOT]
+            + p.step[i, SIGNALS + 2] * measurement[THETA]
         )
     read = measurement[PHI]
-    memory[PHI] = min(max(memory[PHI], read - half_count), read + half_count)
+    memory[PHI] = min(max(memory[PHI], read - p.half_count), read + p.half_count)

@@ -1,0 +1,143 @@
+"""The controller: a supervisor over its modes, and one sample of it.
+
+In every mode an excitation signal may be added; the sum is limited to the voltage range. To add a
+mode, write its file in ``modes/`` and add it here: a row of :data:`MODES`, its parameters, its
+branch in :func:`_mode_command`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_control.excitation import (
+    NONE,
+    TURN,
+    Excitation,
+    ExcitationParameters,
+    excitation,
+    shape,
+    within_limits,
+)
+from furuta_control.modes import balance
+from furuta_control.modes.balance import Balance
+from furuta_model.compiled import inlined
+from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.parameters import INLINE, About, ParameterError
+from furuta_model.pendulum import FurutaPendulum
+
+# Name and meaning.
+MODES = {
+    "balance": "state feedback about upright with friction compensation",
+    "open_loop": "the excitation signal alone, at any pendulum angle: to identify a hanging one",
+    "off": "0 V",
+}
+BALANCE, OPEN_LOOP, OFF = range(3)
+_MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
+
+# The controller's memory: the phase of the excitation, then each mode's own.
+PHASE = 0
+BALANCING = 1
+MEMORY = 2
+
+INACTIVE = (0.0, False)
+
+
+class ControllerParameters(NamedTuple):
+    """Parameters of the node ``controller``."""
+
+    enabled: Annotated[bool, About("drive the arm; 0 V where false")] = True
+    mode: Annotated[str, About(_MEANINGS, choices=tuple(MODES))] = "balance"
+    poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
+    gain: Annotated[
+        tuple[float, ...],
+        About("explicit L of u = -Lx in place of pole placement: four numbers, or empty", "V/x"),
+    ] = ()
+    model: FurutaPendulum = FurutaPendulum()
+    voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
+    fall_angle: Annotated[
+        float, About("pendulum angle beyond which the controller gives up: 0 V", "rad", 0.01, 3.0)
+    ] = 0.7
+    catch_angle: Annotated[
+        float, About("pendulum angle within which it takes over again", "rad", 0.0, 3.0)
+    ] = 0.2
+    friction_timeout: Annotated[
+        float,
+        About("how long a friction estimate serves when no newer one comes, then 0 V", "s", 0, 10),
+    ] = 0.01
+    excitation: ExcitationParameters = ExcitationParameters()
+    sample_time: Annotated[
+        float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
+    ] = 0.001
+
+    def check(self) -> None:
+        """Refuse a gain of the wrong length and angles in the wrong order."""
+        if len(self.gain) not in (0, 4):
+            raise ParameterError(
+                "gain must be empty or four numbers (phi, phi_dot, theta, theta_dot), "
+                f"given {len(self.gain)}"
+            )
+        if self.catch_angle > self.fall_angle:
+            raise ParameterError(
+                f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
+                f"{self.fall_angle:g}"
+            )
+
+    @property
+    def feedback_gain(self) -> tuple[float, float, float, float]:
+        """L of u = −Lx: given explicitly, or by pole placement on the nominal model, eq. (7)."""
+        gain: Iterable[float] = self.gain or place_poles(self.model, self.poles)
+        l1, l2, l3, l4 = (float(each) for each in gain)
+        return l1, l2, l3, l4
+
+
+class ControllerDesign(NamedTuple):
+    """What :func:`control` computes with."""
+
+    enabled: bool
+    mode: int
+    balance: Balance
+    excitation: Excitation
+    voltage_limit: float
+
+
+def design_controller(p: ControllerParameters) -> ControllerDesign:
+    """The controller that the parameters describe."""
+    mode = list(MODES).index(p.mode)
+    return ControllerDesign(
+        p.enabled,
+        mode,
+        Balance(*p.feedback_gain, p.fall_angle, p.catch_angle),
+        excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
+        p.voltage_limit,
+    )
+
+
+@inlined
+def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+    """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
+    u, active = _mode_command(memory, x, friction, p)
+    if not active or not p.enabled:
+        return 0.0
+    if p.excitation.kind != NONE and within_limits(x, p.excitation):
+        u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
+        memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
+    return min(max(u, -p.voltage_limit), p.voltage_limit)
+
+
+@inlined
+def _mode_command(
+    memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
+) -> tuple[float, bool]:
+    """The mode's command u [V], and whether it drives at all."""
+    if p.mode == BALANCE:
+        memory[BALANCING] = balance.balances(memory[BALANCING], x, p.balance)
+        if memory[BALANCING] == 0.0:
+            return INACTIVE
+        return balance.command(x, friction, p.balance), True
+    memory[BALANCING] = 0.0
+    if p.mode == OPEN_LOOP:
+        return 0.0, True
+    return INACTIVE

@@ -1,0 +1,151 @@
+"""State estimation from the sensors: the registry of methods, and one sample of any of them.
+
+Measurement and estimate are (5,): x, then the applied torque and the observed friction [V]
+(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it here:
+a row of :data:`METHODS`, its parameters, its design, its branch in the two functions at the end.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import isnan, nan
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_control.estimators import kalman, lowpass
+from furuta_control.estimators.kalman import Kalman, KalmanParameters
+from furuta_control.estimators.lowpass import LowpassParameters
+from furuta_control.estimators.rig import NominalRig
+from furuta_model.compiled import inlined
+from furuta_model.parameters import INLINE, About
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+from furuta_model.state import OBSERVED_FRICTION, RIGID_STATES, SIGNALS, THETA_DOT
+
+
+class Method(NamedTuple):
+    """A method of estimation: whether it observes friction, whether it needs the applied torque."""
+
+    name: str
+    meaning: str
+    observes_friction: bool
+    needs_applied_torque: bool
+
+
+METHODS = (
+    Method(
+        "kalman",
+        "fuses all sensors with the applied torque and observes the friction too",
+        observes_friction=True,
+        needs_applied_torque=True,
+    ),
+    Method(
+        "lowpass",
+        "the paper's filter on the potentiometer, arm as measured",
+        observes_friction=False,
+        needs_applied_torque=False,
+    ),
+)
+KALMAN, LOWPASS = range(2)
+
+_NAMES = tuple(method.name for method in METHODS)
+_MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
+_OBSERVES_FRICTION = tuple(method.observes_friction for method in METHODS)
+
+# The estimator's memory: its estimate, the method that runs (0: none yet), the method's own.
+RUNNING = SIGNALS
+OWN = RUNNING + 1
+MEMORY = OWN + lowpass.MEMORY
+
+
+class EstimatorParameters(NamedTuple):
+    """Parameters of the node ``estimator``."""
+
+    method: Annotated[str, About(_MEANINGS, choices=_NAMES)] = "kalman"
+    model: FurutaPendulum = FurutaPendulum()
+    sensors: Sensors = Sensors()
+    kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
+    lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
+    sample_time: Annotated[
+        float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
+    ] = 0.001
+
+    @property
+    def rig(self) -> NominalRig:
+        """What every method knows of the rig."""
+        return NominalRig(self.model, self.sensors, self.sample_time)
+
+    @property
+    def chosen(self) -> Method:
+        """The method that the parameters name."""
+        return METHODS[_NAMES.index(self.method)]
+
+
+class EstimatorDesign(NamedTuple):
+    """What :func:`estimate_state` computes with."""
+
+    method: int
+    ideal: bool
+    lowpass: np.ndarray
+    kalman: Kalman
+
+
+@lru_cache(maxsize=64)
+def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
+    """The estimator that the parameters describe; cached, for its design takes a millisecond."""
+    return EstimatorDesign(
+        _NAMES.index(p.method),
+        p.sensors.ideal,
+        lowpass.design(p.rig, p.lowpass),
+        kalman.design(p.rig, p.kalman),
+    )
+
+
+@inlined
+def estimate_state(
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+) -> None:
+    """One sample: ``memory`` (MEMORY,) is updated, ``estimate`` (5,) written.
+
+    A method that takes over from another one begins at the other's estimate. What is measured
+    exactly is not filtered; then the method only observes the friction, if it does.
+    """
+    if p.ideal and not _OBSERVES_FRICTION[p.method]:
+        for i in range(RIGID_STATES):
+            estimate[i] = measurement[i]
+        estimate[OBSERVED_FRICTION] = nan
+        memory[RUNNING] = 0.0
+        return
+    if memory[RUNNING] == 0.0:
+        for i in range(THETA_DOT):
+            memory[i] = measurement[i]
+        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
+        _begin(memory, measurement, p)
+    else:
+        if memory[RUNNING] != p.method + 1:
+            if isnan(memory[OBSERVED_FRICTION]):
+                memory[OBSERVED_FRICTION] = 0.0
+            _begin(memory, measurement, p)
+        _update(memory, measurement, p)
+    memory[RUNNING] = p.method + 1
+    for i in range(SIGNALS):
+        estimate[i] = memory[i]
+    if p.ideal:
+        for i in range(RIGID_STATES):
+            estimate[i] = measurement[i]
+
+
+@inlined
+def _begin(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Set a method's own memory; the estimate in ``memory`` is set already."""
+    if p.method == LOWPASS:
+        lowpass.begin(memory, OWN, measurement)
+
+
+@inlined
+def _update(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    if p.method == KALMAN:
+        kalman.update(memory, measurement, p.kalman)
+    elif p.method == LOWPASS:
+        lowpass.update(memory, OWN, measurement, p.lowpass)

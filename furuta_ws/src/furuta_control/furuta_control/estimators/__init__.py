@@ -1,0 +1,1 @@
+"""State estimators: one file per method, :mod:`furuta_control.estimation` names them all."""

@@ -1,0 +1,16 @@
+"""What every estimator knows of the rig."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+
+
+class NominalRig(NamedTuple):
+    """Nominal model, sensors, and the time between measurements [s]."""
+
+    model: FurutaPendulum = FurutaPendulum()
+    sensors: Sensors = Sensors()
+    sample_time: float = 0.001

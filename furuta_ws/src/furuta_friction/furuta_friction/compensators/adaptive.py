@@ -1,0 +1,80 @@
+"""Adaptive compensation ([7]): the observer (9) with levels that follow the observed friction.
+
+A factor on the levels, one for each direction, is adapted at the rate Γ.
+"""
+
+from __future__ import annotations
+
+from math import expm1, isnan
+
+import numpy as np
+
+from furuta_friction.compensators.bristle_observer import BRISTLE, observe
+from furuta_model.compiled import inlined
+from furuta_model.friction.lugre import stribeck_level
+from furuta_model.friction.parameters import LuGre
+
+# Places in the compensators' memory: what is added to the levels' factor 1, for v > 0 and v < 0.
+RISING, FALLING = 1, 2
+# The factors stay between 1/3 and 3: beyond, it is the model that is wrong.
+LARGEST_FACTOR = 3.0
+# Part of its final deflection from which on the bristle counts as sliding.
+SLIDING = 0.8
+
+
+@inlined
+def estimate(
+    memory: np.ndarray,
+    v: float,
+    observed: float,
+    correction: float,
+    rate: float,
+    dt: float,
+    p: LuGre,
+) -> float:
+    """F̂ [V] at speed v [rad/s]; the levels move towards the ``observed`` friction [V].
+
+    ``rate`` is Γ [1/s], ``correction`` the observer's −Ke [rad/s], ``dt`` the sample time [s].
+    """
+    force = observe(memory, v, correction, dt, adapted(memory, p))
+    _adapt(memory, v, force, observed, rate * dt, p)
+    return force
+
+
+@inlined
+def adapted(memory: np.ndarray, p: LuGre) -> LuGre:
+    """The friction's parameters with the levels as adapted so far."""
+    rising = (1.0 + p.asymmetry) * (1.0 + memory[RISING])
+    falling = (1.0 - p.asymmetry) * (1.0 + memory[FALLING])
+    mean = 0.5 * (rising + falling)
+    asymmetry = 0.5 * (rising - falling) / mean if mean > 0.0 else 0.0
+    return LuGre(
+        p.sigma0,
+        p.sigma1,
+        p.alpha0 * mean,
+        p.alpha1 * mean,
+        p.stribeck_velocity,
+        p.viscous,
+        asymmetry,
+    )
+
+
+@inlined
+def _adapt(
+    memory: np.ndarray, v: float, force: float, observed: float, step: float, p: LuGre
+) -> None:
+    """Move the level of this direction towards the observed friction; ``step`` is Γ·dt.
+
+    Only while the bristle slides. Before, σ₀ and σ₁ decide F̂, and an error of theirs, or the
+    delay with which friction is observed at a reversal, would be taken for one of the level.
+    """
+    if v == 0.0 or isnan(observed):
+        return
+    direction = RISING if v > 0.0 else FALLING
+    factor = 1.0 + memory[direction]
+    level = factor * stribeck_level(v, p)
+    if p.sigma0 * memory[BRISTLE] * v < SLIDING * level * abs(v):
+        return
+    error = (observed - force) / (level if v > 0.0 else -level)
+    factor *= 1.0 - expm1(-step) * error
+    memory[direction] = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0

@@ -1,0 +1,15 @@
+"""Coulomb compensation, eq. (4): the level α₀ in the direction of the estimated speed."""
+
+from __future__ import annotations
+
+from furuta_model.compiled import compiled
+from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
+from furuta_model.friction.parameters import LuGre
+
+_COULOMB = LAWS.index("coulomb")
+
+
+@compiled
+def estimate(v: float, p: LuGre) -> float:
+    """F̂ [V] with levels by direction and viscous part; 0 at v = 0."""
+    return steady_friction(v, FrictionLaw(_COULOMB, p))

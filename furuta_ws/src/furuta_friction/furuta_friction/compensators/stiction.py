@@ -1,0 +1,26 @@
+"""Stiction compensation: Coulomb's while the arm slides, the observed friction at rest.
+
+At rest means below the Stribeck velocity. The estimate is limited to the breakaway level α₀ + α₁.
+"""
+
+from __future__ import annotations
+
+from math import isnan
+
+from furuta_friction.compensators import coulomb
+from furuta_model.compiled import compiled
+from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
+from furuta_model.friction.parameters import LuGre
+
+_STICTION = LAWS.index("stiction")
+
+
+@compiled
+def estimate(v: float, observed: float, p: LuGre) -> float:
+    """F̂ [V] for the speed [rad/s] and the ``observed`` friction [V]; 0 at rest without one."""
+    if abs(v) > p.stribeck_velocity:
+        return coulomb.estimate(v, p)
+    if isnan(observed):
+        return 0.0
+    law = FrictionLaw(_STICTION, p)
+    return min(max(observed, -breakaway_level(-1.0, law)), breakaway_level(1.0, law))

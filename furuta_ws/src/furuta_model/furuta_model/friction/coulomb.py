@@ -1,0 +1,22 @@
+"""Coulomb friction, eq. (4): α₀ against the motion, and the arm sticks up to the same level."""
+
+from __future__ import annotations
+
+from furuta_model.compiled import compiled
+from furuta_model.friction.law import Law
+from furuta_model.friction.parameters import LuGre
+
+
+@compiled
+def level(v: float, p: LuGre) -> float:
+    """α₀ [V] at any speed v [rad/s]."""
+    return p.alpha0
+
+
+@compiled
+def breakaway(p: LuGre) -> float:
+    """α₀ [V]."""
+    return p.alpha0
+
+
+LAW = Law("coulomb", level, breakaway, constant=True)

@@ -1,0 +1,77 @@
+r"""What a friction law states, and what follows from it.
+
+A law is a file in this folder with a :class:`Law`; :mod:`.laws` lists it. The level is the
+friction's size while the arm slides at speed v, before its asymmetry:
+
+.. math:: F = ±g(v)(1 ± a) + σ_2 v
+
+With ``bristle``, the arm moves a bristle before it slides, eq. (5), and never truly sticks.
+Without, the arm sticks: at v = 0 friction holds it up to the breakaway level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import quad
+
+from furuta_model.friction.parameters import LuGre
+
+# Relative step of the slope's central difference.
+STEP = 1e-6
+
+
+class Law(NamedTuple):
+    r"""A friction law.
+
+    ``level`` (compiled) is g(v, p) [V] at speed v [rad/s]; ``breakaway`` (compiled) is the level
+    up to which a stuck arm is held, of p [V]. With ``bristle`` the arm moves a bristle before it
+    slides; with ``constant`` the level does not depend on the speed. The last three, Python
+    functions of an amplitude or a speed [rad/s] and p, are closed forms where they are known; by
+    default they are computed from ``level``:
+
+    - ``fundamental``: the constant level [V] whose fundamental the law has under v = A sin ωt,
+      :math:`\int_0^{π/2} g(A\sin x)\sin x\,dx`;
+    - ``mean``: the mean of g(A sin x) over a cycle [V];
+    - ``slope``: dg/dv [V s/rad] at v > 0.
+    """
+
+    name: str
+    level: Callable[[float, LuGre], float]
+    breakaway: Callable[[LuGre], float]
+    bristle: bool = False
+    constant: bool = False
+    fundamental: Callable[[float, LuGre], float] | None = None
+    mean: Callable[[float, LuGre], float] | None = None
+    slope: Callable[[float, LuGre], float] | None = None
+
+    def fundamental_level(self, amplitude: float, p: LuGre) -> float:
+        """The constant level [V] with the same fundamental at amplitude A [rad/s]."""
+        if self.constant:
+            return self.level(0.0, p)
+        if self.fundamental is not None:
+            return self.fundamental(amplitude, p)
+        return _quarter_cycle(lambda x: self.level(amplitude * np.sin(x), p) * np.sin(x))
+
+    def mean_level(self, amplitude: float, p: LuGre) -> float:
+        """Mean level [V] over a cycle of amplitude A [rad/s]."""
+        if self.constant:
+            return self.level(0.0, p)
+        if self.mean is not None:
+            return self.mean(amplitude, p)
+        return _quarter_cycle(lambda x: self.level(amplitude * np.sin(x), p)) * 2.0 / np.pi
+
+    def level_slope(self, v: float, p: LuGre) -> float:
+        """dg/dv [V s/rad] at speed v > 0 [rad/s]."""
+        if self.constant:
+            return 0.0
+        if self.slope is not None:
+            return self.slope(v, p)
+        h = STEP * v
+        return (self.level(v + h, p) - self.level(v - h, p)) / (2.0 * h)
+
+
+def _quarter_cycle(integrand: Callable[[float], float]) -> float:
+    return float(quad(integrand, 0.0, 0.5 * np.pi, epsabs=1e-13, epsrel=1e-11, limit=200)[0])

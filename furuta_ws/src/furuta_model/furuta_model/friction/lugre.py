@@ -1,0 +1,59 @@
+r"""LuGre friction, eq. (5), with viscous part and levels that differ by direction.
+
+.. math::
+    \dot z = v - σ_0\frac{|v|}{g(v)}z, \qquad g(v) = (α_0 + α_1 e^{-(v/v_s)^2})(1 ± a), \qquad
+    F = σ_0 z + σ_1\dot z + σ_2 v
+
+The sign is that of v, a the asymmetry; σ₂ (``viscous``) and a are zero in the paper. The steady
+level is Stribeck's.
+"""
+
+from __future__ import annotations
+
+from furuta_model.compiled import compiled
+from furuta_model.friction import stribeck
+from furuta_model.friction.bristle import deflection_after, deflection_rate
+from furuta_model.friction.parameters import SMALLEST_LEVEL, LuGre
+
+LAW = stribeck.LAW._replace(name="lugre", bristle=True)
+_symmetric_level = stribeck.level
+
+
+@compiled
+def stribeck_level(v: float, p: LuGre) -> float:
+    """g(v) [V]: the friction level at steady speed v [rad/s], viscous part excluded."""
+    level = _symmetric_level(v, p)
+    if v > 0.0:
+        level *= 1.0 + p.asymmetry
+    elif v < 0.0:
+        level *= 1.0 - p.asymmetry
+    return max(level, SMALLEST_LEVEL)
+
+
+@compiled
+def highest_level(p: LuGre) -> float:
+    """The largest g(v) [V]; σ₀|z| never exceeds it once it does not."""
+    return max((p.alpha0 + p.alpha1) * (1.0 + abs(p.asymmetry)), SMALLEST_LEVEL)
+
+
+@compiled
+def bristle_rate(v: float, z: float, p: LuGre) -> float:
+    """ż [rad/s] of (5) at speed v [rad/s] and deflection z [rad]."""
+    return deflection_rate(v, abs(v), z, stribeck_level(v, p), p)
+
+
+@compiled
+def friction(v: float, z: float, p: LuGre) -> float:
+    """F [V] of (5) at speed v [rad/s] and deflection z [rad]."""
+    return p.sigma0 * z + p.sigma1 * bristle_rate(v, z, p) + p.viscous * v
+
+
+@compiled
+def bristle_after(
+    v: float, correction: float, z: float, dt: float, p: LuGre
+) -> tuple[float, float]:
+    """Deflection [rad] after ``dt`` [s] at constant speed v [rad/s], and its mean over the step.
+
+    ``correction`` [rad/s] is an observer's, zero for the plant.
+    """
+    return deflection_after(v, correction, z, dt, stribeck_level(v, p), p)
