@@ -132,7 +132,7 @@ def _pendulum_accelerations(
 _advance = integrator(_pendulum_accelerations)
 
 
-@compiled
+@inlined
 def advance(
     x: np.ndarray, u: float, dt: float, substeps: int, body: FurutaPendulum, law: FrictionLaw
 ) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.pendulum import FurutaPendulum
@@ -63,7 +63,7 @@ def drive(command: float, actuator: Actuator) -> float:
     return convert(command, actuator.voltage_range, actuator.bits)
 
 
-@compiled
+@inlined
 def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
     """Read the sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal."""
     if sensors.ideal:
@@ -89,7 +89,7 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
     measurement[THETA_DOT] = nan
 
 
-@compiled
+@inlined
 def move(x: np.ndarray, command: float, plant: Plant) -> float:
     """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
     torque = drive(command, plant.actuator)
@@ -97,7 +97,7 @@ def move(x: np.ndarray, command: float, plant: Plant) -> float:
     return torque
 
 
-@compiled
+@inlined
 def true_friction(x: np.ndarray, plant: Plant) -> float:
     """Friction F [V] in plant state ``x`` (5,)."""
     return friction_force(x[PHI_DOT], x[BRISTLE], plant.friction)

@@ -19,7 +19,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.bristle import deflection_rate
-from furuta_model.friction.laws import FrictionLaw, sliding_level
+from furuta_model.friction.laws import FrictionLaw, symmetric_level
 from furuta_model.friction.parameters import SMALLEST_LEVEL
 
 # Steps per quarter cycle; N is then right to about 1e-7 of it, far less at usual amplitudes.
@@ -103,7 +103,7 @@ def _source_and_rate(
 ) -> tuple[float, float]:
     """The two terms of dz/dτ = source − rate z."""
     source = amplitude / omega * sin(phase)
-    level = sliding_level(amplitude * sin(phase), 0.0, law)
+    level = symmetric_level(amplitude * sin(phase), law)
     return source, -deflection_rate(0.0, abs(source), 1.0, level, law.parameters)
 
 

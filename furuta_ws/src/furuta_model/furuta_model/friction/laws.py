@@ -72,18 +72,31 @@ def has_bristle(law: FrictionLaw) -> bool:
 
 
 @compiled
+def symmetric_level(v: float, law: FrictionLaw) -> float:
+    """Level [V] of the sliding arm at speed v [rad/s] before its asymmetry, viscous part apart."""
+    return _level(law.kind, v, law.parameters)
+
+
+@compiled
 def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
-    """Friction [V] opposing a motion in ``direction`` (±1) at speed v [rad/s], viscous part apart.
+    """Friction [V] opposing a motion in ``direction`` (its sign) at speed v [rad/s], viscous part apart.
 
     The direction is given beside the speed because at v = 0 a slide that begins or ends has one.
     """
-    return _level(law.kind, v, law.parameters) * (1.0 + direction * law.parameters.asymmetry)
+    return symmetric_level(v, law) * _factor(direction, law)
 
 
 @compiled
 def breakaway_level(direction: float, law: FrictionLaw) -> float:
     """Torque [V] up to which a resting arm is held against motion in ``direction`` (±1)."""
-    return _breakaway(law.kind, law.parameters) * (1.0 + direction * law.parameters.asymmetry)
+    return _breakaway(law.kind, law.parameters) * _factor(direction, law)
+
+
+@compiled
+def _factor(direction: float, law: FrictionLaw) -> float:
+    """1 ± asymmetry. Two constants and a choice: no arithmetic waits for the direction."""
+    asymmetry = law.parameters.asymmetry
+    return 1.0 + asymmetry if direction >= 0.0 else 1.0 - asymmetry
 
 
 @compiled
@@ -105,7 +118,7 @@ def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
     p = law.parameters
     if not BRISTLE[law.kind]:
         return memory + p.viscous * v
-    level = sliding_level(v, 1.0 if v >= 0.0 else -1.0, law)
+    level = sliding_level(v, v, law)
     return (
         p.sigma0 * memory
         + p.sigma1 * deflection_rate(v, abs(v), memory, level, p)
@@ -120,7 +133,7 @@ def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float
     Exact for constant v. Returns it with the deflection at the end [rad].
     """
     p = law.parameters
-    level = sliding_level(v, 1.0 if v >= 0.0 else -1.0, law)
+    level = sliding_level(v, v, law)
     end, mean = deflection_after(v, 0.0, z, h, level, p)
     return p.sigma0 * mean + p.sigma1 / h * (end - z), end
 
