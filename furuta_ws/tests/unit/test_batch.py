@@ -16,7 +16,7 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import LuGre
 from furuta_model.state import PHI
-from furuta_sim.parameters import InitialState, PlantParameters
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 
 SECONDS = 3.0
 
@@ -25,7 +25,9 @@ def loops(count: int) -> list[Loop]:
     """Runs that differ in everything that can differ."""
     return [
         Loop(
-            PlantParameters(friction=LuGre(alpha0=0.1 + 0.01 * k), seed=k),
+            PlantParameters(
+                friction=PlantFriction(parameters=LuGre(alpha0=0.1 + 0.01 * k)), seed=k
+            ),
             observer=ObserverParameters(compensation=("none", "coulomb", "lugre")[k % 3]),
         )
         for k in range(count)

@@ -10,6 +10,7 @@ from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_sim.parameters import PlantParameters
+from furuta_sim.plant import design_plant
 
 
 class Group(NamedTuple):
@@ -49,10 +50,10 @@ def test_layout_is_that_of_the_types() -> None:
 
 def test_the_product_s_parameters() -> None:
     """A whole rig, and an estimator with its matrices, to the last bit."""
-    plant = PlantParameters(seed=2**61 + 1)
+    plant = design_plant(PlantParameters())
     held = block(plant)[0]
-    assert held["seed"] == plant.seed
-    assert held["friction"]["sigma0"] == plant.friction.parameters.sigma0
-    assert held["initial"]["theta"] == plant.initial.theta
+    assert held["friction"]["parameters"]["sigma0"] == plant.friction.parameters.sigma0
+    assert held["friction"]["kind"] == plant.friction.kind
+    assert held["sensors"]["potentiometer_range"] == plant.sensors.potentiometer_range
     made = design_estimator(EstimatorParameters())
-    np.testing.assert_array_equal(block(made)[0]["kalman_step"], made.kalman_step)
+    np.testing.assert_array_equal(block(made)[0]["kalman"]["step"], made.kalman.step)

@@ -14,7 +14,7 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import LuGre
 from furuta_model.state import PHI, THETA
-from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters, Sensors
 
 # Two independent codes agree on these: continuous feedback of the exact state.
 PHI_SIZE, THETA_SIZE, PERIOD = 0.5106, 0.0918, 2.370
@@ -48,7 +48,7 @@ def test_ideal_limit_cycle(dt: float, tolerance: float) -> None:
 def test_stribeck_velocity_matters_little() -> None:
     """From 0.001 to 0.2 rad/s the amplitude changes by 0.6 % (0.507 to 0.510 rad), period 3 %."""
     cycles = [
-        limit_cycle(ideal(friction=LuGre(stribeck_velocity=speed)))
+        limit_cycle(ideal(friction=PlantFriction(parameters=LuGre(stribeck_velocity=speed))))
         for speed in (0.001, 0.01, 0.02, 0.05, 0.1, 0.2)
     ]
     sizes = [each.phi_peak_to_peak_rad for each in cycles]
@@ -61,7 +61,10 @@ def test_stribeck_velocity_matters_little() -> None:
 def test_frictionless_motion_is_the_linear_one() -> None:
     """Near upright without friction the loop is that of the sampled linear system."""
     start = np.array([2e-4, 0.0, 1e-4, 0.0])
-    loop = ideal(friction=LuGre(alpha0=0.0, alpha1=0.0), initial=InitialState(*start))
+    loop = ideal(
+        friction=PlantFriction(parameters=LuGre(alpha0=0.0, alpha1=0.0)),
+        initial=InitialState(*start),
+    )
     a = np.array([[0, 1, 0, 0], [0, 0, -11, 0], [0, 0, 0, 1], [0, 0, 33.0, 0]])
     b = np.array([[0], [45], [0], [-29.0]])
     transition, drive, *_ = cont2discrete((a, b, np.eye(4), np.zeros((4, 1))), 1e-3)
@@ -91,7 +94,9 @@ def test_compensation_shrinks_the_paper_rigs_limit_cycle(seed: int) -> None:
 def test_asymmetry_shifts_the_limit_cycle() -> None:
     """More friction forward than backward holds the arm off centre, on one side by sign."""
     forward, backward = (
-        simulate(ideal(friction=LuGre(asymmetry=asymmetry)), 60.0).state[30000:, PHI]
+        simulate(ideal(friction=PlantFriction(parameters=LuGre(asymmetry=asymmetry))), 60.0).state[
+            30000:, PHI
+        ]
         for asymmetry in (0.2, -0.2)
     )
     centre = 0.5 * (forward.max() + forward.min())

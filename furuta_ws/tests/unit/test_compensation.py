@@ -18,7 +18,7 @@ from furuta_friction.compensation import (
 )
 from furuta_model.friction.parameters import LuGre
 from furuta_model.sensors import Sensors
-from furuta_sim.parameters import InitialState, PlantParameters
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_studies.experiments import EXPERIMENTS, experiment
 from furuta_studies.sensitivity import sensitivity
 from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
@@ -71,7 +71,7 @@ def _drifting(observer: ObserverParameters, knowing: bool, seed: int) -> float:
         factor = 1.0 + 0.3 * sin(2 * pi * 0.1 * k / 60.0)
         true, known = loop.plant.friction.parameters, observer.friction
         simulation.loop = loop._replace(
-            plant=loop.plant._replace(friction=at_level(true, factor)),
+            plant=loop.plant._replace(friction=PlantFriction(parameters=at_level(true, factor))),
             observer=observer._replace(friction=at_level(known, factor) if knowing else known),
         )
         parts.append(simulation.run(0.1).state[:, 0])

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from furuta_model.compiled import by_kind, compiled
+
 CONSTANT = "SHIFT = 1.0"
 CALLEE = """
 from furuta_model.compiled import compiled
@@ -106,3 +108,24 @@ def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
     assert run(tmp_path, script) == (1.0, 0)
     write(tmp_path, callee=GROUP.format("high", "low"))
     assert run(tmp_path, script)[0] == 1.0
+
+
+@compiled
+def _first(x: float) -> float:
+    return x + 1.0
+
+
+@compiled
+def _second(x: float) -> float:
+    return 2.0 * x
+
+
+@compiled
+def _third(x: float) -> float:
+    return -x
+
+
+def test_one_function_of_several_by_kind() -> None:
+    """``by_kind`` calls the function of that index."""
+    chosen = by_kind([_first, _second, _third])
+    assert [chosen(kind, 3.0) for kind in range(3)] == [4.0, 6.0, -3.0]

@@ -10,16 +10,13 @@ from unit import reference
 
 from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta_analysis.describing_functions.describing_function import bias, describing_function
-from furuta_model.friction.laws import (
-    COULOMB,
-    LUGRE,
-    STICTION,
-    STRIBECK,
-    FrictionLaw,
-    steady_friction,
-)
+from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
+
+COULOMB, LUGRE, STICTION, STRIBECK = (
+    LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
+)
 
 UNEQUAL = LuGre(viscous=0.3, asymmetry=0.25)
 
@@ -131,16 +128,19 @@ def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omeg
     tanh = 1 - np.tanh(k) / k if k > 1e-3 else k * k / 3
     bessel = ive(1, k) * 2 / (1 + np.exp(-2 * k))
     exact = 2 * p.alpha0 / p.sigma0 * complex(2 / np.pi * tanh, -bessel)
-    z = bristle_fundamental(deflection * omega, omega, p, STEPS)
+    z = bristle_fundamental(deflection * omega, omega, FrictionLaw(LUGRE, p), STEPS)
     assert z == pytest.approx(exact, rel=2e-6)
 
 
 def test_twice_the_steps_change_nothing() -> None:
     """The number of steps per quarter cycle is enough, also for a sharp Stribeck curve."""
-    for p in (LuGre(), LuGre(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)):
+    sharp = LuGre(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)
+    for law in (FrictionLaw(LUGRE), FrictionLaw(LUGRE, sharp)):
         for amplitude in np.geomspace(1e-5, 30, 12):
             for omega in (0.1, 3.0, 100.0):
-                once, twice = (bristle_fundamental(amplitude, omega, p, n * STEPS) for n in (1, 2))
+                once, twice = (
+                    bristle_fundamental(amplitude, omega, law, n * STEPS) for n in (1, 2)
+                )
                 assert once == pytest.approx(twice, rel=2e-6)
 
 

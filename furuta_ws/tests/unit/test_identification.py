@@ -27,7 +27,7 @@ from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
-from furuta_sim.parameters import PlantParameters
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, drive, measure
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
@@ -37,7 +37,11 @@ def balanced(
     seconds: float, ideal: bool, seed: int = 0, excitation: ExcitationParameters | None = None
 ) -> Recording:
     """A closed-loop log of the simulated rig: what its sensors said, what its drive gave."""
-    plant = PlantParameters(friction=LuGre(asymmetry=0.1), sensors=Sensors(ideal=ideal), seed=seed)
+    plant = PlantParameters(
+        friction=PlantFriction(parameters=LuGre(asymmetry=0.1)),
+        sensors=Sensors(ideal=ideal),
+        seed=seed,
+    )
     estimator = EstimatorParameters(sensors=Sensors(ideal=ideal))
     controller = ControllerParameters(excitation=excitation or ExcitationParameters())
     run = simulate(Loop(plant=plant, estimator=estimator, controller=controller), seconds)

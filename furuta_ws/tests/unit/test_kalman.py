@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_control.estimators.kalman import KalmanParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantParameters
@@ -161,9 +162,7 @@ def test_any_allowed_sensor_has_a_filter() -> None:
                 potentiometer_noise=noise,
             )
             for spread in (1e-3, 1.0, 1e3):
-                p = EstimatorParameters(
-                    sensors=sensors, friction_process_noise=spread, pendulum_process_noise=spread
-                )
-                step = design_estimator(p).kalman_step
+                p = EstimatorParameters(sensors=sensors, kalman=KalmanParameters(spread, spread))
+                step = design_estimator(p).kalman.step
                 assert np.all(np.isfinite(step))
                 assert np.max(np.abs(np.linalg.eigvals(step[1:, 1:5]))) < 1.0

@@ -9,12 +9,16 @@ from unit import reference
 from furuta_analysis.limit_cycles.continuation import Branch, fold_value
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, trace
-from furuta_model.friction.laws import COULOMB, LUGRE, STICTION, STRIBECK, FrictionLaw
+from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_studies.feedback_map import study
+
+COULOMB, LUGRE, STICTION, STRIBECK = (
+    LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
+)
 
 BODY = FurutaPendulum()
 PAPER = LuGre()

@@ -10,12 +10,12 @@ from scipy.integrate import solve_ivp
 from unit import reference
 
 from furuta_model.friction.bristle import SMALL_DECAY
+from furuta_model.friction.laws import friction_law, steady_friction
 from furuta_model.friction.lugre import (
     bristle_after,
     bristle_rate,
     friction,
     highest_level,
-    steady_friction,
     stribeck_level,
 )
 from furuta_model.friction.parameters import LuGre
@@ -31,7 +31,7 @@ def test_steady_state_is_the_stribeck_curve(p: LuGre, v: float) -> None:
     z, mean = bristle_after(v, 0.0, 0.0, 1e4, p)
     expected = np.sign(v) * reference.level(v, p) + p.viscous * v
     assert friction(v, z, p) == pytest.approx(expected)
-    assert steady_friction(v, p) == pytest.approx(expected)
+    assert steady_friction(v, friction_law("lugre", p)) == pytest.approx(expected)
     assert p.sigma0 * mean == pytest.approx(np.sign(v) * reference.level(v, p), rel=0.01)
 
 
@@ -43,7 +43,7 @@ def test_levels_by_hand() -> None:
     assert stribeck_level(-10.0, UNEQUAL) == pytest.approx(0.168)
     assert highest_level(UNEQUAL) == highest_level(UNEQUAL._replace(asymmetry=-0.2))
     assert highest_level(UNEQUAL) == pytest.approx(0.232 * 1.2)
-    assert steady_friction(0.0, UNEQUAL) == 0.0
+    assert steady_friction(0.0, friction_law("lugre", UNEQUAL)) == 0.0
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-6, 1e-2, 1.0, 30.0, 1e3, 1e4, 1e6])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from unit import reference
 
+from furuta_model.friction.laws import friction_law
 from furuta_model.friction.parameters import LuGre
 from furuta_model.integration import advance, substeps_for
 from furuta_model.pendulum import FurutaPendulum, energy
@@ -18,10 +19,10 @@ def advanced(
     start: list[float], torque: float, seconds: float, lugre: LuGre, dt: float = DT, finer: int = 1
 ) -> np.ndarray:
     """States (n + 1, 5) at every sample, with ``finer`` times the usual substeps."""
-    x = np.array(start)
+    x, law = np.array(start), friction_law("lugre", lugre)
     states = [x.copy()]
     for _ in range(round(seconds / dt)):
-        advance(x, torque, dt, finer * substeps_for(dt, BODY, lugre), BODY, lugre)
+        advance(x, torque, dt, finer * substeps_for(dt, BODY, lugre), BODY, law)
         states.append(x.copy())
     return np.array(states)
 

@@ -113,7 +113,7 @@ def test_no_number(node: str, each: Declared, wrong: Any) -> None:
 def test_whole_numbers() -> None:
     """A float takes an integer and is a float; an integer takes no float."""
     made = build(PlantParameters, {"friction.sigma0": 80, "seed": 7})
-    assert (made.friction.sigma0, type(made.friction.sigma0)) == (80.0, float)
+    assert (made.friction.parameters.sigma0, type(made.friction.parameters.sigma0)) == (80.0, float)
     assert (made.seed, type(made.seed)) == (7, int)
     with pytest.raises(ParameterError, match=r"seed must be an integer, given 7\.0"):
         build(PlantParameters, {"seed": 7.0})

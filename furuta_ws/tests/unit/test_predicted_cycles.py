@@ -11,10 +11,12 @@ from furuta_analysis.describing_functions.lugre_cycles import suspects, winding_
 from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta_analysis.describing_functions.residual import residual
 from furuta_analysis.describing_functions.transfer import FIGURE_4, Transfer, transfer
-from furuta_model.friction.laws import COULOMB, LAWS, LUGRE, FrictionLaw
+from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
+
+COULOMB, LUGRE = map(LAWS.index, ("coulomb", "lugre"))
 
 P = FurutaPendulum()
 PLACED = -place_poles(P, DesiredPoles())

@@ -10,7 +10,7 @@ from unit import reference
 
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
-from furuta_sim.plant import Noise, convert, drive, initial_state, measure, move, substeps
+from furuta_sim.plant import Noise, convert, design_plant, drive, initial_state, measure, move
 
 QUIET = np.zeros(2)
 
@@ -135,5 +135,6 @@ def test_one_sample_of_the_rig() -> None:
     for command, torque in ((50.0, 10 - 20 / 4096), (0.006, 20 / 4096)):
         x = np.array([0.1, 0.5, 0.05, -0.2, 0.001])
         expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction.parameters)
-        move(x, command, 8 * substeps(plant), plant)
+        made = design_plant(plant)
+        move(x, command, made._replace(substeps=8 * made.substeps))
         assert x == pytest.approx(expected, abs=2e-5)

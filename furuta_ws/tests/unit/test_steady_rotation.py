@@ -13,11 +13,13 @@ from furuta_analysis.describing_functions.transfer import FIGURE_4
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_model.friction.laws import COULOMB, LAWS, LUGRE, STRIBECK, FrictionLaw, steady_friction
+from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
 from furuta_model.friction.parameters import LuGre
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
-from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters, Sensors
+
+COULOMB, LUGRE, STRIBECK = map(LAWS.index, ("coulomb", "lugre", "stribeck"))
 
 P = FurutaPendulum()
 FREE = {case: FIGURE_4[case] for case in "cd"}
@@ -30,7 +32,7 @@ def speeds(
 ) -> np.ndarray:
     """Arm speed [rad/s] under LuGre friction, ideal sensors, strong drive."""
     plant = PlantParameters(
-        friction=p,
+        friction=PlantFriction(parameters=p),
         sensors=Sensors(ideal=True),
         actuator=Actuator(1000.0, 0),
         initial=start,

@@ -15,12 +15,12 @@ from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import values
-from furuta_sim.parameters import PlantParameters
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction
 from furuta_studies.tuning.tuning import GuardError, Plan, SimulatedLoop, tune
 
 NOMINAL = LuGre()
-STEP = sample_kalman(EstimatorParameters())
+STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().kalman)
 # The motor of Fig. 6 with other friction than the compensator's default.
 OTHER = LuGre(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
 
@@ -38,7 +38,10 @@ def silent(what: str, seconds: float) -> None:
 def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
     """Arm, peak to peak over 30 s [rad], mean over the seeds."""
     observer = ObserverParameters("lugre", friction)
-    loops = (Loop(PlantParameters(friction=true, seed=seed), observer=observer) for seed in seeds)
+    loops = (
+        Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=seed), observer=observer)
+        for seed in seeds
+    )
     return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
 
 
@@ -53,7 +56,7 @@ def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
 )
 def test_friction_is_read_off_the_limit_cycle(true: LuGre) -> None:
     """Twelve seconds without compensation tell the friction, from a start 30 % off."""
-    simulation = Simulation(Loop(PlantParameters(friction=true, seed=31)))
+    simulation = Simulation(Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=31)))
     simulation.run(3.0)
     seen = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
     found = seen.friction
@@ -83,7 +86,9 @@ def test_standard_errors_cover_the_spread() -> None:
 
 def test_only_what_is_asked_for_is_fitted() -> None:
     """Parameters that are not named stay as they were."""
-    simulation = Simulation(Loop(PlantParameters(friction=OTHER, seed=32)))
+    simulation = Simulation(
+        Loop(PlantParameters(friction=PlantFriction(parameters=OTHER), seed=32))
+    )
     simulation.run(3.0)
     start = scaled(0.7)
     names = ("alpha0", "asymmetry")
@@ -107,7 +112,9 @@ def test_no_friction_seen_is_said() -> None:
 def test_tune_comes_near_the_best_of_an_exhaustive_search(true: LuGre, factor: float) -> None:
     """From 30 % wrong within 20 % of the best of a grid around the truth, in 200 s at most."""
     start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
-    rig = SimulatedLoop(Loop(PlantParameters(friction=true, seed=33), observer=start))
+    rig = SimulatedLoop(
+        Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=33), observer=start)
+    )
     tuned = tune(rig, start, EstimatorParameters(), Plan(), silent)
     assert tuned.seconds <= 200.0
     assert tuned.after.amplitude < 0.5 * tuned.before.amplitude

@@ -15,7 +15,7 @@ import numpy as np
 
 from furuta_control.estimators import kalman, lowpass
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
-from furuta_control.estimators.lowpass import LowpassParameters
+from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
 from furuta_control.estimators.rig import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.parameters import INLINE, About
@@ -87,7 +87,7 @@ class EstimatorDesign(NamedTuple):
 
     method: int
     ideal: bool
-    lowpass: np.ndarray
+    lowpass: Lowpass
     kalman: Kalman
 
 
@@ -140,7 +140,7 @@ def estimate_state(
 def _begin(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
     """Set a method's own memory; the estimate in ``memory`` is set already."""
     if p.method == LOWPASS:
-        lowpass.begin(memory, OWN, measurement)
+        lowpass.begin(memory, OWN, measurement, p.lowpass)
 
 
 @inlined

@@ -33,11 +33,18 @@ class LowpassParameters(NamedTuple):
     ] = 0.7
 
 
-def design(rig: NominalRig, p: LowpassParameters) -> np.ndarray:
-    """One sample: (θ, θ̇)⁺ is the result (2, 4) times (θ, θ̇, measured before, measured now).
+class Lowpass(NamedTuple):
+    """The filter as it runs: ``step`` (2, 4) of one sample, ``lag`` [s] behind a ramp.
 
-    Exact, by the exponential of the system and its linear input.
+    (θ, θ̇)⁺ is ``step`` times (θ, θ̇, measured before, measured now).
     """
+
+    step: np.ndarray
+    lag: float
+
+
+def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
+    """The filter for a rig, exact by the exponential of the system and its linear input."""
     omega, zeta, dt = p.filter_bandwidth, p.filter_damping, rig.sample_time
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
@@ -46,19 +53,21 @@ def design(rig: NominalRig, p: LowpassParameters) -> np.ndarray:
     step = expm(system * dt)[:2]
     # The input's states are its value before and its rise; the rise is the difference to now.
     step[:, 2] -= step[:, 3]
-    return np.ascontiguousarray(step)
+    return Lowpass(np.ascontiguousarray(step), 2.0 * zeta / omega)
 
 
 @inlined
-def begin(memory: np.ndarray, at: int, measurement: np.ndarray) -> None:
-    """Take the first measurement for the previous one; the filter observes no friction."""
+def begin(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
+    """Begin where a filter that follows the estimated speed would be; no friction is observed."""
+    memory[THETA] -= p.lag * memory[THETA_DOT]
     memory[at] = measurement[THETA]
     memory[OBSERVED_FRICTION] = nan
 
 
 @inlined
-def update(memory: np.ndarray, at: int, measurement: np.ndarray, step: np.ndarray) -> None:
+def update(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
     """One sample: the estimate, ``memory``'s first (5,), is moved; own memory is from ``at``."""
+    step = p.step
     y, y_dot, before, now = memory[THETA], memory[THETA_DOT], memory[at], measurement[THETA]
     memory[PHI], memory[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
     memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * before + step[0, 3] * now

@@ -79,9 +79,10 @@ def symmetric_level(v: float, law: FrictionLaw) -> float:
 
 @compiled
 def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
-    """Friction [V] opposing a motion in ``direction`` (its sign) at speed v [rad/s], viscous part apart.
+    """Friction [V] opposing a motion at speed v [rad/s], viscous part apart.
 
-    The direction is given beside the speed because at v = 0 a slide that begins or ends has one.
+    The sign of ``direction`` is given beside the speed because at v = 0 a slide that begins or ends
+    has one.
     """
     return symmetric_level(v, law) * _factor(direction, law)
 
