@@ -87,7 +87,7 @@ def test_killed_sweep_goes_on_where_it_was(processes: Any, tmp_path: Path, whole
     other = processes.furuta("sweep", *LONG[:2], "--seconds", "5", "--out", out)
     _, err = other.communicate(timeout=TIMEOUT)
     assert other.returncode == 1
-    assert "another study" in err
+    assert "another sweep" in err
     again = processes.furuta("sweep", *LONG, "--out", out, "--json")
     text, err = again.communicate(timeout=TIMEOUT)
     assert again.returncode == 0, err

@@ -22,14 +22,14 @@ def test_interrupted_tuning_puts_parameters_back(processes: Any, furuta: Furuta)
     processes.furuta("run", "--lockstep", "--set", "compensation=coulomb")
     tuning = processes.furuta("tune", "--running")
     for line in tuning.stderr:
-        if "listening" in line:
+        if "recording the friction" in line:
             break
-    # None while it listens, LuGre once it tries: how far it is depends on the machine's speed.
+    # It is none while friction is recorded and lugre in a trial: progress depends on the machine.
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() != "coulomb"
     tuning.send_signal(signal.SIGINT)
     _, err = tuning.communicate(timeout=60)
     assert tuning.returncode == 1
-    assert "interrupted, the earlier parameters are in force again" in err
+    assert "interrupted; the initial parameters are restored" in err
     assert "Traceback" not in err
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb"
 
@@ -59,8 +59,8 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
         (("tune", "--seconds", "20"), 1, "needs at least"),
         (("tune", "--search", "omega1"), 2, "omega1"),
         (("tune", "--set", "method=lowpass"), 1, "method must be kalman"),
-        (("tune", "--set", "enabled=false"), 1, "earlier parameters are in force"),
-        (("tune", "--running", "--set", "seed=1"), 1, "--running goes with neither"),
+        (("tune", "--set", "enabled=false"), 1, "restored the initial parameters"),
+        (("tune", "--running", "--set", "seed=1"), 1, "--running cannot be combined"),
         (("tune", "--set", "sensors.ideal=true", "--set", "alpha0=0", "--set", "alpha1=0"), 1, ""),
         (("experiment", "fig4"), 2, "fig4"),
         (("experiment",), 2, "Missing argument"),

@@ -21,7 +21,7 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_cli.options import feedback_option, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
-from furuta_studies.ideal_loop import LoopOptions
+from furuta_studies.analysis_options import AnalysisOptions
 
 NEVER = (
     "No L and no K satisfies the condition with an error made of the arm angle alone: G then has "
@@ -49,7 +49,7 @@ def command(
     For the plant's model and friction, the controller's gain L or --feedback, and the observer's
     gain K (--set observer_gain=0.1).
     """
-    given = LoopOptions(files, assignments, "lugre", feedback).checked_loop()
+    given = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
     made = loop(load_settings(files, assignments))
     gain, friction = made.observer.observer_gain, given.law.parameters
     g = error_loop(given.body, given.gains, friction)
@@ -59,9 +59,9 @@ def command(
     if c is not None:
         other = error_loop_of(given.body, given.gains, friction, c.tolist())
     if out is not None:
-        from furuta_figures.convergence import draw
+        from furuta_figures.convergence import draw_convergence
 
-        draw(g, other, gain, verdict, out)
+        draw_convergence(g, other, gain, verdict, out)
     result = {
         **_result(given, gain, g, verdict, _exact(made)),
         **_friction(given),
