@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.convergence.convergence import Convergence, ErrorLoop
+from furuta_analysis.convergence.convergence import Convergence
+from furuta_analysis.convergence.error_loop import ErrorLoop
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
 
 # Decades of ω shown below and above the loop's frequencies, and points of a curve.
