@@ -40,7 +40,7 @@ def bag(ros: None, tmp_path: Path) -> Path:
     return tmp_path / "bag"
 
 
-def test_bit_identical_with_what_was_recorded(bag: Path) -> None:
+def test_recomputation_equals_recording(bag: Path) -> None:
     """The bag holds the parameters and their changes, so the recomputation is the recording."""
     result = compare(*recompute_bag(bag, (), ()))
     assert result["samples"] == 3000

@@ -90,36 +90,54 @@ def fit_friction(
     speed, observed = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, EFFORT]
     _require_friction(speed, observed)
     errors = np.ascontiguousarray(kalman_step[1:, 1 : 1 + EFFORT])
-    transforms = [TRANSFORMS[name] for name in names]
-    pairs = zip(names, transforms, strict=True)
-    initial = np.array([each.to_variable(getattr(start, name)) for name, each in pairs])
-    prior = np.array([each.prior_deviation for each in transforms])
-
-    def to_friction(variables: np.ndarray) -> LuGre:
-        pairs = zip(transforms, variables, strict=True)
-        fitted = (each.to_parameter(float(variable)) for each, variable in pairs)
-        return start._replace(**dict(zip(names, fitted, strict=True)))
-
-    def residuals(variables: np.ndarray) -> np.ndarray:
-        predicted = _predict_observed(speed, sample_time, to_friction(variables), errors)
-        return (predicted - observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
-
+    model = _Model(speed, observed, errors, sample_time, start, names)
+    initial, prior = model.prior
     solution = least_squares(
-        lambda x: np.append(residuals(x) / OBSERVATION_NOISE, (x - initial) / prior),
+        lambda x: np.append(model.residuals(x) / OBSERVATION_NOISE, (x - initial) / prior),
         initial,
         bounds=(initial - BOUND * prior, initial + BOUND * prior),
     )
-    deviation = np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
+    deviations = np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
     return FrictionFit(
-        to_friction(solution.x),
-        {
-            name: _propagated_error(transform, variable, error)
-            for name, transform, variable, error in zip(
-                names, transforms, solution.x, deviation, strict=True
-            )
-        },
-        float(np.sqrt(np.mean(residuals(solution.x) ** 2))),
+        model.friction(solution.x),
+        model.standard_errors(solution.x, deviations),
+        float(np.sqrt(np.mean(model.residuals(solution.x) ** 2))),
     )
+
+
+class _Model(NamedTuple):
+    """Prediction of the observed friction (n,) [V] from the speed (n,) and the fit's variables."""
+
+    speed: np.ndarray
+    observed: np.ndarray
+    errors: np.ndarray
+    sample_time: float
+    start: LuGre
+    names: tuple[str, ...]
+
+    @property
+    def prior(self) -> tuple[np.ndarray, np.ndarray]:
+        """Start values of the variables and the standard deviations of their prior."""
+        transforms = [(name, TRANSFORMS[name]) for name in self.names]
+        values = [each.to_variable(getattr(self.start, name)) for name, each in transforms]
+        return np.array(values), np.array([each.prior_deviation for _, each in transforms])
+
+    def friction(self, variables: np.ndarray) -> LuGre:
+        """The friction parameters that belong to ``variables``."""
+        pairs = zip(self.names, variables, strict=True)
+        fitted = {name: TRANSFORMS[name].to_parameter(float(each)) for name, each in pairs}
+        return self.start._replace(**fitted)
+
+    def residuals(self, variables: np.ndarray) -> np.ndarray:
+        """Predicted minus observed friction [V] at the samples that are used."""
+        friction = self.friction(variables)
+        predicted = _predict_observed(self.speed, self.sample_time, friction, self.errors)
+        return (predicted - self.observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
+
+    def standard_errors(self, variables: np.ndarray, deviations: np.ndarray) -> dict[str, float]:
+        """Standard errors of the parameters from those of the variables."""
+        triples = zip(self.names, variables, deviations, strict=True)
+        return {name: _propagated_error(TRANSFORMS[name], x, error) for name, x, error in triples}
 
 
 def _require_friction(speed: np.ndarray, observed: np.ndarray) -> None:
