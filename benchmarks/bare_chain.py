@@ -1,6 +1,6 @@
-"""The reference for the graph's speed: four nodes that pass the same messages and do nothing.
+"""Reference for the graph's speed: four nodes that pass the same messages and compute nothing.
 
-Same topics, types, quality of service and executor as the graph; no subscription more or less.
+Topics, types, quality of service, subscriptions and executor are the same as in the graph.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from furuta_ros.topics import (
 
 
 class BareChain:
-    """Do-nothing plant, estimator, friction observer and controller in a ring."""
+    """Plant, estimator, friction observer and controller without their computations."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -57,7 +57,7 @@ class BareChain:
 
     @property
     def matched(self) -> bool:
-        """Whether every publisher has found its subscriptions."""
+        """Whether every publisher has discovered its subscriptions."""
         return (
             self._state_publisher.get_subscription_count() == 2
             and self._measurement_publisher.get_subscription_count() == 1
@@ -66,12 +66,12 @@ class BareChain:
         )
 
     def publish_sample(self) -> None:
-        """Send one sample round."""
+        """Publish one sample, which travels through all nodes."""
         self._truth_publisher.publish(self._truth)
         self._measurement_publisher.publish(self._measurement)
 
     def close(self) -> None:
-        """End the nodes."""
+        """Destroy the nodes."""
         self.executor.shutdown()
         for node in self.nodes:
             node.destroy_node()

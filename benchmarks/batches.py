@@ -12,46 +12,48 @@ from furuta_friction.compensation import ObserverParameters
 from furuta_sim.parameters import PlantParameters
 
 RUNS, SECONDS = 2000, 30.0
-FEW, MANY, SHORT = 100, 10_000, 3.0
-COSTS = 3  # times that each cost is measured; the least counts, for others only ever add to it
+# Runs of a small and of a large batch, and their length [s], to compare the cost per run.
+FEW_RUNS, MANY_RUNS, SHORT = 100, 10_000, 3.0
+# The smallest of several measurements counts, because other processes only ever add to the cost.
+MEASUREMENTS = 3
 
 
 def batches() -> dict[str, float]:
-    """The paper's rig with all its sensors and the LuGre observer, another seed in every run."""
+    """Measure the paper's rig with its sensors and the LuGre observer, with a seed per run."""
     _run(10, SHORT)
-    began = perf_counter()
+    start = perf_counter()
     _run(RUNS, SECONDS)
-    wall = perf_counter() - began
-    few, _ = min(_cost(FEW) for _ in range(COSTS))
-    before = _resident()
-    many, most = _cost(MANY)
+    wall = perf_counter() - start
+    few, _ = min(_cost(FEW_RUNS) for _ in range(MEASUREMENTS))
+    before = _resident_memory()
+    many, peak = _cost(MANY_RUNS)
     return {
         "batch_2000_loops_seconds": wall,
         "batch_samples_per_s": RUNS * SECONDS / PlantParameters().sample_time / wall,
         "batch_cores": available_cores(),
         "batch_cost_10000_vs_100_runs": many / few,
-        "batch_memory_growth_mb": (most - before) * 1e-6,
+        "batch_memory_growth_mb": (peak - before) * 1e-6,
     }
 
 
 def _cost(runs: int) -> tuple[float, int]:
-    """CPU time per run [s], and the most memory seen [bytes]."""
-    began = process_time()
-    most = _run(runs, SHORT)
-    return (process_time() - began) / runs, most
+    """CPU time per run [s] and peak memory [bytes]."""
+    start = process_time()
+    peak = _run(runs, SHORT)
+    return (process_time() - start) / runs, peak
 
 
 def _run(runs: int, seconds: float) -> int:
-    """Run a batch; returns the most memory seen [bytes]."""
+    """Run a batch and return the peak memory [bytes]."""
     observer = ObserverParameters(compensation="lugre")
     loops = (Loop(PlantParameters(seed=seed), observer=observer) for seed in range(runs))
-    most = 0
+    peak = 0
     for number, _ in enumerate(batch(loops, seconds)):
         if number % 50 == 0:
-            most = max(most, _resident())
-    return most
+            peak = max(peak, _resident_memory())
+    return peak
 
 
-def _resident() -> int:
-    """Memory of this process [bytes]."""
+def _resident_memory() -> int:
+    """Resident memory of this process [bytes]."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * getpagesize()

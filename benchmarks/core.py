@@ -1,4 +1,7 @@
-"""Speed and error of the loop without ROS, beside MuJoCo, scipy and python-control, in turns."""
+"""Speed and error of the loop without ROS, compared with MuJoCo, scipy and python-control.
+
+The simulators are measured in alternation, so that they meet the same load on the machine.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,9 @@ from experiment import (
     RELEASE,
     SECONDS,
     STEP,
-    cycle_of_ours,
-    rate,
-    tight_reference,
+    accurate_limit_cycle,
+    simulated_limit_cycle,
+    state_rate,
 )
 from mujoco_loop import MujocoLoop
 from scipy.integrate import solve_ivp
@@ -27,28 +30,29 @@ from furuta_analysis.simulation.closed_loop import outcome
 from furuta_analysis.simulation.oscillation import Oscillation
 from furuta_model.friction.laws import friction_law
 
-TURNS = 7
-SOLVER_SECONDS = 5.0  # of the pendulum, for the slow ones
+ROUNDS = 7
+# Pendulum time for the slow simulators [s].
+SOLVER_SECONDS = 5.0
 START = np.array([0.0, 0.0, RELEASE, 0.0, 0.0])
 TOLERANCES = {"rtol": 1e-6, "atol": 1e-9}
 
 
 def speed() -> dict[str, float]:
-    """Samples per second of one core's CPU time, and the median of the ratios turn by turn."""
+    """Samples per second of one core's CPU time, and the median of the ratios of all rounds."""
     mujoco = MujocoLoop()
-    rivals = {
+    others = {
         "mujoco_python": mujoco.rate,
         "mujoco_python_tuned": mujoco.tuned_rate,
         "mujoco_c": mujoco.c_rate,
         "scipy": _scipy_rate,
         "python_control": _control_rate,
     }
-    outcome(LOOP, 1.0)  # loaded
+    outcome(LOOP, 1.0)  # loads the compiled code
     ours: list[float] = []
-    theirs: dict[str, list[float]] = {name: [] for name in rivals}
-    for _ in range(TURNS):
+    theirs: dict[str, list[float]] = {name: [] for name in others}
+    for _ in range(ROUNDS):
         ours.append(_our_rate())
-        for name, measure in rivals.items():
+        for name, measure in others.items():
             theirs[name].append(measure())
     ratios = {
         f"core_vs_{name}": median(a / b for a, b in zip(ours, rates, strict=True))
@@ -59,25 +63,25 @@ def speed() -> dict[str, float]:
 
 
 def errors() -> dict[str, float]:
-    """Relative errors of the limit cycle at a step of 1 ms against the tight reference."""
-    reference = tight_reference()
+    """Relative errors of the limit cycle at a step of 1 ms against an accurate solution."""
+    reference = accurate_limit_cycle()
     law = friction_law("lugre", LOOP.plant.friction.parameters)
     l1, l2, l3, l4 = FEEDBACK
     exact = limit_cycle(IdealLoop(LOOP.plant.model, law, l1, l2, l3, l4))
-    figures = {
+    results = {
         "reference_amplitude_rad": reference.phi_peak_to_peak_rad,
         "reference_period_s": reference.period_s,
         "continuous_amplitude_rad": exact.phi_peak_to_peak_rad,
         "continuous_period_s": exact.period_s,
     }
     for name, found in {
-        "": cycle_of_ours(),
-        "_mujoco": MujocoLoop().cycle(),
-        "_mujoco_rk4": MujocoLoop("RK4").cycle(),
+        "": simulated_limit_cycle(),
+        "_mujoco": MujocoLoop().limit_cycle(),
+        "_mujoco_rk4": MujocoLoop("RK4").limit_cycle(),
     }.items():
         amplitude, period = _error(found, reference)
-        figures |= {f"amplitude_error{name}": amplitude, f"period_error{name}": period}
-    return figures
+        results |= {f"amplitude_error{name}": amplitude, f"period_error{name}": period}
+    return results
 
 
 def _error(found: Oscillation, reference: Oscillation) -> tuple[float, float]:
@@ -89,29 +93,29 @@ def _error(found: Oscillation, reference: Oscillation) -> tuple[float, float]:
 
 
 def _our_rate() -> float:
-    began = thread_time()
+    start = thread_time()
     steps = outcome(LOOP, SECONDS).steps
-    return steps / (thread_time() - began)
+    return steps / (thread_time() - start)
 
 
 def _scipy_rate() -> float:
-    """LSODA under continuous feedback: held for 1 ms it would start anew for every sample."""
+    """LSODA with continuous feedback; held feedback would restart the solver every millisecond."""
     times = np.arange(0.0, SOLVER_SECONDS, STEP)
-    began = thread_time()
+    start = thread_time()
     solution = solve_ivp(
-        rate, (0.0, SOLVER_SECONDS), START, method="LSODA", t_eval=times, **TOLERANCES
+        state_rate, (0.0, SOLVER_SECONDS), START, method="LSODA", t_eval=times, **TOLERANCES
     )
-    return len(solution.t) / (thread_time() - began)
+    return len(solution.t) / (thread_time() - start)
 
 
 def _control_rate() -> float:
-    """The same closed loop through python-control, with the same solver and tolerances."""
-    system = control.nlsys(lambda t, x, u, _: rate(t, x), None, inputs=1, outputs=5, states=5)
+    """The same closed loop in python-control, with the same solver and tolerances."""
+    system = control.nlsys(lambda t, x, u, _: state_rate(t, x), None, inputs=1, outputs=5, states=5)
     times = np.arange(0.0, SOLVER_SECONDS, STEP)
-    began = thread_time()
+    start = thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         response = control.input_output_response(
             system, times, 0, START, solve_ivp_method="LSODA", solve_ivp_kwargs=TOLERANCES
         )
-    return len(response.time) / (thread_time() - began)
+    return len(response.time) / (thread_time() - start)

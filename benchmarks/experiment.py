@@ -1,7 +1,7 @@
-"""The experiment that every simulator runs: the ideal loop's limit cycle, feedback held for 1 ms.
+"""The experiment of all simulators: the limit cycle of the ideal loop, feedback held for 1 ms.
 
-All states measured exactly, no compensation, released 0.05 rad off upright. Equations (1) and (5)
-are written here once more in plain Python, for the solvers that are compared.
+All states are measured exactly, there is no compensation, and the pendulum is released 0.05 rad off
+upright. Equations (1) and (5) are repeated here in plain Python for the solvers under comparison.
 """
 
 from __future__ import annotations
@@ -30,24 +30,25 @@ LOOP = Loop(
 )
 # u = l·x
 FEEDBACK = tuple(-each for each in ControllerParameters().feedback_gain)
-TURNS = 4  # of the cycle that the reference follows, the first third left out
+# Periods of the accurate solution; the first third of them is not measured.
+PERIODS = 4
 
 
-def cycle(phi: np.ndarray, theta: np.ndarray) -> Oscillation:
-    """Size and period of a motion sampled every ``STEP``, transients cut off."""
+def measure_cycle(phi: np.ndarray, theta: np.ndarray) -> Oscillation:
+    """Amplitude and period of a motion sampled every ``STEP``, without transients."""
     state = np.zeros((len(phi), 4))
     state[:, 0], state[:, 2] = phi, theta
     return measure_oscillation(state, STEP)
 
 
 def command(x: np.ndarray) -> float:
-    """U [V] in state ``x``."""
+    """Command u [V] in state ``x``."""
     l1, l2, l3, l4 = FEEDBACK
     return float(l1 * x[0] + l2 * x[1] + l3 * x[2] + l4 * x[3])
 
 
-def rate(_: float, x: np.ndarray, u: float | None = None) -> list[float]:
-    """ẋ (5,) under ``u`` [V], or under feedback of ``x`` itself where none is given."""
+def state_rate(_: float, x: np.ndarray, u: float | None = None) -> list[float]:
+    """ẋ (5,) with the command ``u`` [V], or with continuous feedback if it is not given."""
     _, v, theta, w, z = x
     p = BODY
     level = FRICTION.alpha0 + FRICTION.alpha1 * exp(-((v / FRICTION.stribeck_velocity) ** 2))
@@ -64,23 +65,23 @@ def rate(_: float, x: np.ndarray, u: float | None = None) -> list[float]:
     return [v, v_dot, w, w_dot, z_dot]
 
 
-def tight_reference() -> Oscillation:
-    """The cycle under held feedback, each step solved by LSODA to ten digits."""
-    found = cycle_of_ours()
+def accurate_limit_cycle() -> Oscillation:
+    """The limit cycle with held feedback, each step solved by LSODA to ten digits."""
+    simulated = simulated_limit_cycle()
     x = np.append(simulate(LOOP, SECONDS).state[-1], 0.0)
-    samples = round(TURNS * found.period_s / STEP)
+    samples = round(PERIODS * simulated.period_s / STEP)
     path = np.empty((samples, 5))
     for k in range(samples):
         path[k] = x
-        x = odeint(rate, x, [0.0, STEP], args=(command(x),), tfirst=True, rtol=1e-10, atol=1e-12)[
-            -1
-        ]
+        x = odeint(
+            state_rate, x, [0.0, STEP], args=(command(x),), tfirst=True, rtol=1e-10, atol=1e-12
+        )[-1]
     settled = path[samples // 3 :]
-    return cycle(settled[:, 0], settled[:, 2])
+    return measure_cycle(settled[:, 0], settled[:, 2])
 
 
-def cycle_of_ours() -> Oscillation:
-    """The cycle that the product's loop ends in."""
+def simulated_limit_cycle() -> Oscillation:
+    """The limit cycle of the simulation of this project."""
     record = simulate(LOOP, SECONDS)
     settled = record.state[len(record.state) // 2 :]
     return measure_oscillation(settled, STEP)

@@ -1,4 +1,7 @@
-"""Speed of the node graph, beside a chain of nodes that do nothing, in turns in one process."""
+"""Speed of the node graph, compared with a chain of nodes that compute nothing.
+
+Graph and chain are measured in alternation in one process.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +22,16 @@ from furuta_graph.composed import SimulatedGraph
 from furuta_graph.settings import NODES, Settings
 from furuta_ros.spinning import spin_until
 
-TURNS = 7
-TURN_SECONDS = 1.5
+ROUNDS = 7
+ROUND_SECONDS = 1.5
+# Sample time in real time [s].
 PERIOD = 0.001
-BREATH = 0.05  # for what waits for a paused graph [s]
+# Time to process what is waiting when a paused graph continues [s].
+PAUSE = 0.05
 
 
 def lockstep() -> dict[str, float]:
-    """Samples per second of graph and bare chain, and the median of the ratios turn by turn."""
+    """Samples per second of graph and bare chain, and the median of the ratios of all rounds."""
     _start()
     bare = _bare_chain()
     bare.publish_sample()
@@ -38,8 +43,8 @@ def lockstep() -> dict[str, float]:
     def graph_rate() -> float:
         return _rate(graph.executor, lambda: graph.plant.sample)
 
-    bare_rate(), graph_rate()  # warm
-    pairs = [(graph_rate(), bare_rate()) for _ in range(TURNS)]
+    bare_rate(), graph_rate()  # warm-up
+    pairs = [(graph_rate(), bare_rate()) for _ in range(ROUNDS)]
     costs = _costs(graph)
     _stop(graph, bare)
     return costs | {
@@ -50,29 +55,29 @@ def lockstep() -> dict[str, float]:
 
 
 def _costs(graph: SimulatedGraph) -> dict[str, float]:
-    """CPU time per sample [µs] in each node's callbacks, publishing included, and in all."""
+    """CPU time per sample [µs] of each node's callbacks, including publishing, and in total."""
     spent = dict.fromkeys((node.get_name() for node in graph.nodes), 0.0)
 
     def timed(name: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         def call(message: Any) -> None:
-            began = thread_time()
+            start = thread_time()
             callback(message)
-            spent[name] += thread_time() - began
+            spent[name] += thread_time() - start
 
         return call
 
     for node in graph.nodes:
         for subscription in node.subscriptions:
             subscription.callback = timed(node.get_name(), subscription.callback)
-    samples, began = graph.plant.sample, thread_time()
-    _spin_for(graph.executor, TURN_SECONDS)
+    samples, start = graph.plant.sample, thread_time()
+    _spin_for(graph.executor, ROUND_SECONDS)
     samples = graph.plant.sample - samples
     costs = {f"cost_{name}_us": seconds / samples * 1e6 for name, seconds in spent.items()}
-    return costs | {"cost_sample_us": (thread_time() - began) / samples * 1e6}
+    return costs | {"cost_sample_us": (thread_time() - start) / samples * 1e6}
 
 
 def realtime() -> dict[str, float]:
-    """Latency from measurement to command at 1 kHz, and how many samples got theirs in time."""
+    """Latency from measurement to command at 1 kHz, and the fraction of commands in time."""
     _start()
     bare = _bare_chain()
     graph = SimulatedGraph(_settings("realtime"))
@@ -82,11 +87,11 @@ def realtime() -> dict[str, float]:
     plant.publish_sample = ours.starting(plant.publish_sample)
     pacing.on_command = ours.stopping(pacing.on_command)
     bare.on_command = theirs.stopping(lambda: None)
-    for _ in range(TURNS):
-        _run_for(graph, TURN_SECONDS)
+    for _ in range(ROUNDS):
+        _run_for(graph, ROUND_SECONDS)
         _pace(bare, theirs.starting(bare.publish_sample))
-        ours.end_turn()
-        theirs.end_turn()
+        ours.end_round()
+        theirs.end_round()
     count = pacing.timing_counts
     _stop(graph, bare)
     graphs, bares = ours.percentiles(), theirs.percentiles()
@@ -102,44 +107,44 @@ def realtime() -> dict[str, float]:
 
 
 class Stopwatch:
-    """Times from one call to another, turn by turn."""
+    """Measures the times from one call to another, in rounds."""
 
     def __init__(self) -> None:
-        self._began = 0
-        self._turn: list[float] = []
-        self._turns: list[list[float]] = []
+        self._start = 0
+        self._round: list[float] = []
+        self._rounds: list[list[float]] = []
 
     def starting(self, function: Callable[..., None]) -> Callable[..., None]:
-        """``function``, which also starts the watch."""
+        """``function``, extended to start the watch."""
 
         def call(*arguments: Any) -> None:
-            self._began = perf_counter_ns()
+            self._start = perf_counter_ns()
             function(*arguments)
 
         return call
 
     def stopping(self, function: Callable[..., None]) -> Callable[..., None]:
-        """``function``, which also reads the watch."""
+        """``function``, extended to stop the watch."""
 
         def call(*arguments: Any) -> None:
-            self._turn.append((perf_counter_ns() - self._began) * 1e-9)
+            self._round.append((perf_counter_ns() - self._start) * 1e-9)
             function(*arguments)
 
         return call
 
-    def end_turn(self) -> None:
-        """Begin another turn."""
-        self._turns.append(self._turn)
-        self._turn = []
+    def end_round(self) -> None:
+        """Start another round."""
+        self._rounds.append(self._round)
+        self._round = []
 
     def percentiles(self) -> np.ndarray:
-        """Median and 99 % of each turn (n, 2) [s]."""
-        return np.array([np.percentile(turn, (50, 99)) for turn in self._turns])
+        """Median and 99th percentile of each round (n, 2) [s]."""
+        return np.array([np.percentile(times, (50, 99)) for times in self._rounds])
 
 
 def machine_late_fraction() -> float:
-    """Share of a bare sleeping loop's deadlines that the machine serves half a sample late."""
-    start, late, ticks = perf_counter(), 0, round(TURNS * TURN_SECONDS / PERIOD)
+    """Fraction of the deadlines of a sleeping loop that are missed by half a sample time."""
+    start, late, ticks = perf_counter(), 0, round(ROUNDS * ROUND_SECONDS / PERIOD)
     for tick in range(1, ticks):
         wait = start + tick * PERIOD - perf_counter()
         if wait > 0:
@@ -149,16 +154,16 @@ def machine_late_fraction() -> float:
 
 
 def _run_for(graph: SimulatedGraph, seconds: float) -> None:
-    """Let the paused graph go on for a while; it loses no deadline over its pause."""
+    """Let the paused graph continue for a while; the pause counts as no missed deadline."""
     plant = graph.plant
-    _spin_for(graph.executor, BREATH)
+    _spin_for(graph.executor, PAUSE)
     plant.set_parameters([Parameter("run_until", value=plant.time + seconds)])
     spin_until(graph.executor, lambda: plant.paused)
 
 
 def _pace(bare: BareChain, tick: Callable[[], None]) -> None:
     timer = bare.nodes[0].create_timer(PERIOD, tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
-    _spin_for(bare.executor, TURN_SECONDS)
+    _spin_for(bare.executor, ROUND_SECONDS)
     timer.cancel()
 
 
@@ -187,9 +192,9 @@ def _settings(clock: str) -> Settings:
 
 
 def _rate(executor: Executor, count: Callable[[], int]) -> float:
-    before, began = count(), perf_counter()
-    _spin_for(executor, TURN_SECONDS)
-    return (count() - before) / (perf_counter() - began)
+    before, start = count(), perf_counter()
+    _spin_for(executor, ROUND_SECONDS)
+    return (count() - before) / (perf_counter() - start)
 
 
 def _spin_for(executor: Executor, seconds: float) -> None:

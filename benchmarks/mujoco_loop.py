@@ -6,19 +6,20 @@ from time import thread_time
 
 import mujoco
 import numpy as np
-from experiment import BODY, FEEDBACK, FRICTION, RELEASE, SECONDS, STEP, cycle
+from experiment import BODY, FEEDBACK, FRICTION, RELEASE, SECONDS, STEP, measure_cycle
 
 from furuta_analysis.simulation.oscillation import Oscillation
 
 GRAVITY = 9.81
-MASS = 0.2  # [V s²/rad per m²]; any that leaves arm and pendulum inertia of their own
+# Any value that leaves arm and pendulum a positive inertia [V s²/rad per m²].
+MASS = 0.2
 STEPS = round(SECONDS / STEP)
 
 
 def _model(integrator: str) -> mujoco.MjModel:
     """Masses and lengths whose equations of motion have the coefficients of (1).
 
-    Friction is a motor without current: hardly any motor constant behind a huge resistance.
+    Friction is part of a motor without current: a tiny motor constant and a huge resistance.
     """
     length = BODY.delta / (GRAVITY * MASS)
     radius = BODY.gamma / (MASS * length)
@@ -51,39 +52,39 @@ def _model(integrator: str) -> mujoco.MjModel:
 
 
 class MujocoLoop:
-    """Runs of the experiment under one of MuJoCo's integrators."""
+    """The experiment with one of MuJoCo's integrators."""
 
     def __init__(self, integrator: str = "Euler") -> None:
         self.model = _model(integrator)
 
     def rate(self) -> float:
-        """Steps per second of CPU time of the usual Python loop: feedback by numpy, one step."""
+        """Steps per second of CPU time of the usual Python loop with numpy feedback."""
         model, data, gain = self.model, self._released(), np.array(FEEDBACK)[[0, 2, 1, 3]]
-        began = thread_time()
+        start = thread_time()
         for _ in range(STEPS):
             data.ctrl[0] = gain @ np.concatenate((data.qpos, data.qvel))
             mujoco.mj_step(model, data)
-        return STEPS / (thread_time() - began)
+        return STEPS / (thread_time() - start)
 
     def tuned_rate(self) -> float:
-        """The same of the fastest Python loop found: arrays looked up once, plain arithmetic."""
+        """The same for the fastest Python loop found: no attribute look-ups, plain arithmetic."""
         model, data = self.model, self._released()
         q, v, ctrl, step = data.qpos, data.qvel, data.ctrl, mujoco.mj_step
         l1, l2, l3, l4 = FEEDBACK
-        began = thread_time()
+        start = thread_time()
         for _ in range(STEPS):
             ctrl[0] = l1 * q[0] + l2 * v[0] + l3 * q[1] + l4 * v[1]
             step(model, data)
-        return STEPS / (thread_time() - began)
+        return STEPS / (thread_time() - start)
 
     def c_rate(self) -> float:
-        """Steps per second of CPU time inside C, without feedback: stepping alone."""
+        """Steps per second of CPU time of MuJoCo's C code alone, without feedback."""
         data = self._released()
-        began = thread_time()
+        start = thread_time()
         mujoco.mj_step(self.model, data, nstep=STEPS)
-        return STEPS / (thread_time() - began)
+        return STEPS / (thread_time() - start)
 
-    def cycle(self) -> Oscillation:
+    def limit_cycle(self) -> Oscillation:
         """The limit cycle."""
         data, path = self._released(), np.empty((STEPS, 2))
         l1, l2, l3, l4 = FEEDBACK
@@ -93,7 +94,7 @@ class MujocoLoop:
             data.ctrl[0] = l1 * phi + l2 * v + l3 * theta + l4 * w
             mujoco.mj_step(self.model, data)
         settled = path[STEPS // 2 :]
-        return cycle(settled[:, 0], settled[:, 1])
+        return measure_cycle(settled[:, 0], settled[:, 1])
 
     def _released(self) -> mujoco.MjData:
         data = mujoco.MjData(self.model)

@@ -1,7 +1,7 @@
-"""``make bench``: every figure measured side by side in one run; the last line names the JSON.
+"""``make bench``: all benchmarks in one run, written as JSON and as a Markdown table.
 
-Beside it the same as a table in Markdown. Ratios are ours over theirs; rates of the core are per
-second of one core's CPU time, so that other work on the machine takes nothing from either side.
+The last line printed is the path of the JSON file. Ratios are ours over theirs. Rates of the core
+are per second of one core's CPU time, so that other processes do not affect them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rich.table import Table
 OUT = Path("output/bench.json")
 MEANING = {
     "core_vs_mujoco_python": "closed-loop samples/s, core over MuJoCo in a Python loop with numpy",
-    "core_vs_mujoco_python_tuned": "the same, MuJoCo in the fastest Python loop found",
+    "core_vs_mujoco_python_tuned": "the same, with the fastest Python loop found for MuJoCo",
     "core_vs_mujoco_c": "core's closed loop over MuJoCo's C stepping alone, without feedback",
     "core_vs_scipy": "core over scipy's LSODA",
     "core_vs_python_control": "core over python-control's input_output_response",
@@ -35,47 +35,47 @@ MEANING = {
     "period_error": "limit cycle's period at a 1 ms step, relative",
     "period_error_mujoco": "the same, MuJoCo (Euler)",
     "period_error_mujoco_rk4": "the same, MuJoCo's RK4",
-    "reference_amplitude_rad": "feedback held for 1 ms, solved to ten digits: peak to peak",
+    "reference_amplitude_rad": "accurate solution with feedback held for 1 ms, peak to peak",
     "reference_period_s": "the same, period",
-    "continuous_amplitude_rad": "exact cycle under continuous feedback, for comparison",
+    "continuous_amplitude_rad": "exact cycle with continuous feedback, for comparison",
     "continuous_period_s": "the same, period",
     "batch_2000_loops_seconds": "2000 runs of 30 s, sensors and LuGre observer, on all cores",
     "batch_samples_per_s": "the same in samples/s",
-    "batch_cores": "cores that had",
+    "batch_cores": "cores available",
     "batch_cost_10000_vs_100_runs": "CPU time per run, 10 000 runs of 3 s over 100",
-    "batch_memory_growth_mb": "memory, most in 10 000 runs less after 100 [MB]",
+    "batch_memory_growth_mb": "peak memory of 10 000 runs, minus memory after 100 [MB]",
     "lockstep_vs_bare_chain": "lock-step samples/s, graph over bare chain",
     "lockstep_samples_per_s": "lock-step samples/s of the graph",
     "bare_chain_samples_per_s": "lock-step samples/s of the bare chain",
-    "cost_plant_us": "CPU time per sample in the plant's callback, publishing included [µs]",
+    "cost_plant_us": "CPU time per sample in the plant's callback, including publishing [µs]",
     "cost_estimator_us": "the same, estimator",
     "cost_friction_observer_us": "the same, friction observer",
     "cost_controller_us": "the same, controller (two callbacks)",
-    "cost_sample_us": "CPU time per lock-step sample in all; the rest is executor and middleware",
+    "cost_sample_us": "total CPU time per sample [µs]; the rest is executor and middleware",
     "latency_p50_s": "measurement to command at 1 kHz, median",
-    "latency_p99_s": "measurement to command at 1 kHz, 99 %",
+    "latency_p99_s": "measurement to command at 1 kHz, 99th percentile",
     "latency_p50_vs_bare_chain": "median latency, graph over bare chain",
-    "latency_p99_vs_bare_chain": "99 % latency, graph over bare chain",
-    "realtime_on_time_fraction": "1 kHz samples commanded before the next one",
-    "realtime_overrun_fraction": "1 kHz deadlines passed over because the process came late",
-    "machine_late_fraction": "deadlines that a bare sleeping loop meets over 0.5 ms late",
+    "latency_p99_vs_bare_chain": "99th percentile of the latency, graph over bare chain",
+    "realtime_on_time_fraction": "1 kHz samples whose command comes before the next sample",
+    "realtime_overrun_fraction": "1 kHz deadlines skipped because the process was late",
+    "machine_late_fraction": "deadlines that a sleeping loop misses by more than 0.5 ms",
 }
 
 
 def main() -> None:
-    """Measure, print, write."""
-    os.environ.setdefault("ROS_DOMAIN_ID", "101")  # apart from a graph of the user's
-    figures = core.speed() | core.errors() | batches.batches() | graph.lockstep() | graph.realtime()
+    """Run all benchmarks, print the table and write the files."""
+    os.environ.setdefault("ROS_DOMAIN_ID", "101")  # not the domain of a running graph
+    results = core.speed() | core.errors() | batches.batches() | graph.lockstep() | graph.realtime()
     table = Table(title="benchmarks, all in one run on this machine")
     table.add_column("figure", no_wrap=True)
     table.add_column("value", justify="right")
     table.add_column("meaning")
-    for name, value in figures.items():
+    for name, value in results.items():
         table.add_row(name, f"{value:.4g}", MEANING[name])
     Console().print(table)
     OUT.parent.mkdir(parents=True, exist_ok=True)
-    OUT.write_text(json.dumps(figures, indent=2) + "\n")
-    rows = [f"| `{name}` | {value:.4g} | {MEANING[name]} |" for name, value in figures.items()]
+    OUT.write_text(json.dumps(results, indent=2) + "\n")
+    rows = [f"| `{name}` | {value:.4g} | {MEANING[name]} |" for name, value in results.items()]
     markdown = "\n".join(["| figure | value | meaning |", "|---|---|---|", *rows, ""])
     OUT.with_suffix(".md").write_text(markdown)
     print(OUT)

@@ -1,4 +1,4 @@
-"""A recorded lock-step session computed again: the same bits, or what another tuning makes."""
+"""Recomputation of a recorded lock-step session, with the same and with another tuning."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from furuta_figures.difference import draw_difference
+from furuta_figures.recomputation import draw_recomputation
 from furuta_graph.composed import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
 from furuta_graph.settings import load_settings
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_studies.recompute import compare, recomputed
+from furuta_studies.recompute import recompute_bag
+from furuta_studies.recorded_loop import compare
 
 
 @pytest.fixture
@@ -39,21 +40,21 @@ def bag(ros: None, tmp_path: Path) -> Path:
     return tmp_path / "bag"
 
 
-def test_bit_identical_with_what_was_recorded(bag: Path) -> None:
-    """Recorded parameters and their changes on the way are in the bag."""
-    result = compare(*recomputed(bag, (), ()))
+def test_recomputation_equals_recording(bag: Path) -> None:
+    """The bag holds the parameters and their changes, so the recomputation is the recording."""
+    result = compare(*recompute_bag(bag, (), ()))
     assert result["samples"] == 3000
     assert result["identical"]
     assert result["command"]["compared"] == 3000
 
 
-def test_another_tuning_differs_where_it_acts(bag: Path, tmp_path: Path) -> None:
+def test_another_tuning_changes_estimate_and_command(bag: Path, tmp_path: Path) -> None:
     """Another level changes the friction estimate and the command, not the state estimate."""
-    session, again = recomputed(bag, (), ("friction_observer.alpha0=0.1",))
-    result = compare(session, again)
+    recorded, recomputed = recompute_bag(bag, (), ("friction_observer.alpha0=0.1",))
+    result = compare(recorded, recomputed)
     assert result["estimate"]["identical"]
     assert not result["command"]["identical"]
     assert 0.05 < result["friction_estimate"]["largest_difference"] < 0.15
-    assert (session.recorded.command[:2000] == again.command[:2000]).all()
-    draw_difference(session, again, tmp_path / "difference.png")
-    assert (tmp_path / "difference.png").stat().st_size > 10_000
+    assert (recorded.outputs.command[:2000] == recomputed.command[:2000]).all()
+    draw_recomputation(recorded, recomputed, tmp_path / "recomputation.png")
+    assert (tmp_path / "recomputation.png").stat().st_size > 10_000

@@ -1,21 +1,23 @@
-"""Tuning a graph of real nodes by their parameter services."""
+"""Tuning a graph of real nodes through their parameter services."""
 
 from __future__ import annotations
 
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.demo import tune_graph
-from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import SimulatedLoop
+from furuta_studies.tuning.tuning import tune
 
 
-def silent(what: str, seconds: float) -> None:
-    """Report to nobody."""
+def silent(message: str, seconds: float) -> None:
+    """Ignore progress."""
 
 
 def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
     settings = load_settings([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])
-    plan = Plan(search=())
-    plan = plan._replace(seconds=plan.shortest)
+    plan = TuningPlan(search=())
+    plan = plan._replace(seconds=plan.min_seconds)
     simulated = loop(settings)
     expected = tune(SimulatedLoop(simulated), simulated.observer, simulated.estimator, plan, silent)
     assert tune_graph(settings, plan, silent) == expected

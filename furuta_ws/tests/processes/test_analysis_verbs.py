@@ -73,7 +73,7 @@ def test_parameters_and_feedback_reach_it(furuta: Any) -> None:
 
 
 def test_convergence(furuta: Any, tmp_path: Path) -> None:
-    """The paper's K does not satisfy the condition, and why; gains, friction, a picture."""
+    """The paper's K does not satisfy the condition, and the reason is given."""
     picture = tmp_path / "new" / "g.png"
     status, out, err = furuta("convergence", "--json", "--out", picture)
     assert status == 0, err
@@ -98,7 +98,7 @@ def test_convergence(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_convergence_takes_feedback_and_parameters(furuta: Any) -> None:
-    """Gain, friction and feedback reach it, a model that is not the plant's is told."""
+    """The verb uses gain, friction and feedback, and reports a model mismatch."""
     status, out, err = furuta(
         "convergence",
         "--json",
@@ -112,7 +112,7 @@ def test_convergence_takes_feedback_and_parameters(furuta: Any) -> None:
     assert result["static_gain"] == pytest.approx(-8.0)
     assert result["friction_passive"] is True
     assert result["exact_model"] is False
-    assert "not the plant's" in result["reason"]
+    assert "differs from the plant's" in result["reason"]
 
 
 @pytest.mark.parametrize("verb", ["nyquist", "describing-function"])

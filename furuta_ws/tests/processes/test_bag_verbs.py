@@ -126,7 +126,7 @@ def test_bad_recordings_are_one_line(
         (["bag", "info", empty], "no readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
-        (["bag", "recompute", states], "nothing to compute from"),
+        (["bag", "recompute", states], "nothing to recompute"),
     ):
         monkeypatch.setattr(sys, "argv", ["furuta", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:

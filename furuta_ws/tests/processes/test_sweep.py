@@ -1,4 +1,4 @@
-"""The verb ``sweep`` as a user meets it: here, killed and resumed, on a cluster."""
+"""The verb ``sweep``: on this machine, killed and resumed, and on a cluster."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from distributed import Client, LocalCluster
 
 PNG = b"\x89PNG"
 TIMEOUT = 90.0
-# Long enough to be killed in the middle, and with a point that no rig can have.
+# Long enough to be killed in between, and with an impossible point.
 LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
 
 def wait_for_lines(journal: Path, lines: int) -> None:
-    """Return once the journal holds that many."""
+    """Return once the journal has this many lines."""
     deadline = monotonic() + TIMEOUT
     while not journal.exists() or journal.read_text().count("\n") < lines:
-        assert monotonic() < deadline, "the sweep does not get on"
+        assert monotonic() < deadline, "the sweep makes no progress"
         sleep(0.01)
 
 
@@ -35,7 +35,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[bytes]:
-    """What the long sweep comes to when nothing disturbs it."""
+    """The table of the long sweep without any interruption."""
     from processes.conftest import Processes  # noqa: PLC0415
 
     out = tmp_path_factory.mktemp("whole") / "sweep.csv"
@@ -48,7 +48,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[bytes]:
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    """A row says what ``simulate`` says of the same parameters; and there is a picture."""
+    """A row has the results of ``simulate`` with the same parameters, and the picture is drawn."""
     out, picture = tmp_path / "new" / "a.csv", tmp_path / "a.png"
     status, text, err = furuta(
         "sweep", "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre",
@@ -72,8 +72,8 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_killed_sweep_goes_on_where_it_was(processes: Any, tmp_path: Path, whole: bytes) -> None:
-    """After SIGKILL nothing is computed twice, and the table is the undisturbed one."""
+def test_killed_sweep_is_resumed(processes: Any, tmp_path: Path, whole: bytes) -> None:
+    """After SIGKILL no run is repeated, and the table is that of an undisturbed sweep."""
     out = tmp_path / "sweep.csv"
     journal = tmp_path / "sweep.csv.part"
     process = processes.furuta("sweep", *LONG, "--out", out)
@@ -82,22 +82,22 @@ def test_killed_sweep_goes_on_where_it_was(processes: Any, tmp_path: Path, whole
     process.wait()
     assert not out.exists()
     with journal.open("a") as file:
-        file.write('[3, {"phi_peak')  # as a kill in the middle of a line leaves it
-    kept = journal.read_text().count("\n") - 1
+        file.write('[3, {"phi_peak')  # what a kill can leave behind
+    recorded = journal.read_text().count("\n") - 1
     other = processes.furuta("sweep", *LONG[:2], "--seconds", "5", "--out", out)
     _, err = other.communicate(timeout=TIMEOUT)
     assert other.returncode == 1
-    assert "another study" in err
+    assert "another sweep" in err
     again = processes.furuta("sweep", *LONG, "--out", out, "--json")
     text, err = again.communicate(timeout=TIMEOUT)
     assert again.returncode == 0, err
-    assert json.loads(text)["resumed"] == kept >= 19
+    assert json.loads(text)["resumed"] == recorded >= 19
     assert out.read_bytes() == whole
     assert not journal.exists()
 
 
-def test_cluster_that_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
-    """On a Dask cluster of processes, two of them killed in the middle: the same table."""
+def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
+    """The table is the same if two of the workers are killed during the sweep."""
     out = tmp_path / "sweep.csv"
     with (
         LocalCluster(
@@ -128,8 +128,10 @@ def test_cluster_that_loses_workers(processes: Any, tmp_path: Path, whole: bytes
         (["sigma1=1e9,2e9"], "no run is possible"),
     ],
 )
-def test_bad_sweeps(furuta: Any, tmp_path: Path, arguments: list[str], reason: str) -> None:
-    """One line that says what is wrong."""
+def test_bad_sweeps_are_rejected(
+    furuta: Any, tmp_path: Path, arguments: list[str], reason: str
+) -> None:
+    """There is one line that says what is wrong."""
     if "--out" not in arguments:
         arguments = [*arguments, "--out", str(tmp_path / "a.csv")]
     status, out, err = furuta("sweep", *arguments)

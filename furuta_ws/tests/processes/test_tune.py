@@ -17,37 +17,39 @@ Furuta = Callable[..., Any]
 SHORT = ("--fit", "alpha0", "--search", "sigma1", "--seconds", "110")
 
 
-def test_interrupted_tuning_puts_parameters_back(processes: Any, furuta: Furuta) -> None:
-    """On a running graph Ctrl-C ends it with one line and the earlier parameters."""
+def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) -> None:
+    """Ctrl-C ends the tuning of a running graph with one line and the initial parameters."""
     processes.furuta("run", "--lockstep", "--set", "compensation=coulomb")
     tuning = processes.furuta("tune", "--running")
     for line in tuning.stderr:
-        if "listening" in line:
+        if "recording the friction" in line:
             break
-    # None while it listens, LuGre once it tries: how far it is depends on the machine's speed.
+    else:
+        pytest.fail("tuning ended before it recorded the friction")
+    # It is none while friction is recorded and lugre in a trial: progress depends on the machine.
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() != "coulomb"
     tuning.send_signal(signal.SIGINT)
     _, err = tuning.communicate(timeout=60)
     assert tuning.returncode == 1
-    assert "interrupted, the earlier parameters are in force again" in err
+    assert "interrupted; the initial parameters are restored" in err
     assert "Traceback" not in err
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb"
 
 
-def test_nothing_to_tune(furuta: Furuta) -> None:
-    """Without a running graph there is one line that says so."""
+def test_tuning_needs_a_running_graph(furuta: Furuta) -> None:
+    """Without one the verb prints one line that says so."""
     status, out, err = furuta("tune", "--running")
     assert (status, out) == (1, "")
     assert err.startswith("error: no node")
 
 
 def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
-    """What was found is printed as JSON, and kept in a file that the nodes take."""
+    """The result is better than the start, printed as JSON, and written to a valid file."""
     file = tmp_path / "tuned.yaml"
     status, out, err = furuta("tune", *SHORT, "--json", "--out", file)
     assert status == 0, err
     found = json.loads(out)
-    assert found["after"]["phi_peak_to_peak_rad"] < found["before"]["phi_peak_to_peak_rad"] + 0.01
+    assert found["after"]["phi_peak_to_peak_rad"] < found["before"]["phi_peak_to_peak_rad"]
     assert found["pendulum_seconds"] <= 110
     assert read_file(file)["friction_observer"] == found["parameters"]
     assert yaml.safe_load(file.read_text())["friction_observer"]
@@ -58,20 +60,24 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     [
         (("tune", "--seconds", "20"), 1, "needs at least"),
         (("tune", "--search", "omega1"), 2, "omega1"),
-        (("tune", "--set", "method=lowpass"), 1, "method must be kalman"),
-        (("tune", "--set", "enabled=false"), 1, "earlier parameters are in force"),
-        (("tune", "--running", "--set", "seed=1"), 1, "--running goes with neither"),
-        (("tune", "--set", "sensors.ideal=true", "--set", "alpha0=0", "--set", "alpha1=0"), 1, ""),
+        (("tune", "--set", "method=lowpass"), 1, "must observe the friction"),
+        (("tune", "--set", "enabled=false"), 1, "restored the initial parameters"),
+        (("tune", "--running", "--set", "seed=1"), 1, "--running cannot be combined"),
+        (
+            ("tune", "--set", "sensors.ideal=true", "--set", "alpha0=0", "--set", "alpha1=0"),
+            1,
+            "hardly moved",
+        ),
         (("experiment", "fig4"), 2, "fig4"),
         (("experiment",), 2, "Missing argument"),
         (("experiment", "fig6", "--seconds", "1"), 1, "--seconds must be 5 to 3600"),
         (("sensitivity", "--seeds", "0"), 1, "--seeds must be 1 to 1000"),
     ],
 )
-def test_what_is_refused(
+def test_wrong_arguments_are_rejected(
     furuta: Furuta, arguments: tuple[str, ...], status: int, message: str
 ) -> None:
-    """One line that says what is allowed, no traceback, nothing on standard output."""
+    """There is one line that says what is allowed, and nothing on standard output."""
     got, out, err = furuta(*arguments)
     assert (got, out) == (status, "")
     assert message in err
@@ -79,7 +85,7 @@ def test_what_is_refused(
 
 
 def test_experiment_draws_its_figure(furuta: Furuta, tmp_path: Path) -> None:
-    """A row of JSON and a picture for each figure that was asked for."""
+    """There is a row of JSON and a picture for each requested figure."""
     arguments = ("fig6", "fig7", "--seconds", "10", "--json", "--out", tmp_path)
     status, out, err = furuta("experiment", *arguments)
     assert status == 0, err

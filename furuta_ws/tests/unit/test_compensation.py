@@ -19,24 +19,27 @@ from furuta_friction.compensation import (
 from furuta_model.friction.parameters import LuGre
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_studies.experiments import EXPERIMENTS, experiment
-from furuta_studies.sensitivity import sensitivity
-from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
+from furuta_studies.experiments import EXPERIMENTS, run_experiment
+from furuta_studies.sensitivity import run_sensitivity
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import SimulatedLoop
+from furuta_studies.tuning.tuning import tune
 
 ENCODER_COUNT = 2 * pi / 250
 # Fixed beforehand: the seed that the compensator is tuned with, and ten others.
 TUNING_SEED, SEEDS = 0, range(1, 11)
 
 
-def silent(what: str, seconds: float) -> None:
-    """Report to nobody."""
+def silent(message: str, seconds: float) -> None:
+    """Ignore progress."""
 
 
 @pytest.fixture(scope="module")
 def tuned() -> ObserverParameters:
     """The compensator as ``tune`` leaves it on the paper's rig."""
     loop = Loop(PlantParameters(seed=TUNING_SEED))
-    return tune(SimulatedLoop(loop), loop.observer, loop.estimator, Plan(), silent).after.observer
+    rig = SimulatedLoop(loop)
+    return tune(rig, loop.observer, loop.estimator, TuningPlan(), silent).after.observer
 
 
 def test_the_papers_order(tuned: ObserverParameters) -> None:
@@ -135,7 +138,7 @@ def test_switching_on_the_rig(before: str, after: str) -> None:
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_experiments_of_the_paper(name: str) -> None:
     """Each figure's amplitude beside its prediction, the friction by direction from Fig. 6 on."""
-    found = experiment(name, Loop(), 20.0, silent)
+    found = run_experiment(name, Loop(), 20.0, silent)
     size, predicted = found.measured.phi_peak_to_peak_rad, found.predicted_phi_peak_to_peak_rad
     assert found.loop.plant.friction.parameters.asymmetry == (0.0 if name == "fig5" else 0.05)
     if EXPERIMENTS[name].compensation == "none":
@@ -149,7 +152,9 @@ def test_experiments_of_the_paper(name: str) -> None:
 
 def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
     """At every noise the Kalman filter leaves less than the low-pass, and less noise is better."""
-    rows = sensitivity(Loop(), {"lugre": ObserverParameters("lugre")}, (0.25, 4.0), (1, 2), 20.0)
+    rows = run_sensitivity(
+        Loop(), {"lugre": ObserverParameters("lugre")}, (0.25, 4.0), (1, 2), 20.0
+    )
     found = {(row.method, row.noise): row.mean for row in rows}
     assert found["kalman", 0.25] < found["kalman", 4.0] < found["lowpass", 4.0]
     assert found["kalman", 0.25] < found["lowpass", 0.25] < found["lowpass", 4.0]
@@ -158,7 +163,7 @@ def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
 def test_sensitivity_leaves_out_what_sees_nothing() -> None:
     """With the low-pass there is no stiction compensation to measure."""
     observers = {kind: ObserverParameters(kind) for kind in ("coulomb", "stiction")}
-    rows = sensitivity(Loop(), observers, (1.0,), (1,), 5.0)
+    rows = run_sensitivity(Loop(), observers, (1.0,), (1,), 5.0)
     assert {(row.method, row.compensation) for row in rows} == {
         ("kalman", "coulomb"),
         ("kalman", "stiction"),

@@ -1,4 +1,4 @@
-"""Convergence of the observer: against state space, eigenvalues, and simulation."""
+"""Convergence of the observer, compared with state space, eigenvalues, and simulation."""
 
 from __future__ import annotations
 
@@ -8,13 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_analysis.convergence.convergence import (
-    ErrorLoop,
-    convergence,
-    error_loop,
-    error_loop_of,
-    largest_stable_gain,
-)
+from furuta_analysis.convergence.convergence import convergence, largest_stable_gain
+from furuta_analysis.convergence.error_loop import ErrorLoop, error_loop, error_loop_for
 from furuta_analysis.convergence.passive_error import passive_error
 from furuta_analysis.describing_functions.transfer import FIGURE_4
 from furuta_model.friction.parameters import LuGre
@@ -62,27 +57,27 @@ def rightmost(matrix: np.ndarray) -> float:
 
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize("error", [ARM, np.array([-1.0, -0.7, -8.0, -1.7])])
-def test_response_is_the_state_space(
+def test_response_agrees_with_state_space(
     loop: tuple[FurutaPendulum, tuple[float, ...], LuGre], error: np.ndarray
 ) -> None:
-    """G(jω) is that of python-control for the error from F̃, times the bristle; either way built."""
+    """Both ways to build G(s) give python-control's response times the factor of the bristle."""
     p, feedback, friction = loop
     a, b = closed(p, feedback)
     omega = np.geomspace(0.01, 1e3, 60)
     theirs = control.ss(a, b[:, None], error[None], 0)(1j * omega)
     expected = (friction.sigma1 * 1j * omega + friction.sigma0) * theirs
-    made = [error_loop_of(p, feedback, friction, list(error))]
+    loops = [error_loop_for(p, feedback, friction, list(error))]
     if error is ARM:
-        made.append(error_loop(p, feedback, friction))
-    for g in made:
+        loops.append(error_loop(p, feedback, friction))
+    for g in loops:
         np.testing.assert_allclose(g.at(omega), expected, rtol=1e-7)
         assert g.static_gain == pytest.approx(expected[0].real, rel=1e-3)
         last = g.at(np.array([1e7]))[0] * (1e7j) ** g.relative_degree
         assert g.high_frequency_gain == pytest.approx(last, rel=1e-4)
 
 
-def test_the_paper_s_loop() -> None:
-    """Right half plane zero of the pendulum, static gain −σ₀/l₁, and where it is violated."""
+def test_loop_of_the_paper() -> None:
+    """It has the pendulum's right half plane zero and the static gain −σ₀/l₁."""
     g = error_loop(P, PLACED, FRICTION)
     zero = np.sqrt(P.delta / P.beta)
     assert g.zeros.real == pytest.approx([-80 / 1.5, -zero, zero])
@@ -101,8 +96,8 @@ def test_the_paper_s_loop() -> None:
     assert convergence(g, -0.01, FRICTION).violated_rad_s == ((first, second),)
 
 
-def test_no_feedback_and_no_gain_satisfies_it_with_the_arm_angle() -> None:
-    """Random stabilising L, both signs of K, and K = 0."""
+def test_arm_angle_never_satisfies_the_condition() -> None:
+    """No random stabilising L with K of either sign or K = 0 satisfies it."""
     rng = np.random.default_rng(9)
     for omega1, zeta1, omega2, zeta2 in rng.uniform(0.2, [30, 1.5, 30, 1.5], (30, 4)):
         feedback = -place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2))
@@ -115,10 +110,10 @@ def test_no_feedback_and_no_gain_satisfies_it_with_the_arm_angle() -> None:
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-def test_stability_limit_is_that_of_eigenvalues(
+def test_stability_limit_agrees_with_eigenvalues(
     loop: tuple[FurutaPendulum, tuple[float, ...], LuGre],
 ) -> None:
-    """K > 0 has a growing mode however small; K < 0 is stable up to the limit and not beyond."""
+    """Any K > 0 is unstable; K < 0 is stable up to the limit and not beyond."""
     g = error_loop(*loop)
     positive, negative = convergence(g, 0.01, loop[2]).largest_stable_gain
     assert positive == 0.0
@@ -136,7 +131,7 @@ def test_stability_limit_is_that_of_eigenvalues(
 
 
 def test_stability_limits_of_other_loops() -> None:
-    """An SPR loop has none for K > 0, an unstable one none at all to give; random ones match."""
+    """Infinite for an SPR loop, zero for an unstable one, and correct for random ones."""
     mass = ErrorLoop(np.array([2.0, 1.0]), np.array([1.0, 3.0, 5.0]))
     assert convergence(mass, 1.0, FRICTION).satisfied
     assert largest_stable_gain(mass, 1.0) == np.inf
@@ -162,10 +157,10 @@ def _growth(g: ErrorLoop, gain: float) -> float:
 
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize("gain", [0.02, -0.02])
-def test_a_sure_leak_mends_it(
+def test_a_guaranteed_leak_stabilises(
     loop: tuple[FurutaPendulum, tuple[float, ...], LuGre], gain: float
 ) -> None:
-    """At the speed given the leak suffices; for K > 0 a little less does not."""
+    """The leak at the given speed is sufficient; if G(0) is the minimum, less leak is not."""
     p = loop[2]
     verdict = convergence(error_loop(*loop), gain, p)
     leak = p.sigma0 * verdict.holds_above_rad_s / (p.alpha0 + p.alpha1)
@@ -176,12 +171,12 @@ def test_a_sure_leak_mends_it(
         assert rightmost(errors(loop, gain, 0.999 * leak)) > 0.0
 
 
-def test_an_error_that_satisfies_it() -> None:
-    """c·x gives an SPR loop by python-control too, stable for every K > 0."""
+def test_an_error_that_satisfies_the_condition() -> None:
+    """The loop with c·x is SPR according to python-control too, and stable for every K > 0."""
     c = passive_error(P, PLACED, FRICTION)
     assert c is not None
     assert c[PHI] == -1.0
-    verdict = convergence(error_loop_of(P, PLACED, FRICTION, list(c)), 1.0, FRICTION)
+    verdict = convergence(error_loop_for(P, PLACED, FRICTION, list(c)), 1.0, FRICTION)
     assert verdict.satisfied
     assert verdict.largest_stable_gain == (np.inf, 0.0)
     a, b = closed(P, PLACED)
@@ -197,9 +192,9 @@ def test_an_error_that_satisfies_it() -> None:
 def last_seconds(
     gain: float, error: np.ndarray, bristle: float, tilt: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """φ and z̃ [rad] in the last 5 of 40 s of the nonlinear loop with its observer.
+    """φ and z̃ [rad] in the last 5 s of 40 s of the nonlinear loop with its observer.
 
-    It starts where it would rest with z̃ = ``bristle`` and K = 0, the pendulum off by ``tilt``.
+    The initial state is the equilibrium for K = 0 with z̃ = ``bristle``, plus ``tilt`` in θ.
     """
 
     def rate(t: float, y: np.ndarray) -> list[float]:
@@ -217,7 +212,7 @@ def last_seconds(
 
 
 def test_simulated_convergence() -> None:
-    """Implicitly integrated: K = 0 leaves the arm leaning on F̃, c·x brings it and z̃ to zero."""
+    """With K = 0 arm and z̃ keep their offsets; the correction by c·x brings both to zero."""
     arm, bristle = last_seconds(0.0, ARM, 2e-5, 0.0)
     assert arm == pytest.approx(FRICTION.sigma0 * 2e-5 / PLACED[0])
     assert bristle == pytest.approx(2e-5)
@@ -230,14 +225,14 @@ def test_simulated_convergence() -> None:
 
 @pytest.mark.parametrize(("gain", "swings"), [(0.01, True), (-0.01, False), (-0.1, True)])
 def test_simulated_arm_angle_as_error(gain: float, swings: bool) -> None:
-    """Within the linear limit it comes to rest, for K > 0 or beyond it swings for ever."""
+    """The arm comes to rest within the linear limit, and oscillates beyond it or for K > 0."""
     arm, _ = last_seconds(gain, ARM, 2e-4, 1e-4)
     assert (np.ptp(arm) > 1e-3) == swings
     assert (np.max(np.abs(arm)) < 1e-6) != swings
 
 
-def test_distance_travelled_forgets() -> None:
-    """With K = 0 the error falls by e over g/σ₀ of travel, whatever the speed does."""
+def test_error_decays_with_distance() -> None:
+    """With K = 0 the error decays by e over a travel of g/σ₀, independent of the speed."""
     travel = convergence(error_loop(P, PLACED, FRICTION), 0.0, FRICTION).forgetting_travel_rad
     flat = FRICTION._replace(alpha1=0.0)
 

@@ -1,4 +1,4 @@
-"""Passivity of LuGre friction: the inequality, and the energy that a motion draws from it."""
+"""Passivity of LuGre friction: the inequality, and the energy that a motion extracts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def surplus(v: float, z: float, p: LuGre) -> float:
 
 
 def surplus_over_bound(v: float, p: LuGre) -> float:
-    """Its least value over the bristle's reach, in both directions."""
+    """Its minimum over all deflections of the bristle, in both directions."""
     least = np.inf
     for direction in (1.0, -1.0):
         reach = (p.alpha0 + p.alpha1) * (1 + direction * p.asymmetry) / p.sigma0
@@ -39,8 +39,8 @@ def surplus_over_bound(v: float, p: LuGre) -> float:
         LuGre(1000.0, 0.2, 0.5, 0.1, 2.0),
     ],
 )
-def test_speed_up_to_which_it_dissipates(p: LuGre) -> None:
-    """Just below no deflection gives energy, just above some does."""
+def test_speed_up_to_which_friction_dissipates(p: LuGre) -> None:
+    """Just below it no deflection returns energy, just above it some deflection does."""
     result = friction_passivity(p)
     assert not result.passive
     for part in (0.01, 0.3, 0.9, 0.999):
@@ -49,8 +49,8 @@ def test_speed_up_to_which_it_dissipates(p: LuGre) -> None:
     assert surplus_over_bound(100 * result.up_to_rad_s, p) < 0.0
 
 
-def test_viscous_friction_that_it_takes() -> None:
-    """With σ₂ = σ₁α₁/α₀ no speed gives energy, with less some does; the paper's is 0.157."""
+def test_viscous_friction_required() -> None:
+    """With σ₂ = σ₁α₁/α₀ no speed returns energy, with less some speed does."""
     needed = friction_passivity(PAPER).viscous_needed
     assert needed == pytest.approx(1.5 * 0.022 / 0.21)
     enough, less = PAPER._replace(viscous=1.0001 * needed), PAPER._replace(viscous=0.99 * needed)
@@ -64,7 +64,7 @@ def test_viscous_friction_that_it_takes() -> None:
 
 
 def energy_of_a_stroke(speed: float, p: LuGre) -> float:
-    """∫Fv dt [V rad]: the bristle bent slowly from rest, then one fast stroke of 0.2 mrad."""
+    """∫Fv dt [V rad] while the bristle is bent slowly, then moved by a fast stroke of 0.2 mrad."""
     z, energy = 0.0, 0.0
     for v, travel in ((1e-4, 0.03), (speed, 2e-4)):
         dt = travel / v / 3000
@@ -76,7 +76,7 @@ def energy_of_a_stroke(speed: float, p: LuGre) -> float:
 
 
 def test_the_condition_is_necessary() -> None:
-    """Where it fails ever faster strokes draw ever more energy; where it holds they cost more."""
+    """If it fails, faster strokes extract more energy; if it holds, they cost more energy."""
     lacking = PAPER._replace(viscous=0.1)
     drawn = [energy_of_a_stroke(speed, lacking) for speed in (1e3, 1e4, 1e5)]
     assert drawn[0] > drawn[1] > drawn[2]
@@ -88,6 +88,6 @@ def test_the_condition_is_necessary() -> None:
 
 
 def test_one_direction_without_friction() -> None:
-    """Asymmetry of ±1 leaves the other direction's speed, one twice as high as a symmetric one."""
+    """With an asymmetry of 1, the levels of the other direction double, and so does the speed."""
     alone = friction_passivity(PAPER._replace(asymmetry=1.0)).up_to_rad_s
     assert alone == pytest.approx(2 * friction_passivity(PAPER).up_to_rad_s)

@@ -14,7 +14,7 @@ from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_studies.feedback_map import study
+from furuta_studies.feedback_map import map_feedbacks
 
 COULOMB, LUGRE, STICTION, STRIBECK = (
     LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
@@ -173,14 +173,14 @@ def test_unstable_cycle_separates_what_comes_back_from_what_does_not() -> None:
     assert ends == {"oscillation", "unbounded"}
 
 
-def test_study_does_not_depend_on_workers() -> None:
+def test_map_does_not_depend_on_workers() -> None:
     """A map's points are the single answers, however many threads made them."""
     values = [5.0, 7.0, 9.0]
 
     def loop_at(first: float, second: float) -> IdealLoop:
         return ideal(omega1=first, omega2=second)
 
-    maps = [list(study(loop_at, values, values, workers)) for workers in (1, 3)]
+    maps = [list(map_feedbacks(loop_at, values, values, workers)) for workers in (1, 3)]
     assert maps[0] == maps[1]
     assert maps[0][4].cycle == limit_cycle(loop_at(7.0, 7.0))
 

@@ -1,4 +1,4 @@
-"""Positive realness, judged from polynomials: against python-control's frequency response."""
+"""Positive realness from polynomials, compared with python-control's frequency response."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from furuta_analysis.convergence.positive_real import real_part, strictly_positi
 
 
 def masses(count: int) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(σ₁s + σ₀)/(ms² + ds + k): the loop of [6], SPR exactly where σ₁d > σ₀m."""
+    """(σ₁s + σ₀)/(ms² + ds + k), the loop of [6], which is SPR if and only if σ₁d > σ₀m."""
     rng = np.random.default_rng(7)
     return [
         (np.array([s1, s0]), np.array([m, d, k]))
@@ -20,7 +20,7 @@ def masses(count: int) -> list[tuple[np.ndarray, np.ndarray]]:
 
 @pytest.mark.parametrize(("numerator", "denominator"), masses(20))
 def test_a_mass_under_pd(numerator: np.ndarray, denominator: np.ndarray) -> None:
-    """The verdict is the condition worked out by hand; both verdicts occur in the sample."""
+    """The result agrees with the analytical condition; both results occur in the sample."""
     (s1, s0), (m, d, _) = numerator, denominator
     assert strictly_positive_real(numerator, denominator)[0] == bool(s1 * d > s0 * m)
     assert {bool(n[0] * p[1] > n[1] * p[0]) for n, p in masses(20)} == {True, False}
@@ -45,14 +45,14 @@ def test_a_mass_under_pd(numerator: np.ndarray, denominator: np.ndarray) -> None
 def test_each_part_of_the_definition(
     numerator: list[float], denominator: list[float], reason: str
 ) -> None:
-    """One example that lacks each condition, and two that have all."""
+    """One example violates each condition, and two satisfy all of them."""
     verdict, why = strictly_positive_real(np.array(numerator), np.array(denominator))
     assert verdict == (reason == "")
     assert reason in why
 
 
-def test_infimum_and_intervals_are_those_of_the_curve() -> None:
-    """For random stable G the infimum, where it is, and the signs agree with a dense curve."""
+def test_infimum_and_intervals_agree_with_the_curve() -> None:
+    """For random stable G the infimum, its frequency and the signs agree with a dense curve."""
     rng = np.random.default_rng(8)
     omega = np.concatenate([[0.0], np.geomspace(1e-4, 1e5, 100_000)])
     kinds = set()
@@ -76,7 +76,7 @@ def test_infimum_and_intervals_are_those_of_the_curve() -> None:
 
 
 def test_marginal_gains_put_a_root_on_the_axis() -> None:
-    """At each of them s + K G(s) = 0 has a root jω."""
+    """At each marginal gain s + K G(s) = 0 has a root jω."""
     numerator, denominator = np.array([1.0, -3.0, 20.0]), np.poly([-1, -2, -3, -4]).real
     gains = real_part(numerator, denominator).marginal_gains
     assert gains

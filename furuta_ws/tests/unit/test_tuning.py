@@ -1,4 +1,4 @@
-"""Friction read off the limit cycle, and the tuner: right, safe, within its time."""
+"""The friction fit is accurate; tuning finds good parameters, is safe, and keeps its time."""
 
 from __future__ import annotations
 
@@ -17,12 +17,19 @@ from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import values
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction
-from furuta_studies.tuning.tuning import GuardError, Plan, SimulatedLoop, tune
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta_studies.tuning.tuning import tune
 
 NOMINAL = LuGre()
 STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().kalman)
 # The motor of Fig. 6 with other friction than the compensator's default.
 OTHER = LuGre(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
+
+
+def plant(friction: LuGre, seed: int) -> PlantParameters:
+    """A rig with this friction."""
+    return PlantParameters(friction=PlantFriction(parameters=friction), seed=seed)
 
 
 def scaled(factor: float, friction: LuGre = NOMINAL) -> LuGre:
@@ -31,17 +38,14 @@ def scaled(factor: float, friction: LuGre = NOMINAL) -> LuGre:
     return friction._replace(**{name: factor * getattr(friction, name) for name in five})
 
 
-def silent(what: str, seconds: float) -> None:
-    """Report to nobody."""
+def silent(message: str, seconds: float) -> None:
+    """Ignore progress."""
 
 
 def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
     """Arm, peak to peak over 30 s [rad], mean over the seeds."""
     observer = ObserverParameters("lugre", friction)
-    loops = (
-        Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=seed), observer=observer)
-        for seed in seeds
-    )
+    loops = (Loop(plant(true, seed), observer=observer) for seed in seeds)
     return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
 
 
@@ -54,12 +58,12 @@ def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
         LuGre(sigma0=150.0, sigma1=3.0, viscous=0.05),
     ],
 )
-def test_friction_is_read_off_the_limit_cycle(true: LuGre) -> None:
-    """Twelve seconds without compensation tell the friction, from a start 30 % off."""
-    simulation = Simulation(Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=31)))
+def test_friction_is_identified_from_the_limit_cycle(true: LuGre) -> None:
+    """Twelve seconds without compensation determine the friction from a start 30 % off."""
+    simulation = Simulation(Loop(plant(true, 31)))
     simulation.run(3.0)
-    seen = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
-    found = seen.friction
+    fit = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
+    found = fit.friction
     assert found.alpha0 == pytest.approx(true.alpha0, rel=0.01)
     assert found.asymmetry == pytest.approx(true.asymmetry, abs=0.01)
     assert found.viscous == pytest.approx(true.viscous, abs=0.005)
@@ -69,9 +73,9 @@ def test_friction_is_read_off_the_limit_cycle(true: LuGre) -> None:
 
 
 def test_standard_errors_cover_the_spread() -> None:
-    """Over ten runs the estimates scatter as their standard errors say, within a factor of three.
+    """Over ten runs the estimates scatter at most three times as much as the standard errors say.
 
-    Not where the prior decides (alpha1, stribeck_velocity): there they scatter less.
+    Parameters that the prior determines (alpha1, stribeck_velocity) scatter less and are left out.
     """
     fits = []
     for seed in range(40, 50):
@@ -80,15 +84,13 @@ def test_standard_errors_cover_the_spread() -> None:
         fits.append(fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7)))
     for name in ("sigma0", "sigma1", "alpha0", "asymmetry"):
         spread = np.std([getattr(fit.friction, name) for fit in fits])
-        said = np.mean([fit.standard_errors[name] for fit in fits])
-        assert spread < 3 * said, name
+        predicted = np.mean([fit.standard_errors[name] for fit in fits])
+        assert spread < 3 * predicted, name
 
 
-def test_only_what_is_asked_for_is_fitted() -> None:
-    """Parameters that are not named stay as they were."""
-    simulation = Simulation(
-        Loop(PlantParameters(friction=PlantFriction(parameters=OTHER), seed=32))
-    )
+def test_only_named_parameters_are_fitted() -> None:
+    """The other parameters keep their values."""
+    simulation = Simulation(Loop(plant(OTHER, 32)))
     simulation.run(3.0)
     start = scaled(0.7)
     names = ("alpha0", "asymmetry")
@@ -97,25 +99,23 @@ def test_only_what_is_asked_for_is_fitted() -> None:
     assert found.friction._replace(alpha0=start.alpha0, asymmetry=0.0) == start
 
 
-def test_no_friction_seen_is_said() -> None:
-    """An arm at rest, or an estimator that sees no friction, gives no fit."""
+def test_a_fit_needs_observed_friction() -> None:
+    """An arm at rest or an estimator that observes no friction gives an error."""
     resting = np.zeros((12_000, 5))
     with pytest.raises(ValueError, match="hardly moved"):
         fit_friction(resting, STEP, 1e-3, NOMINAL)
     resting[:, 4] = np.nan
-    with pytest.raises(ValueError, match="sees no friction"):
+    with pytest.raises(ValueError, match="observes no friction"):
         fit_friction(resting, STEP, 1e-3, NOMINAL)
 
 
 @pytest.mark.parametrize("true", [NOMINAL, OTHER])
 @pytest.mark.parametrize("factor", [0.7, 1.3])
-def test_tune_comes_near_the_best_of_an_exhaustive_search(true: LuGre, factor: float) -> None:
-    """From 30 % wrong within 20 % of the best of a grid around the truth, in 200 s at most."""
+def test_tuning_is_close_to_an_exhaustive_search(true: LuGre, factor: float) -> None:
+    """From a start 30 % off, the result is within 20 % of the best of a grid around the truth."""
     start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
-    rig = SimulatedLoop(
-        Loop(PlantParameters(friction=PlantFriction(parameters=true), seed=33), observer=start)
-    )
-    tuned = tune(rig, start, EstimatorParameters(), Plan(), silent)
+    rig = SimulatedLoop(Loop(plant(true, 33), observer=start))
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
     assert tuned.seconds <= 200.0
     assert tuned.after.amplitude < 0.5 * tuned.before.amplitude
     seeds = range(60, 62)
@@ -131,8 +131,8 @@ def test_tune_comes_near_the_best_of_an_exhaustive_search(true: LuGre, factor: f
     assert amplitude(tuned.after.observer.friction, true, seeds) < 1.2 * best
 
 
-class Careless:
-    """A rig that remembers what was applied and can be made to swing too far."""
+class DangerousRig:
+    """A rig that runs away with a large sigma1 and records the parameters that were applied."""
 
     def __init__(self, dangerous: float) -> None:
         self.applied: list[ObserverParameters] = []
@@ -140,12 +140,12 @@ class Careless:
         self._rig = SimulatedLoop(Loop(PlantParameters(seed=34)))
 
     def apply(self, observer: ObserverParameters) -> None:
-        """Remember and apply."""
+        """Record and apply."""
         self.applied.append(observer)
         self._rig.apply(observer)
 
     def watch(self, seconds: float) -> np.ndarray:
-        """What the rig does, or an arm that runs away."""
+        """The rig's estimates, or those of an arm that runs away."""
         estimates = self._rig.watch(seconds)
         latest = self.applied[-1]
         if latest.compensation == "lugre" and latest.friction.sigma1 > self.dangerous:
@@ -153,14 +153,14 @@ class Careless:
         return estimates
 
 
-def test_a_candidate_outside_the_guard_is_dropped() -> None:
-    """The search goes on with the best so far in force, and does not end there."""
-    rig = Careless(dangerous=2.0)
+def test_a_candidate_outside_the_guard_is_rejected() -> None:
+    """The best candidate so far is applied, and the search continues."""
+    rig = DangerousRig(dangerous=2.0)
     start = ObserverParameters("lugre")
-    tuned = tune(rig, start, EstimatorParameters(), Plan(), silent)
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
     dropped = [trial for trial in tuned.trials if trial.observer.friction.sigma1 > 2.0]
     assert dropped
-    assert {trial.amplitude for trial in dropped} == {Plan().arm_guard}
+    assert {trial.amplitude for trial in dropped} == {TuningPlan().arm_guard}
     for trial in dropped:
         after = rig.applied[rig.applied.index(trial.observer) + 1]
         assert after.friction.sigma1 <= 2.0
@@ -168,58 +168,58 @@ def test_a_candidate_outside_the_guard_is_dropped() -> None:
     assert tuned.after.observer.friction.sigma1 <= 2.0
 
 
-def test_earlier_parameters_come_back_when_nothing_helps() -> None:
-    """Where even the start leaves the guard, it is put back and the reason told."""
-    rig = Careless(dangerous=0.0)
+def test_initial_parameters_are_restored_if_nothing_helps() -> None:
+    """If even the initial parameters leave the guard, they are restored and the error says why."""
+    rig = DangerousRig(dangerous=0.0)
     start = ObserverParameters("coulomb")
     with pytest.raises(GuardError, match="peak to peak"):
-        tune(rig, start, EstimatorParameters(), Plan(), silent)
+        tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
     assert rig.applied[-1] == start
 
 
-def test_earlier_parameters_come_back_at_an_interruption() -> None:
-    """Whatever ends the tuning, the rig is left as it was."""
-    rig = Careless(dangerous=np.inf)
+def test_initial_parameters_are_restored_after_an_interruption() -> None:
+    """Any exception leaves the rig with its initial parameters."""
+    rig = DangerousRig(dangerous=np.inf)
     start = ObserverParameters("none")
 
-    def interrupt(what: str, seconds: float) -> None:
+    def interrupt(message: str, seconds: float) -> None:
         if seconds > 30.0:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        tune(rig, start, EstimatorParameters(), Plan(), interrupt)
+        tune(rig, start, EstimatorParameters(), TuningPlan(), interrupt)
     assert rig.applied[-1] == start
 
 
-def test_a_fallen_pendulum_ends_it() -> None:
-    """Nobody holds the pendulum: the guard says so."""
+def test_a_fallen_pendulum_ends_the_tuning() -> None:
+    """Without control the pendulum leaves the guard."""
     loop = Loop(PlantParameters(seed=35), controller=ControllerParameters(enabled=False))
     with pytest.raises(GuardError, match="pendulum"):
-        tune(SimulatedLoop(loop), loop.observer, loop.estimator, Plan(), silent)
+        tune(SimulatedLoop(loop), loop.observer, loop.estimator, TuningPlan(), silent)
 
 
 @pytest.mark.parametrize(
     ("plan", "message"),
     [
-        (Plan(fit=("alpha",)), "alpha is none of sigma0"),
-        (Plan(search=("omega1",)), "omega1 is none of"),
-        (Plan(seconds=60.0), "needs at least"),
+        (TuningPlan(fit=("alpha",)), "cannot tune alpha; possible are sigma0"),
+        (TuningPlan(search=("omega1",)), "cannot tune omega1"),
+        (TuningPlan(seconds=60.0), "needs at least"),
     ],
 )
-def test_impossible_plans(plan: Plan, message: str) -> None:
-    """A plan that cannot be kept is refused before anything moves."""
-    rig = Careless(dangerous=np.inf)
+def test_impossible_plans_are_rejected(plan: TuningPlan, message: str) -> None:
+    """An impossible plan is rejected before any parameter is set."""
+    rig = DangerousRig(dangerous=np.inf)
     with pytest.raises(ValueError, match=message):
         tune(rig, ObserverParameters(), EstimatorParameters(), plan, silent)
     assert not rig.applied
 
 
 def test_search_of_several_parameters_stays_in_range() -> None:
-    """K has both signs, levels stay within what is declared; all searched ones move."""
+    """All searched parameters vary, and stay within their declared ranges."""
     search = ("sigma1", "observer_gain", "asymmetry")
     rig = SimulatedLoop(Loop(PlantParameters(seed=36)))
     start = ObserverParameters("lugre", LuGre(asymmetry=0.99))
-    tuned = tune(rig, start, EstimatorParameters(), Plan(("sigma1",), search), silent)
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(("sigma1",), search), silent)
     tried = [values(trial.observer) for trial in tuned.trials]
     assert all(len({each[name] for each in tried}) > 1 for name in search)
     assert max(each["asymmetry"] for each in tried) <= 1.0

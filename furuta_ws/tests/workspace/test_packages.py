@@ -52,7 +52,9 @@ ROS_MODULES = {
 }
 # Needed by one option of one verb, and not known to rosdep.
 OPTIONAL = {"distributed"}
-PURE = ["furuta_model", "furuta_analysis", "furuta_identification"]
+PURE = ["furuta_model", "furuta_analysis", "furuta_identification", "furuta_figures"]
+# Files of other packages, besides nodes, that may import ROS.
+ROS_FILES = {"lockstep", "realtime", "demo", "cluster", "recompute"}
 
 
 def imports(file: Path) -> set[str]:
@@ -134,15 +136,30 @@ def test_packages_import_downward_only(package: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "package", [*PURE, "furuta_sim", "furuta_control", "furuta_friction", "furuta_hw"]
+    "package",
+    [*PURE, "furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_studies"],
 )
 def test_cores_know_no_ros(package: str) -> None:
-    """Only nodes and their clocks import ROS."""
+    """Only nodes and the files named above import ROS."""
     for file in modules(package):
-        if package in PURE or not (
-            file.stem.endswith("_node") or file.stem in ("lockstep", "realtime")
-        ):
+        if package in PURE or not (file.stem.endswith("_node") or file.stem in ROS_FILES):
             assert not imports(file) & ROS_MODULES, file
+
+
+def test_drawing_loads_no_ros() -> None:
+    """No module of furuta_figures loads rclpy, directly or through other modules."""
+    names = [f"furuta_figures.{file.stem}" for file in modules("furuta_figures")]
+    assert len(names) > 10
+    script = (
+        "import importlib, sys\n"
+        "for name in sys.argv[1:]:\n"
+        "    importlib.import_module(name)\n"
+        "    assert 'rclpy' not in sys.modules, f'{name} loads rclpy'\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, *names], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("node", NODES)

@@ -10,14 +10,14 @@ from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_graph.composed import SimulatedGraph
 from furuta_graph.settings import NODES
-from furuta_studies.feedback_map import predicted_size
-from furuta_studies.ideal_loop import LoopOptions
+from furuta_studies.analysis_options import AnalysisOptions
+from furuta_studies.feedback_map import predicted_peak_to_peak
 
 if __name__ == "__main__":
     simulate(Loop(), 0.01)
-    loop = LoopOptions((), (), "lugre", None).loop()
+    loop = AnalysisOptions((), (), "lugre", None).ideal_loop()
     limit_cycle(loop)
-    predicted_size(loop)
+    predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4)), loop.law)
     rclpy.init()
     SimulatedGraph({node: {} for node in NODES}).close()

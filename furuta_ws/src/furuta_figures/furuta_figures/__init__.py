@@ -1,4 +1,4 @@
-"""Pictures, drawn without a screen."""
+"""Figures of results, drawn without a screen and without ROS."""
 
 import matplotlib
 

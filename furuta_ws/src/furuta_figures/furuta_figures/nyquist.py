@@ -1,47 +1,37 @@
-"""Nyquist plots in the manner of Fig. 4, with −1/N of Coulomb friction and the crossings."""
+"""Nyquist plots like Fig. 4 of the paper, with −1/N of Coulomb friction and the crossings."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from furuta_analysis.describing_functions.transfer import Transfer, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
 
-# Decades of ω shown below and above the loop's own frequencies, and points of the curve.
+# Decades of ω shown below and above the loop's frequencies, and points of the curve.
 DECADES = 4.0
 POINTS = 20_000
-# Axes end at this many times the farthest crossing, or the largest real part.
-ROOM = 2.2
+# Extent of the axes over the farthest crossing, or the largest real part.
+EXTENT = 2.2
 LINE, NEGATIVE_AXIS, MARK = "tab:blue", "tab:red", "black"
 
 
-def draw(cases: dict[str, IdealLoop], path: Path) -> None:
-    """One panel per case; ``cases`` by their letters, or one without."""
+def draw_nyquist(cases: dict[str, IdealLoop], path: Path) -> None:
+    """Draw one panel per case; ``cases`` by letter, or a single one under an empty letter."""
     rows, columns = (1, 1) if len(cases) == 1 else (2, -(-len(cases) // 2))
-    figure, axes = plt.subplots(
-        rows,
-        columns,
-        figsize=(7 if columns == 1 else 5.6 * columns, 5.2 * rows),
-        layout="constrained",
-        squeeze=False,
-    )
-    for axis, (case, each) in zip(axes.flat, cases.items(), strict=False):
-        g = transfer(each.body, each.gains)
-        _panel(axis, g)
-        axis.set_title(title(case, each.gains))
-    figure.legend(
-        *axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
-    )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    size = (7 if columns == 1 else 5.6 * columns, 5.2 * rows)
+    with saved_figure(path, rows, columns, figsize=size, squeeze=False) as (figure, axes):
+        for axis, (case, loop) in zip(axes.flat, cases.items(), strict=False):
+            _draw_panel(axis, transfer(loop.body, loop.gains))
+            axis.set_title(feedback_title(case, loop.gains))
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
 
 
-def title(case: str, feedback: tuple[float, float, float, float]) -> str:
+def feedback_title(case: str, feedback: tuple[float, float, float, float]) -> str:
     """The feedback as the paper writes it."""
     terms = ("φ", "φ̇", "θ", "θ̇")
     order = (2, 3, 0, 1)
@@ -50,15 +40,16 @@ def title(case: str, feedback: tuple[float, float, float, float]) -> str:
     return f"{case}) u = {text}" if case else f"u = {text}"
 
 
-def curve(g: Transfer) -> tuple[np.ndarray, np.ndarray]:
-    """ω [rad/s] and G(jω), dense, over all frequencies that show."""
-    own = np.abs(g.poles[np.abs(g.poles) > 0.0])
-    omega = np.geomspace(np.min(own) / 10**DECADES, np.max(own) * 10 ** (DECADES / 2), POINTS)
+def nyquist_curve(g: Transfer) -> tuple[np.ndarray, np.ndarray]:
+    """ω [rad/s] and G(jω) on a fine grid over all visible frequencies."""
+    corners = np.abs(g.poles[np.abs(g.poles) > 0.0])
+    low, high = np.min(corners) / 10**DECADES, np.max(corners) * 10 ** (DECADES / 2)
+    omega = np.geomspace(low, high, POINTS)
     return omega, g.at(omega)
 
 
-def _panel(axis: Any, g: Transfer) -> None:
-    _, values = curve(g)
+def _draw_panel(axis: Any, g: Transfer) -> None:
+    _, values = nyquist_curve(g)
     low, high, height = _limits(g, values)
     axis.axhline(0, color="0.75", lw=0.8, zorder=0)
     axis.axvline(0, color="0.75", lw=0.8, zorder=0)
@@ -69,35 +60,33 @@ def _panel(axis: Any, g: Transfer) -> None:
     axis.plot(values.real, -values.imag, color=LINE, lw=1, ls=":", label="ω < 0", zorder=2)
     axis.set_xlim(low, high)
     axis.set_ylim(-height, height)
-    _arrow(axis, values, (high - low, 2 * height))
+    _draw_arrow(axis, values, (high - low, 2 * height))
     for crossing in g.crossings:
-        _mark(axis, crossing.omega_rad_s, crossing.real)
-    # Empty, so that the legend of the first panel names both marks.
+        _mark_crossing(axis, crossing.omega_rad_s, crossing.real)
+    # Empty curve, so that the legend of the first panel has this entry even without a crossing.
     axis.plot([], [], "o", color=MARK, ms=7, mfc="white", label="crossing")
-    axis.set_xlabel("Re G [rad/(s V)]")
-    axis.set_ylabel("Im G [rad/(s V)]")
-    axis.grid(alpha=0.25)
+    style_axis(axis, "Re G [rad/(s V)]", "Im G [rad/(s V)]", FAINT_GRID)
 
 
 def _limits(g: Transfer, values: np.ndarray) -> tuple[float, float, float]:
-    """Left, right and half height [rad/(s V)] that show the crossings and the curve's shape.
+    """Left, right and half height [rad/(s V)] at which crossings and curve are visible.
 
-    The real part is bounded even where G has an integrator: it gives the scale, unless it is 0.
+    The real part is bounded even if G has an integrator. It sets the scale unless it is 0.
     """
     scale = max(float(np.max(np.abs(values.real))), float(np.median(np.abs(values))))
-    shown = values[np.abs(values) < ROOM * scale]
-    left = min([float(np.min(shown.real)), *(ROOM * each.real for each in g.crossings)])
+    shown = values[np.abs(values) < EXTENT * scale]
+    left = min([float(np.min(shown.real)), *(EXTENT * each.real for each in g.crossings)])
     left = left if g.crossings else -scale
     right = max(float(np.max(shown.real)), -0.25 * left)
     return 1.1 * left, 1.1 * right, 1.1 * float(np.max(np.abs(shown.imag)))
 
 
-def _arrow(axis: Any, values: np.ndarray, size: tuple[float, float]) -> None:
-    """The sense of rising ω, where the visible curve has come half its way."""
+def _draw_arrow(axis: Any, values: np.ndarray, size: tuple[float, float]) -> None:
+    """An arrow towards rising ω at half the length of the visible curve."""
     scaled = values.real / size[0] + 1j * values.imag / size[1]
     visible = np.abs(values.imag[1:]) < 0.5 * size[1]
-    way = np.cumsum(np.where(visible, np.abs(np.diff(scaled)), 0.0))
-    tail, head = (values[np.searchsorted(way, part * way[-1])] for part in (0.5, 0.51))
+    length = np.cumsum(np.where(visible, np.abs(np.diff(scaled)), 0.0))
+    tail, head = (values[np.searchsorted(length, part * length[-1])] for part in (0.5, 0.51))
     axis.annotate(
         "",
         (head.real, head.imag),
@@ -106,7 +95,7 @@ def _arrow(axis: Any, values: np.ndarray, size: tuple[float, float]) -> None:
     )
 
 
-def _mark(axis: Any, omega: float, real: float) -> None:
+def _mark_crossing(axis: Any, omega: float, real: float) -> None:
     axis.plot(real, 0, "o", color=MARK, ms=7, mfc="white", mew=1.5, zorder=4)
     text = f"ω = {omega:.3g} rad/s" if omega > 0.0 else "ω = 0: rotation"
     axis.annotate(

@@ -1,66 +1,71 @@
-"""Picture of a study: the arm's travel over its parameters."""
+"""Figure of a sweep: the arm's peak-to-peak angle over the swept parameters."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta_studies.sweep_points import Axis
+from furuta_figures.figure import saved_figure, style_axis
+from furuta_studies.sweep_points import SweptParameter
 
 LABEL = "arm, peak to peak [rad]"
+Rows = list[dict[str, Any]]
 
 
-def draw(axes: tuple[Axis, ...], rows: list[dict[str, Any]], path: Path) -> None:
-    """Two parameters as a plane of colours; otherwise a panel for each."""
-    held = [row for row in rows if not row["error"] and not row["fell"]]
-    lost = [row for row in rows if row["error"] or row["fell"]]
-    if len(axes) == 2:
-        figure, plane = plt.subplots(figsize=(7.5, 6), layout="constrained")
-        first, second = axes
+def draw_sweep(parameters: tuple[SweptParameter, ...], rows: Rows, path: Path) -> None:
+    """Draw two parameters as a plane of colours, otherwise one panel per parameter."""
+    finished = [row for row in rows if not row["error"] and not row["fell"]]
+    failed = [row for row in rows if row["error"] or row["fell"]]
+    if len(parameters) == 2:
+        _draw_plane(*parameters, finished, failed, path)
+    else:
+        _draw_panels(parameters, finished, path)
+
+
+def _draw_plane(
+    first: SweptParameter, second: SweptParameter, finished: Rows, failed: Rows, path: Path
+) -> None:
+    with saved_figure(path, figsize=(7.5, 6)) as (figure, plane):
         points = plane.scatter(
-            _values(first, held), _values(second, held), c=_sizes(held), s=60, marker="s"
+            _values(first, finished),
+            _values(second, finished),
+            c=_sizes(finished),
+            s=60,
+            marker="s",
         )
-        if lost:
-            plane.plot(
-                _values(first, lost), _values(second, lost), "kx", label="fell, or impossible"
-            )
+        if failed:
+            x, y = _values(first, failed), _values(second, failed)
+            plane.plot(x, y, "kx", label="fell, or impossible")
             figure.legend(loc="outside lower center")
         figure.colorbar(points, label=LABEL)
         plane.set(xlabel=first.name, ylabel=second.name)
-    else:
-        figure, grid = plt.subplots(
-            1,
-            len(axes),
-            figsize=(2.0 + 4.0 * len(axes), 4.5),
-            squeeze=False,
-            sharey=True,
-            layout="constrained",
-        )
-        for axis, panel in zip(axes, grid[0], strict=True):
-            _panel(panel, axis, held)
-        grid[0, 0].set_ylabel(LABEL)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
 
 
-def _panel(panel: Axes, axis: Axis, rows: list[dict[str, Any]]) -> None:
-    panel.plot(_values(axis, rows), _sizes(rows), "o", ms=4, alpha=0.6)
-    panel.set_xlabel(axis.name)
-    panel.grid(alpha=0.3)
+def _draw_panels(parameters: tuple[SweptParameter, ...], finished: Rows, path: Path) -> None:
+    columns = len(parameters)
+    size = (2.0 + 4.0 * columns, 4.5)
+    with saved_figure(path, 1, columns, figsize=size, squeeze=False, sharey=True) as (_, panels):
+        for parameter, panel in zip(parameters, panels[0], strict=True):
+            _draw_panel(panel, parameter, finished)
+        panels[0, 0].set_ylabel(LABEL)
 
 
-def _values(axis: Axis, rows: list[dict[str, Any]]) -> list[Any]:
-    values = [row[axis.name] for row in rows]
+def _draw_panel(panel: Axes, parameter: SweptParameter, rows: Rows) -> None:
+    panel.plot(_values(parameter, rows), _sizes(rows), "o", ms=4, alpha=0.6)
+    style_axis(panel, parameter.name)
+
+
+def _values(parameter: SweptParameter, rows: Rows) -> list[Any]:
+    """The parameter's values: numbers if all are numbers, otherwise text."""
+    values = [row[parameter.name] for row in rows]
     try:
         return [float(value) for value in values]
     except ValueError:
         return values
 
 
-def _sizes(rows: list[dict[str, Any]]) -> np.ndarray:
+def _sizes(rows: Rows) -> np.ndarray:
     return np.array([row["phi_peak_to_peak_rad"] for row in rows])

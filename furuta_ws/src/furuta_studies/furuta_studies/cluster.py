@@ -1,4 +1,4 @@
-"""A study's runs on a Dask cluster, whose workers have this workspace installed."""
+"""Runs of a sweep on a Dask cluster whose workers have this workspace installed."""
 
 from __future__ import annotations
 
@@ -9,61 +9,88 @@ from typing import Any
 from furuta_analysis.simulation.batch import outcomes
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_ros.errors import UserError
-from furuta_studies.sweep import Result, Study, failed, succeeded
+from furuta_studies.sweep import RunResult, Sweep, finished_run, impossible_run
 
-CHUNK = 8  # runs that travel together
-WAITING = 4  # chunks per thread of the cluster that are under way
-CONNECT = 5.0  # [s] that the scheduler gets to answer
-# Times that a chunk is tried. A cluster blames a task for every worker that dies under it.
-TRIES = 20
+# Runs that are sent together.
+CHUNK_SIZE = 8
+# Chunks per thread of the cluster that are sent ahead.
+CHUNKS_PER_THREAD = 4
+# Longest wait for the scheduler's answer [s].
+CONNECT_TIMEOUT = 5.0
+# Attempts per chunk. A cluster blames a task for every worker that dies while running it.
+MAX_ATTEMPTS = 20
+
+Chunk = list[tuple[int, Loop]]
 
 
-def run_there(study: Study, done: set[int], address: str) -> Iterator[Result]:
-    """Results of the runs that are not ``done``, as they come, from the cluster at ``address``.
+def run_on_cluster(sweep: Sweep, done: set[int], address: str) -> Iterator[RunResult]:
+    """Run what is not ``done`` on the cluster at ``address``, and yield results as they arrive.
 
-    Chunks of a worker that dies are run again by others; runs whose results have come are not.
+    A chunk whose worker dies is run again by another worker; finished runs are not repeated.
     """
-    from distributed import Client, KilledWorker, as_completed  # noqa: PLC0415 - slow to load
+    from distributed import Client  # noqa: PLC0415 - slow to load
 
     try:
-        client = Client(address, timeout=CONNECT, set_as_default=False)
+        client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UserError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        runs = study.loops(done)
-        under_way: dict[Any, tuple[list[tuple[int, Loop]], int]] = {}
-        completed = as_completed(loop=client.loop)
+        yield from _ClusterRun(client, sweep, done).results()
 
-        def submit(chunk: list[tuple[int, Loop]], tries: int) -> None:
-            loops = [made for _, made in chunk]
-            future = client.submit(outcomes, loops, study.seconds, pure=False)
-            under_way[future] = chunk, tries
-            completed.add(future)
 
+class _ClusterRun:
+    """Keeps enough chunks waiting on the cluster that no thread is idle."""
+
+    def __init__(self, client: Any, sweep: Sweep, done: set[int]) -> None:
+        from distributed import as_completed  # noqa: PLC0415 - slow to load
+
+        self._client = client
+        self._seconds = sweep.seconds
+        self._remaining = sweep.remaining_loops(done)
+        self._waiting: dict[Any, tuple[Chunk, int]] = {}
+        self._completed = as_completed(loop=client.loop)
+
+    def results(self) -> Iterator[RunResult]:
         while True:
-            room = WAITING * max(1, sum(client.nthreads().values())) - len(under_way)
-            for _ in range(room):
-                given = list(islice(runs, CHUNK))
-                yield from (failed(number, made) for number, made in given if isinstance(made, str))
-                chunk = [(number, made) for number, made in given if not isinstance(made, str)]
-                if chunk:
-                    submit(chunk, 1)
-                elif not given:
-                    break
-            if not under_way:
+            yield from self._submit_chunks()
+            if not self._waiting:
                 return
-            future = next(completed)
-            chunk, tries = under_way.pop(future)
-            try:
-                found = future.result()
-            except KilledWorker:
-                if tries == TRIES:
-                    raise UserError(
-                        f"{TRIES} workers died in one study; it can be resumed"
-                    ) from None
-                submit(chunk, tries + 1)
-                continue
-            except (ImportError, RuntimeError) as error:
-                raise UserError(f"a worker of the cluster cannot run it: {error}") from None
-            for (number, _), outcome in zip(chunk, found, strict=True):
-                yield succeeded(number, outcome)
+            yield from self._next_results()
+
+    def _submit_chunks(self) -> Iterator[RunResult]:
+        """Fill the cluster up; yields the runs that are impossible."""
+        threads = max(1, sum(self._client.nthreads().values()))
+        for _ in range(CHUNKS_PER_THREAD * threads - len(self._waiting)):
+            given = list(islice(self._remaining, CHUNK_SIZE))
+            yield from (impossible_run(number, it) for number, it in given if isinstance(it, str))
+            chunk = [(number, it) for number, it in given if not isinstance(it, str)]
+            if chunk:
+                self._submit(chunk, attempt=1)
+            elif not given:
+                break
+
+    def _submit(self, chunk: Chunk, attempt: int) -> None:
+        loops = [loop for _, loop in chunk]
+        future = self._client.submit(outcomes, loops, self._seconds, pure=False)
+        self._waiting[future] = chunk, attempt
+        self._completed.add(future)
+
+    def _next_results(self) -> Iterator[RunResult]:
+        """The results of the next chunk; a chunk whose worker died is submitted again."""
+        from distributed import KilledWorker  # noqa: PLC0415 - slow to load
+
+        future = next(self._completed)
+        chunk, attempt = self._waiting.pop(future)
+        try:
+            found = future.result()
+        except KilledWorker:
+            if attempt == MAX_ATTEMPTS:
+                raise UserError(
+                    f"{MAX_ATTEMPTS} workers died in one sweep; it can be resumed"
+                ) from None
+            self._submit(chunk, attempt + 1)
+            return
+        except (ImportError, RuntimeError) as error:
+            raise UserError(f"a worker of the cluster cannot run it: {error}") from None
+        for (number, _), outcome in zip(chunk, found, strict=True):
+            yield finished_run(number, outcome)

@@ -1,7 +1,7 @@
-"""The paper's experiment through the real graph: Figs 6 to 9 in sequence.
+"""The demo: the paper's Figs 6 to 9 in sequence, through the real node graph in lock-step.
 
-In lock-step. First the compensator is tuned on a graph of its own; then one pendulum runs on while
-the compensation is switched. Both use the parameter services, as a user would.
+First the compensator is tuned on a graph of its own. Then one pendulum keeps running while the
+compensation is switched. Both use the parameter services, as a user would.
 """
 
 from __future__ import annotations
@@ -10,44 +10,27 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
 
 import numpy as np
 from rclpy.node import Node
 
-from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
 from furuta_graph.running_graph import Estimates, RunningLoop
 from furuta_graph.settings import Settings
-from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.recorded_run import RecordedRun
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_studies.tuning.report import parameters
-from furuta_studies.tuning.tuning import Plan, Report, TuningResult, tune
-
-# The phases: the three compensations of the paper, and LuGre as tuned.
-TUNED = "tuned"
-COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
-# Part of each phase that counts, the last, after the transients.
-SETTLED = 0.75
-
-
-class Phase(NamedTuple):
-    """One compensation and when it was in force [s]."""
-
-    compensation: str
-    start: float
-    end: float
-    wall_seconds: float
+from furuta_studies.phases import COMPENSATIONS, TUNED, Phase
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.result import TuningResult, observer_parameters
+from furuta_studies.tuning.tuning import ProgressCallback, tune
 
 
 class PausingLoop(RunningLoop):
-    """A graph in lock-step that stands still while nobody watches.
+    """A graph in lock-step that pauses between two calls of :meth:`watch`.
 
-    So the sample at which a parameter changes is known, and the tuning repeatable.
+    The sample at which a parameter changes is therefore known, and the tuning repeatable.
     """
 
     def __init__(
@@ -58,7 +41,7 @@ class PausingLoop(RunningLoop):
         self._end = 0.0
 
     def watch(self, seconds: float) -> np.ndarray:
-        """The estimates (n, 5) of the next ``seconds`` of pendulum time."""
+        """Run for ``seconds`` of pendulum time, pause, and return the estimates (n, 5)."""
         self._end += seconds
         self.client.set("plant", run_until=self._end)
         estimates = super().watch(seconds)
@@ -66,8 +49,8 @@ class PausingLoop(RunningLoop):
         return estimates
 
 
-def tune_graph(settings: Settings, plan: Plan, report: Report) -> TuningResult:
-    """Tune a graph with ``settings``, in lock-step and with nobody else near."""
+def tune_graph(settings: Settings, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
+    """Tune a graph of its own with ``settings``, in lock-step."""
     node = Node("furuta_demo")
     estimates = Estimates(node)
     graph = SimulatedGraph(_in_lockstep(settings), [node])
@@ -92,9 +75,9 @@ def run_demo(
     bag: Path,
     progress: Callable[[float], None],
 ) -> list[Phase]:
-    """Run every compensation for ``seconds``, recording into ``bag``.
+    """Run every compensation for ``seconds`` and record the graph into ``bag``.
 
-    ``progress`` is told the pendulum's time now and then.
+    ``progress`` is called regularly with the pendulum time [s].
     """
     node = Node("furuta_demo")
     settings = _in_lockstep(settings)
@@ -107,8 +90,10 @@ def run_demo(
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
-            chosen = parameters(tuned) if compensation == TUNED else {"compensation": compensation}
-            client.set_all("friction_observer", chosen)
+            changes = {"compensation": compensation}
+            if compensation == TUNED:
+                changes = observer_parameters(tuned)
+            client.set_all("friction_observer", changes)
             client.set("plant", run_until=end)
             graph.run_until(end)
             phases.append(Phase(compensation, number * seconds, end, perf_counter() - began))
@@ -116,30 +101,3 @@ def run_demo(
         return phases
     finally:
         graph.close()
-
-
-def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]:
-    """What each phase came to, on the recorded truth."""
-    rows = []
-    for phase in phases:
-        settled = recorded.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
-        oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
-        rows.append(
-            {
-                "compensation": phase.compensation,
-                "phi_peak_to_peak_rad": oscillation.phi_peak_to_peak_rad,
-                "theta_peak_to_peak_rad": oscillation.theta_peak_to_peak_rad,
-                "period_s": oscillation.period_s,
-                "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
-                "samples": len(recorded.between(phase.start, phase.end).time),
-                "sim_seconds": phase.end - phase.start,
-                "wall_seconds": phase.wall_seconds,
-            }
-        )
-    return rows
-
-
-def check_seconds(seconds: float) -> None:
-    """Refuse a phase too short to hold a limit cycle (2.4 s) after its transients."""
-    if not 5.0 <= seconds <= 3600.0:
-        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")

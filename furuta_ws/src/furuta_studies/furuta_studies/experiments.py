@@ -1,9 +1,10 @@
-"""The paper's experiments, Figs 5 to 9, each with what theory says beside what the rig does.
+"""The paper's experiments, Figs 5 to 9: simulated rig and prediction side by side.
 
-Figs 6 to 9 are one rig in sequence: no compensation, Coulomb's, LuGre's with the parameters of
-Fig. 8, LuGre's as tuned. Predicted is, without compensation, the exact limit cycle of the ideal
-loop and the describing function's; with compensation the same loop with sensors and drive that
-neither round nor make noise: what friction leaves, beside what the sensors do.
+Figs 6 to 9 show one rig: without compensation, with Coulomb compensation, with LuGre compensation
+with the parameters of Fig. 8, and with tuned LuGre compensation. Without compensation, the
+prediction is the exact limit cycle of the ideal loop, and the describing function's is given too.
+With compensation, the prediction is a simulation of the same loop with sensors and drive without
+quantisation and noise, which separates the effect of the friction from that of the sensors.
 """
 
 from __future__ import annotations
@@ -11,25 +12,25 @@ from __future__ import annotations
 from math import pi
 from typing import NamedTuple
 
-import numpy as np
-
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, released
 from furuta_analysis.simulation.closed_loop import Loop, Record, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
 from furuta_model.friction.laws import friction_law
 from furuta_sim.parameters import PlantParameters
-from furuta_studies.feedback_map import predicted_size
-from furuta_studies.tuning.tuning import Plan, Report, SimulatedLoop, tune
+from furuta_studies.feedback_map import predicted_peak_to_peak
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import SimulatedLoop
+from furuta_studies.tuning.tuning import ProgressCallback, tune
 
-# The motor's friction differs by direction (Fig. 6); by how much the paper does not say.
+# The motor's friction differs by direction (Fig. 6). The paper does not say by how much.
 ASYMMETRY = 0.05
-# Time [s] until the transients of a start are gone.
+# Time until the initial transients have decayed [s].
 TRANSIENT = 10.0
 
 
 class Experiment(NamedTuple):
-    """One figure of the paper: its compensation, and whether it is tuned first."""
+    """One figure of the paper: its compensation, whether that is tuned, and the rig's friction."""
 
     title: str
     compensation: str = "none"
@@ -47,47 +48,53 @@ EXPERIMENTS = {
 
 
 class ExperimentResult(NamedTuple):
-    """What the rig did, what the ideal loop does, and the predictions [rad] (NaN for none)."""
+    """Runs of the rig and of the same loop with perfect sensors, and the amplitudes [rad].
+
+    ``measured`` is the rig's oscillation. A prediction is NaN if there is none.
+    """
 
     loop: Loop
     rig: Record
-    ideal: Record
+    perfect_sensors: Record
     measured: Oscillation
     predicted_phi_peak_to_peak_rad: float
     describing_function_phi_peak_to_peak_rad: float
 
 
-def experiment(name: str, loop: Loop, seconds: float, report: Report) -> ExperimentResult:
-    """Run the experiment ``name`` on ``loop`` for ``seconds`` beyond the transients."""
-    made = _prepared(EXPERIMENTS[name], loop, report)
-    rig, ideal = (simulate(each, TRANSIENT + seconds) for each in (made, _idealised(made)))
-    measured, predicted = (
-        measure_oscillation(_settled(run), run.sample_time) for run in (rig, ideal)
+def run_experiment(
+    name: str, loop: Loop, seconds: float, report: ProgressCallback
+) -> ExperimentResult:
+    """Run the experiment ``name`` on ``loop`` for ``seconds`` after the transients."""
+    configured = _configure_loop(EXPERIMENTS[name], loop, report)
+    rig = simulate(configured, TRANSIENT + seconds)
+    perfect = simulate(_with_perfect_sensors(configured), TRANSIENT + seconds)
+    predicted, describing_function = _oscillation(perfect).phi_peak_to_peak_rad, float("nan")
+    if configured.observer.compensation == "none":
+        ideal = _ideal_loop(configured)
+        predicted = limit_cycle(ideal, released(0.05)).phi_peak_to_peak_rad
+        describing_function = predicted_peak_to_peak(ideal)
+    return ExperimentResult(
+        configured, rig, perfect, _oscillation(rig), predicted, describing_function
     )
-    exact, describing = predicted.phi_peak_to_peak_rad, float("nan")
-    if made.observer.compensation == "none":
-        theory = _ideal_loop(made)
-        exact = limit_cycle(theory, released(0.05)).phi_peak_to_peak_rad
-        describing = predicted_size(theory)
-    return ExperimentResult(made, rig, ideal, measured, exact, describing)
 
 
-def sensor_resolution(loop: Loop) -> float:
-    """One count of the arm's encoder [rad]."""
+def encoder_resolution(loop: Loop) -> float:
+    """One count of the arm's encoder [rad], 0 without quantisation."""
     counts = loop.plant.sensors.encoder_counts
     return 2 * pi / counts if counts else 0.0
 
 
-def _prepared(which: Experiment, loop: Loop, report: Report) -> Loop:
-    observer = loop.observer._replace(compensation=which.compensation)
+def _configure_loop(experiment: Experiment, loop: Loop, report: ProgressCallback) -> Loop:
+    observer = loop.observer._replace(compensation=experiment.compensation)
     plant = loop.plant
-    if which.asymmetric and plant.friction.parameters.asymmetry == 0.0:
+    if experiment.asymmetric and plant.friction.parameters.asymmetry == 0.0:
         plant = _with_asymmetry(plant, ASYMMETRY)
-    made = loop._replace(plant=plant, observer=observer)
-    if which.tuned:
-        tuned = tune(SimulatedLoop(made), observer, made.estimator, Plan(), report)
-        made = made._replace(observer=tuned.after.observer)
-    return made
+    configured = loop._replace(plant=plant, observer=observer)
+    if experiment.tuned:
+        rig = SimulatedLoop(configured)
+        result = tune(rig, observer, configured.estimator, TuningPlan(), report)
+        configured = configured._replace(observer=result.after.observer)
+    return configured
 
 
 def _with_asymmetry(plant: PlantParameters, asymmetry: float) -> PlantParameters:
@@ -95,8 +102,8 @@ def _with_asymmetry(plant: PlantParameters, asymmetry: float) -> PlantParameters
     return plant._replace(friction=plant.friction._replace(parameters=parameters))
 
 
-def _idealised(loop: Loop) -> Loop:
-    """The same loop with sensors and a drive that neither round nor make noise."""
+def _with_perfect_sensors(loop: Loop) -> Loop:
+    """The same loop with sensors and drive without quantisation and noise."""
     perfect = loop.plant.sensors._replace(
         encoder_counts=0,
         tachometer_bits=0,
@@ -104,7 +111,7 @@ def _idealised(loop: Loop) -> Loop:
         potentiometer_bits=0,
         potentiometer_noise=0.0,
     )
-    # The filter's gains stay those of the rig; only the encoder's steps it must not expect.
+    # The filter keeps the rig's gains, but must not expect encoder steps.
     nominal = loop.estimator.sensors._replace(encoder_counts=0)
     return loop._replace(
         plant=loop.plant._replace(sensors=perfect, actuator=loop.plant.actuator._replace(bits=0)),
@@ -118,5 +125,7 @@ def _ideal_loop(loop: Loop) -> IdealLoop:
     return IdealLoop(loop.plant.model, law, l1, l2, l3, l4)
 
 
-def _settled(run: Record) -> np.ndarray:
-    return run.state[round(TRANSIENT / run.sample_time) :]
+def _oscillation(run: Record) -> Oscillation:
+    """Amplitude and period of a run after its transients."""
+    settled = run.state[round(TRANSIENT / run.sample_time) :]
+    return measure_oscillation(settled, run.sample_time)

@@ -1,4 +1,4 @@
-"""Which feedbacks give limit cycles, and how large: a map over two parameters."""
+"""Map over two parameters: which feedbacks give limit cycles, and how large they are."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from furuta_analysis.simulation.batch import available_cores
 from furuta_model.parameters import ParameterError
 
 
-class StudyPoint(NamedTuple):
-    """Exact motion at one pair of parameter values; IMPOSSIBLE where the values are refused.
+class MapPoint(NamedTuple):
+    """Exact motion at one pair of parameter values, IMPOSSIBLE if the values are rejected.
 
-    ``predicted_phi_peak_to_peak_rad`` is the largest stable cycle of the describing
-    function, 0 for none.
+    ``predicted_phi_peak_to_peak_rad`` is the largest stable cycle that the describing
+    function predicts, 0 for none.
     """
 
     first: float
@@ -30,33 +30,38 @@ class StudyPoint(NamedTuple):
 IMPOSSIBLE = LimitCycle("impossible")
 
 
-def study(
+def map_feedbacks(
     loop_at: Callable[[float, float], IdealLoop],
     firsts: Iterable[float],
     seconds: Iterable[float],
     workers: int | None = None,
-) -> Iterator[StudyPoint]:
-    """The exact motion over a grid, row by row, on all cores: compiled code frees the interpreter.
+) -> Iterator[MapPoint]:
+    """Compute the exact motion over a grid, row by row, on all cores.
 
-    The result of a point does not depend on any other, nor on the number of workers.
+    Threads suffice because compiled code releases the interpreter lock. The result of a point does
+    not depend on other points or on the number of workers.
     """
     pairs = [(first, second) for first in firsts for second in seconds]
 
-    def point(pair: tuple[float, float]) -> StudyPoint:
+    def point(pair: tuple[float, float]) -> MapPoint:
         try:
             loop = loop_at(*pair)
-            return StudyPoint(*pair, limit_cycle(loop), predicted_size(loop))
+            return MapPoint(*pair, limit_cycle(loop), predicted_peak_to_peak(loop))
         except ParameterError:
-            return StudyPoint(*pair, IMPOSSIBLE)
+            return MapPoint(*pair, IMPOSSIBLE)
 
-    loop_at(*pairs[0]), loop_at(*pairs[-1])  # a name or range that is wrong throughout says so
+    # A wrong name or range raises an error here, instead of a map of impossible points.
+    loop_at(*pairs[0]), loop_at(*pairs[-1])
     with ThreadPoolExecutor(workers or available_cores()) as pool:
         yield from pool.map(point, pairs)
 
 
-def predicted_size(loop: IdealLoop) -> float:
-    """Arm's travel [rad] that the describing function predicts, by the law's steady curve."""
+def predicted_peak_to_peak(loop: IdealLoop) -> float:
+    """The arm's peak-to-peak angle [rad] that the describing function predicts, 0 for none.
+
+    For LuGre the prediction uses its steady curve, which is the Stribeck law.
+    """
     law = loop.law.named("stribeck") if loop.law.bristle else loop.law
-    g = transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4))
+    g = transfer(loop.body, loop.gains)
     stable = (c.phi_peak_to_peak_rad for c in predict_cycles(g, law).cycles if c.stable)
     return max(stable, default=0.0)

@@ -1,10 +1,10 @@
-"""A recorded session computed again: the same numbers, or what another tuning would have made."""
+"""Recomputation of a recorded session, with the recorded parameters or with others."""
 
 from __future__ import annotations
 
 from array import array
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,67 +16,73 @@ from furuta_recordings.bags.bag import Bag, last_part, refuse_too_long, signals
 from furuta_recordings.recorder_node import PARAMETER_EVENTS, PARAMETERS_FILE
 from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
+from furuta_studies.recorded_loop import RecordedLoop
 
-
-class RecordedLoop(NamedTuple):
-    """What a bag holds of the graph, one row a measurement.
-
-    ``time`` (n,) [s], ``measurement`` (n, 5); ``recorded`` what the nodes made of it, NaN where
-    nothing was recorded; ``changes``: (sample, node, {parameter: value}) of parameters set.
-    """
-
-    time: np.ndarray
-    measurement: np.ndarray
-    recorded: Recomputed
-    changes: list[tuple[int, str, dict[str, Any]]]
+# Name of the topic on which parameter changes are recorded.
+CHANGES = PARAMETER_EVENTS.name.strip("/")
 
 
 def read_recorded_loop(bag: Path) -> RecordedLoop:
     """Read a bag of the graph, sample by sample."""
-    measured = array("d")
-    samples: dict[int, int] = {}  # of the stamps of measurements
-    estimated, estimated_at = array("d"), array("q")
-    floats = {FRICTION_ESTIMATE.name: array("d"), COMMAND.name: array("d")}
-    changes: list[tuple[int, str, dict[str, Any]]] = []
+    messages = _GraphMessages()
     with Bag(bag) as reader:
-        wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
-        chosen = [c for c in reader.connections if last_part(c.topic) in wanted]
+        chosen = [c for c in reader.connections if last_part(c.topic) in messages.topics]
         refuse_too_long(bag, chosen)
         for connection, _, data in reader.messages(chosen):
-            name = last_part(connection.topic)
-            message: Any = reader.deserialize(data, connection.msgtype)
-            if name == PARAMETER_EVENTS.name.strip("/"):
-                given = {each.name: _value(each.value) for each in message.changed_parameters}
-                changes.append((len(samples), message.node.strip("/"), given))
-            elif name in floats:
-                floats[name].append(message.data)
-            else:
-                stamp = stamp_nanoseconds(message)
-                if name == JOINT_STATES.name:
-                    estimated_at.append(stamp)
-                    estimated.extend(signals(message))
-                elif stamp not in samples:
-                    samples[stamp] = len(samples)
-                    measured.extend(signals(message))
-    if not samples:
-        raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to compute from")
-    stamps = np.fromiter(samples, np.int64)
-    n = len(stamps)
-    estimates = np.full((n + 1, SIGNALS), np.nan)
-    places = [samples.get(stamp, n) for stamp in estimated_at]  # of no measurement: the last row
-    estimates[places] = np.array(estimated).reshape(-1, SIGNALS)
-    recorded = Recomputed(
-        estimates[:n], _filled(floats[FRICTION_ESTIMATE.name], n), _filled(floats[COMMAND.name], n)
-    )
-    measurement = np.array(measured).reshape(-1, SIGNALS)
-    return RecordedLoop((stamps - stamps[0]) / NANOSECONDS, measurement, recorded, changes)
+            message = reader.deserialize(data, connection.msgtype)
+            messages.add(last_part(connection.topic), message)
+    if not messages.samples:
+        raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to recompute")
+    return messages.as_loop()
 
 
-def _filled(series: array[float], n: int) -> np.ndarray:
-    """One value a sample; those that came after the last measurement go, missing ones are NaN."""
-    filled = np.full(n, np.nan)
-    filled[: min(n, len(series))] = series[:n]
-    return filled
+class _GraphMessages:
+    """Collects the graph's messages in the order of the recording."""
+
+    def __init__(self) -> None:
+        self.samples: dict[int, int] = {}  # numbers of the samples by the stamp [ns]
+        self._measured = array("d")
+        self._estimated, self._estimated_at = array("d"), array("q")
+        self._floats = {FRICTION_ESTIMATE.name: array("d"), COMMAND.name: array("d")}
+        self._changes: list[tuple[int, str, dict[str, Any]]] = []
+        self.topics = {MEASUREMENT.name, JOINT_STATES.name, CHANGES, *self._floats}
+
+    def add(self, topic: str, message: Any) -> None:
+        """Add a message of ``topic``; repeated measurements are ignored."""
+        if topic == CHANGES:
+            given = {each.name: _value(each.value) for each in message.changed_parameters}
+            self._changes.append((len(self.samples), message.node.strip("/"), given))
+        elif topic in self._floats:
+            self._floats[topic].append(message.data)
+        elif topic == JOINT_STATES.name:
+            self._estimated_at.append(stamp_nanoseconds(message))
+            self._estimated.extend(signals(message))
+        elif (stamp := stamp_nanoseconds(message)) not in self.samples:
+            self.samples[stamp] = len(self.samples)
+            self._measured.extend(signals(message))
+
+    def as_loop(self) -> RecordedLoop:
+        """All messages, one row per measurement."""
+        stamps = np.fromiter(self.samples, np.int64)
+        n = len(stamps)
+        estimates = np.full((n + 1, SIGNALS), np.nan)
+        # Estimates without a measurement go to the last row, which is dropped.
+        rows = [self.samples.get(stamp, n) for stamp in self._estimated_at]
+        estimates[rows] = np.array(self._estimated).reshape(-1, SIGNALS)
+        friction, command = (_padded(series, n) for series in self._floats.values())
+        return RecordedLoop(
+            (stamps - stamps[0]) / NANOSECONDS,
+            np.array(self._measured).reshape(-1, SIGNALS),
+            Recomputed(estimates[:n], friction, command),
+            self._changes,
+        )
+
+
+def _padded(series: array[float], n: int) -> np.ndarray:
+    """The first n values; missing ones are NaN."""
+    padded = np.full(n, np.nan)
+    padded[: min(n, len(series))] = series[:n]
+    return padded
 
 
 # Fields of a parameter's value by its type (rcl_interfaces/ParameterType).
@@ -91,40 +97,22 @@ def _value(value: Any) -> Any:
     return tuple(float(each) for each in value.double_array_value)
 
 
-def recomputed(
+def recompute_bag(
     bag: Path, files: tuple[Path, ...], assignments: tuple[str, ...]
 ) -> tuple[RecordedLoop, Recomputed]:
-    """Compute a session again, with the recorded parameters unless others are given."""
-    session = read_recorded_loop(bag)
-    kept = bag / PARAMETERS_FILE
-    base = read_file(kept) if kept.is_file() else load_settings([], [])
-    # Recorded parameters of a later version may lack what this one has; defaults fill in.
-    own = load_settings(files, assignments)
-    parameters = [(0, loop(merge_settings(base, own)))]
-    for sample, node, given in session.changes:
+    """Recompute a session with the recorded parameters; given ones take precedence."""
+    recorded = read_recorded_loop(bag)
+    file = bag / PARAMETERS_FILE
+    base = read_file(file) if file.is_file() else load_settings([], [])
+    # Defaults replace parameters that another version did not record.
+    given = load_settings(files, assignments)
+    loops = [(0, loop(merge_settings(base, given)))]
+    for sample, node, changed in recorded.changes:
         if node in base:
-            base = merge_settings(base, _only(base, node, given))
-            parameters.append((sample, loop(merge_settings(base, own))))
-    return session, recompute(session.measurement, parameters)
+            base = merge_settings(base, _settings_of(base, node, changed))
+            loops.append((sample, loop(merge_settings(base, given))))
+    return recorded, recompute(recorded.measurement, loops)
 
 
-def _only(settings: Settings, node: str, given: dict[str, Any]) -> Settings:
-    return {each: (given if each == node else {}) for each in settings}
-
-
-def compare(session: RecordedLoop, again: Recomputed) -> dict[str, Any]:
-    """Largest and mean square difference of each series where something was recorded."""
-    result: dict[str, Any] = {"samples": len(session.time), "identical": True}
-    for name in Recomputed._fields:
-        old, new = getattr(session.recorded, name), getattr(again, name)
-        here = np.isfinite(old)
-        difference = (new - old)[here]
-        same = bool(np.array_equal(new[here], old[here]))
-        result["identical"] &= same
-        result[name] = {
-            "identical": same,
-            "compared": int(np.sum(here)),
-            "largest_difference": float(np.max(np.abs(difference), initial=0.0)),
-            "rms_difference": float(np.sqrt(np.mean(difference**2))) if len(difference) else 0.0,
-        }
-    return result
+def _settings_of(settings: Settings, node: str, changed: dict[str, Any]) -> Settings:
+    return {each: (changed if each == node else {}) for each in settings}

@@ -1,7 +1,7 @@
-"""How the limit cycle that compensation leaves grows with the sensors' noise.
+"""How the limit cycle that remains with compensation grows with the sensor noise.
 
-Noise is in multiples of the rig's, one code of each analogue channel. The estimator is told: its
-filter is designed for the noise that there is.
+Noise is given in multiples of the rig's, which is one code of each analogue channel. The filter of
+the estimator is designed for the actual noise.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from furuta_friction.compensation import ObserverParameters
 from furuta_model.sensors import Sensors
 
 METHODS = ("kalman", "lowpass")
-# Part of a run that is measured.
+# Last part of a run that is measured.
 SETTLED = 0.75
 
 
-class Sensitivity(NamedTuple):
-    """Arm, peak to peak [rad], smallest, mean and largest over the seeds."""
+class SensitivityRow(NamedTuple):
+    """The arm's peak-to-peak angle [rad] of one case: smallest, mean and largest over the seeds."""
 
     method: str
     compensation: str
@@ -33,16 +33,16 @@ class Sensitivity(NamedTuple):
     largest: float
 
 
-def sensitivity(
+def run_sensitivity(
     loop: Loop,
     compensations: dict[str, ObserverParameters],
     noises: Sequence[float],
     seeds: Sequence[int],
     seconds: float,
-) -> list[Sensitivity]:
-    """Every estimator with every compensation (by name) at every noise, over all seeds.
+) -> list[SensitivityRow]:
+    """Simulate every estimator with every compensation (by name) at every noise and seed.
 
-    Left out are those that need to see the friction with a filter that does not.
+    A compensation that needs the observed friction is left out if the estimator provides none.
     """
     cases = [
         (method, name, noise)
@@ -51,30 +51,32 @@ def sensitivity(
         or not compensations[name].chosen.needs_observed_friction
     ]
     loops = (
-        _noisy(loop, method, compensations[name], noise, seed)
+        _with_noise(loop, method, compensations[name], noise, seed)
         for method, name, noise in cases
         for seed in seeds
     )
     sizes = [each.phi_peak_to_peak_rad for each in batch(loops, seconds, SETTLED)]
     rows = np.reshape(sizes, (len(cases), len(seeds)))
     return [
-        Sensitivity(*case, float(row.min()), float(row.mean()), float(row.max()))
+        SensitivityRow(*case, float(row.min()), float(row.mean()), float(row.max()))
         for case, row in zip(cases, rows, strict=True)
     ]
 
 
-def _noisy(loop: Loop, method: str, observer: ObserverParameters, noise: float, seed: int) -> Loop:
-    sensors = _louder(loop.plant.sensors, noise)
+def _with_noise(
+    loop: Loop, method: str, observer: ObserverParameters, noise: float, seed: int
+) -> Loop:
+    sensors = _scale_noise(loop.plant.sensors, noise)
     return loop._replace(
         plant=loop.plant._replace(sensors=sensors, seed=seed),
         estimator=loop.estimator._replace(
-            method=method, sensors=_louder(loop.estimator.sensors, noise)
+            method=method, sensors=_scale_noise(loop.estimator.sensors, noise)
         ),
         observer=observer,
     )
 
 
-def _louder(sensors: Sensors, factor: float) -> Sensors:
+def _scale_noise(sensors: Sensors, factor: float) -> Sensors:
     return sensors._replace(
         tachometer_noise=factor * sensors.tachometer_noise,
         potentiometer_noise=factor * sensors.potentiometer_noise,

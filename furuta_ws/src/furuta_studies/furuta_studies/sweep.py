@@ -1,35 +1,28 @@
-"""A study: many closed loops over some parameters, kept as they come, gone on with after a kill.
-
-Until all runs are done their results are in a journal beside the output: a first line that says
-what is studied, then a line for each run. A line that was cut short by a kill does not count.
-"""
+"""A sweep: many closed loops over some parameters, run on all cores of this machine."""
 
 from __future__ import annotations
 
-import csv
-import json
 from collections import deque
-from collections.abc import Iterable, Iterator
-from pathlib import Path
-from typing import Any, NamedTuple, TextIO
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Outcome
 from furuta_graph.settings import Settings, loop, with_values
 from furuta_model.parameters import ParameterError
-from furuta_studies.sweep_points import Axis, Point, design, size_of
+from furuta_studies.sweep_points import Point, SweptParameter, count_points, generate_points
 
 NO_OUTCOME = dict.fromkeys(Outcome._fields)
 
-# A run's number, and what it came to or why it cannot be.
-Result = tuple[int, dict[str, Any]]
+# Number of a run, and its outcome or the reason why its parameters are impossible.
+RunResult = tuple[int, dict[str, Any]]
 
 
-class Study(NamedTuple):
-    """What is tried on what."""
+class Sweep(NamedTuple):
+    """Base settings, swept parameters, how their values are chosen, and seconds per run."""
 
     settings: Settings
-    axes: tuple[Axis, ...]
+    axes: tuple[SweptParameter, ...]
     method: str
     points: int
     seed: int
@@ -37,16 +30,16 @@ class Study(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many runs."""
-        return size_of(self.axes, self.method, self.points)
+        """The number of runs."""
+        return count_points(self.axes, self.method, self.points)
 
-    def design(self) -> Iterator[Point]:
-        """The point of every run."""
-        return design(self.axes, self.method, self.points, self.seed)
+    def generate_points(self) -> Iterator[Point]:
+        """Generate the parameter values of every run."""
+        return generate_points(self.axes, self.method, self.points, self.seed)
 
-    def loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
-        """The loop of every run that is not ``done``, or why there is none."""
-        for number, point in enumerate(self.design()):
+    def remaining_loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
+        """The loop of every run that is not ``done``, or the reason why it is impossible."""
+        for number, point in enumerate(self.generate_points()):
             if number not in done:
                 try:
                     yield number, loop(with_values(self.settings, point))
@@ -54,86 +47,31 @@ class Study(NamedTuple):
                     yield number, str(error)
 
 
-def succeeded(number: int, outcome: Outcome) -> Result:
+def finished_run(number: int, outcome: Outcome) -> RunResult:
     """The result of a run."""
     return number, {**outcome._asdict(), "error": ""}
 
 
-def failed(number: int, reason: str) -> Result:
-    """The result of a run that its parameters do not allow."""
+def impossible_run(number: int, reason: str) -> RunResult:
+    """The result of a run whose parameters are rejected."""
     return number, {**NO_OUTCOME, "error": reason}
 
 
-def run_here(study: Study, done: set[int]) -> Iterator[Result]:
-    """Results of the runs that are not ``done``, on all cores."""
+def run_locally(sweep: Sweep, done: set[int]) -> Iterator[RunResult]:
+    """Run what is not ``done`` on all cores, and yield the results."""
     numbers: deque[int] = deque()
-    refused: deque[Result] = deque()
+    impossible: deque[RunResult] = deque()
 
-    def possible() -> Iterator[Loop]:
-        for number, made in study.loops(done):
-            if isinstance(made, str):
-                refused.append(failed(number, made))
+    def possible_loops() -> Iterator[Loop]:
+        for number, loop_or_reason in sweep.remaining_loops(done):
+            if isinstance(loop_or_reason, str):
+                impossible.append(impossible_run(number, loop_or_reason))
             else:
                 numbers.append(number)
-                yield made
+                yield loop_or_reason
 
-    for outcome in batch(possible(), study.seconds):
-        yield succeeded(numbers.popleft(), outcome)
-        while refused:
-            yield refused.popleft()
-    yield from refused
-
-
-class Journal:
-    """The results so far, in a file that survives a kill."""
-
-    def __init__(self, out: Path, study: Study) -> None:
-        self._path = out.with_name(out.name + ".part")
-        self._about = json.dumps(study._asdict(), default=str)
-        self.results: dict[int, dict[str, Any]] = {}
-        out.parent.mkdir(parents=True, exist_ok=True)
-        if self._path.exists():
-            self._read()
-        self._file: TextIO = self._path.open("w" if not self.results else "a")
-        if not self.results:
-            self._file.write(self._about + "\n")
-
-    def _read(self) -> None:
-        text = self._path.read_text()
-        about, *lines = text.split("\n")
-        if about != self._about:
-            raise ParameterError(
-                f"{self._path} holds the beginning of another study; finish that one with its own "
-                "arguments, or remove the file"
-            )
-        whole = [line for line in lines[:-1] if line]
-        self.results = dict(json.loads(line) for line in whole)
-        # What was cut short goes, so that the next line begins where a line begins.
-        self._path.write_text("\n".join([about, *whole, ""]))
-
-    def keep(self, results: Iterable[Result]) -> Iterator[Result]:
-        """Hand results on once they are written."""
-        for number, result in results:
-            self._file.write(json.dumps([number, result]) + "\n")
-            self._file.flush()
-            self.results[number] = result
-            yield number, result
-
-    def finish(self) -> None:
-        """End the journal: the results are elsewhere."""
-        self._file.close()
-        self._path.unlink()
-
-    def close(self) -> None:
-        """Leave the journal for another time."""
-        self._file.close()
-
-
-def write_table(rows: list[dict[str, Any]], out: Path) -> None:
-    """Rows as CSV, whole or not at all."""
-    whole = out.with_name(out.name + ".new")
-    with whole.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows(rows)
-    whole.replace(out)
+    for outcome in batch(possible_loops(), sweep.seconds):
+        yield finished_run(numbers.popleft(), outcome)
+        while impossible:
+            yield impossible.popleft()
+    yield from impossible

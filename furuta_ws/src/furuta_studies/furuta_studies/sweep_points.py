@@ -1,4 +1,4 @@
-"""Which values a study tries: a grid, random points or a Sobol sequence over some parameters."""
+"""The parameter values of a sweep: a grid, random points or a Sobol sequence."""
 
 from __future__ import annotations
 
@@ -11,76 +11,79 @@ from scipy.stats import qmc
 
 from furuta_graph.settings import parameters_named
 from furuta_model.parameters import ParameterError
-from furuta_studies.ideal_loop import parse_range
+from furuta_studies.parameter_range import parse_range
 
 METHODS = ("grid", "random", "sobol")
-MOST_POINTS = 10_000_000
+MAX_POINTS = 10_000_000
 
+# Values of the swept parameters in one run, by name.
 Point = dict[str, Any]
 
 
-class Axis(NamedTuple):
-    """A parameter and what it is given: values of a grid, ends of a range, or choices."""
+class SweptParameter(NamedTuple):
+    """A parameter and its values: those of a grid, whose ends are a range, or a list."""
 
     name: str
     values: tuple[Any, ...]
-    choices: bool
+    is_list: bool
 
-    def at(self, share: float) -> Any:
-        """The value at ``share`` (0 to 1) of the range, or that one of the choices."""
-        if self.choices:
-            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+    def value_at(self, fraction: float) -> Any:
+        """The value at a ``fraction`` (0 to 1) of the range or of the list."""
+        if self.is_list:
+            return self.values[min(int(fraction * len(self.values)), len(self.values) - 1)]
         low, high = self.values[0], self.values[-1]
-        value = low + share * (high - low)
+        value = low + fraction * (high - low)
         return round(value) if isinstance(low, int) else value
 
 
-def parse_axis(text: str, default_count: int) -> Axis:
-    """NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE,..."""
+def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
+    """Parse NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE,..."""
     name, separator, rest = text.partition("=")
     name = name.strip()
     if not separator or not rest:
         raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, given {text!r}")
     (_, first), *_ = parameters_named(name)
     if ":" not in rest:
-        return Axis(name, tuple(rest.split(",")), True)
+        return SweptParameter(name, tuple(rest.split(",")), True)
     if first.kind not in (float, int):
-        raise ParameterError(f"{name} has no range, name its values: {name}=VALUE,VALUE")
-    whole = first.kind is int
+        raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")
+    integer = first.kind is int
     _, values = parse_range(text, default_count)
-    numbers = dict.fromkeys(round(float(v)) if whole else float(v) for v in values)
-    return Axis(name, tuple(numbers), False)
+    numbers = dict.fromkeys(round(float(v)) if integer else float(v) for v in values)
+    return SweptParameter(name, tuple(numbers), False)
 
 
-def size_of(axes: Sequence[Axis], method: str, points: int) -> int:
-    """How many points the study has."""
-    if len({axis.name for axis in axes}) < len(axes):
-        raise ParameterError("every parameter of a sweep is named once")
+def count_points(parameters: Sequence[SweptParameter], method: str, points: int) -> int:
+    """The number of points of the sweep."""
+    if len({parameter.name for parameter in parameters}) < len(parameters):
+        raise ParameterError("a parameter of a sweep may be named only once")
     total = points
     if method == "grid":
         total = 1
-        for axis in axes:
-            total *= len(axis.values)
-    if not 1 <= total <= MOST_POINTS:
-        raise ParameterError(f"a sweep has 1 to {MOST_POINTS} points, given {total}")
+        for parameter in parameters:
+            total *= len(parameter.values)
+    if not 1 <= total <= MAX_POINTS:
+        raise ParameterError(f"a sweep has 1 to {MAX_POINTS} points, given {total}")
     return total
 
 
-def design(axes: Sequence[Axis], method: str, points: int, seed: int) -> Iterator[Point]:
-    """The points in their order, the same for the same arguments."""
-    names = [axis.name for axis in axes]
+def generate_points(
+    parameters: Sequence[SweptParameter], method: str, points: int, seed: int
+) -> Iterator[Point]:
+    """Generate the points in order. The same arguments give the same points."""
+    names = [parameter.name for parameter in parameters]
     if method == "grid":
-        for values in product(*(axis.values for axis in axes)):
+        for values in product(*(parameter.values for parameter in parameters)):
             yield dict(zip(names, values, strict=True))
         return
-    for shares in _shares(len(axes), method, points, seed):
-        yield {axis.name: axis.at(float(s)) for axis, s in zip(axes, shares, strict=True)}
+    for row in _unit_cube_points(len(parameters), method, points, seed):
+        yield {p.name: p.value_at(float(x)) for p, x in zip(parameters, row, strict=True)}
 
 
-def _shares(dimensions: int, method: str, points: int, seed: int) -> np.ndarray:
-    """Points (n, dimensions) in the unit cube; of a Sobol sequence its first n, scrambled."""
+def _unit_cube_points(dimensions: int, method: str, points: int, seed: int) -> np.ndarray:
+    """Points (n, dimensions) in the unit cube, random or of a scrambled Sobol sequence."""
     if method == "random":
         return np.random.default_rng(seed).random((points, dimensions))
     exponent = max(0, (points - 1).bit_length())
-    shares: np.ndarray = qmc.Sobol(dimensions, rng=seed).random_base2(exponent)[:points]
-    return shares
+    cube: np.ndarray = qmc.Sobol(dimensions, rng=seed).random_base2(exponent)[:points]
+    return cube

@@ -12,10 +12,10 @@ Since |ζ| never exceeds max g = α₀ + α₁, the bracket is never negative if
 .. math::
     σ_2 α_0 \ge σ_1 α_1
 
-This is necessary too, whatever the storage: a bristle bent slowly to max g, which takes a bounded
-energy, and then moved by x at a high speed V gives back V [σ₁α₁(1 − exp(−σ₀x/α₀))/σ₀ − σ₂x] to
-highest order, for small x a positive multiple of V if the condition fails. Asymmetry scales
-levels of one direction alike and changes nothing.
+The condition is also necessary, for any storage function: a bristle bent slowly to max g, which
+takes a bounded energy, and then moved by x at a high speed V returns, to leading order, the energy
+V [σ₁α₁(1 − exp(−σ₀x/α₀))/σ₀ − σ₂x]. For small x this is a positive multiple of V if the condition
+fails. Asymmetry scales all levels of one direction equally and does not change the condition.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from furuta_model.friction.stribeck import level as symmetric_level
 
 
 class FrictionPassivity(NamedTuple):
-    """Whether friction is passive, the σ₂ [V s/rad] it takes, and |v| [rad/s] up to which it is."""
+    """Whether friction is passive, the σ₂ [V s/rad] required, and its passive speeds [rad/s]."""
 
     passive: bool
     viscous_needed: float
@@ -38,9 +38,10 @@ class FrictionPassivity(NamedTuple):
 
 
 def friction_passivity(p: LuGre) -> FrictionPassivity:
-    """The condition of the module; up to ``up_to_rad_s`` no bristle within its bound gives energy.
+    """Check the condition of this module.
 
-    The speed is infinite where friction is passive.
+    Up to the speed ``up_to_rad_s`` no deflection within its bound returns energy. The speed is
+    infinite if friction is passive.
     """
     passive = p.viscous * p.alpha0 >= p.sigma1 * p.alpha1
     needed = p.sigma1 * p.alpha1 / p.alpha0 if p.alpha0 > 0.0 else np.inf
@@ -49,8 +50,8 @@ def friction_passivity(p: LuGre) -> FrictionPassivity:
     return FrictionPassivity(passive, needed, np.inf if passive else _largest_speed(p))
 
 
-def supply_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
-    """The bracket's least value [V²] over |ζ| ≤ max g at speed v [rad/s]."""
+def dissipation_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
+    """Minimum of the bracket [V²] over |ζ| ≤ max g at speed v [rad/s]."""
     side = 1.0 + direction * p.asymmetry
     level, highest = symmetric_level(v, p) * side, (p.alpha0 + p.alpha1) * side
     worst = min(0.5 * p.sigma1 * abs(v), highest)
@@ -58,19 +59,19 @@ def supply_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
 
 
 def _largest_speed(p: LuGre) -> float:
-    """Where the margin turns negative: once it has, it stays so, because g falls with |v|."""
-    return min(_edge(p, side) for side in (1.0, -1.0) if 1.0 + side * p.asymmetry > 0.0)
+    """The speed [rad/s] at which the margin becomes negative; g falls with |v|, so it stays so."""
+    return min(_largest_speed_in(p, side) for side in (1.0, -1.0) if 1.0 + side * p.asymmetry > 0.0)
 
 
-def _edge(p: LuGre, direction: float) -> float:
+def _largest_speed_in(p: LuGre, direction: float) -> float:
     high = p.stribeck_velocity
-    while supply_margin(high, p, direction) >= 0.0:
+    while dissipation_margin(high, p, direction) >= 0.0:
         high *= 2.0
         if not np.isfinite(high):
             return float("inf")
     low = high
-    while supply_margin(low, p, direction) < 0.0:
+    while dissipation_margin(low, p, direction) < 0.0:
         low *= 0.5
         if low == 0.0:
             return 0.0
-    return float(brentq(lambda v: supply_margin(v, p, direction), low, high, rtol=1e-12))
+    return float(brentq(lambda v: dissipation_margin(v, p, direction), low, high, rtol=1e-12))

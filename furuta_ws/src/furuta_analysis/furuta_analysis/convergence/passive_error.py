@@ -1,13 +1,13 @@
-r"""An error e = c·x for which the observer does satisfy the passivity condition.
+r"""An error signal e = c·x with which the observer satisfies the passivity condition.
 
 With A_c = A + Bl and P > 0 from the Lyapunov equation A_cᵀP + PA_c = −Q, BᵀP(sI − A_c)⁻¹B is
-strictly positive real (Kalman, Yakubovich, Popov). The bristle's factor is taken into account by
+strictly positive real (Kalman–Yakubovich–Popov lemma). The factor of the bristle is included by
 
 .. math::
     c(σ_0I + σ_1A_c) = B^TP \quad\Rightarrow\quad
     G(s) = (σ_1s + σ_0)\,c(sI - A_c)^{-1}B = B^TP(sI - A_c)^{-1}B + σ_1cB
 
-so G is strictly positive real if also cB ≥ 0, which holds if all poles are slow beside σ₀/σ₁.
+so G is strictly positive real if also cB ≥ 0, which holds if all poles are slower than σ₀/σ₁.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
-from furuta_analysis.convergence.convergence import error_loop_of
+from furuta_analysis.convergence.error_loop import error_loop_for
 from furuta_analysis.convergence.positive_real import strictly_positive_real
 from furuta_analysis.describing_functions.transfer import checked_feedback
 from furuta_model.friction.parameters import LuGre
@@ -31,8 +31,8 @@ def passive_error(
 ) -> np.ndarray | None:
     """Row c (4,) of e = c·x, for K > 0, with c = −1 for φ [rad per rad, rad/s], or None.
 
-    None where the loop without friction is unstable, and where this construction fails; another
-    c may then exist. A rate weighs in Q as an angle over the loop's own time.
+    None if the loop without friction is unstable or this construction fails; another c may then
+    exist. Q weights a rate like an angle divided by the loop's time constant.
     """
     a, b = linearize(p)
     closed = a + np.outer(b, checked_feedback(feedback))
@@ -46,7 +46,7 @@ def passive_error(
         c: np.ndarray = np.linalg.solve(bristle.T, b @ storage)
     except np.linalg.LinAlgError:
         return None
-    # G(0) = σ₀ c_φ φ/u(0) and φ/u(0) < 0, so a positive real G has c_φ < 0.
+    # G(0) = σ₀ c_φ φ/u(0) with φ/u(0) < 0, so c_φ < 0 if G is positive real.
     c = c / abs(c[PHI])
-    loop = error_loop_of(p, feedback, friction, c.tolist())
+    loop = error_loop_for(p, feedback, friction, c.tolist())
     return c if strictly_positive_real(loop.numerator, loop.denominator)[0] else None

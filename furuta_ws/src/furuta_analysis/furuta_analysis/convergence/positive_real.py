@@ -1,6 +1,6 @@
-r"""Positive realness of a rational G(s), from polynomials in w = ω² alone: no grid over ω.
+r"""Positive realness of a rational G(s), from polynomials in w = ω² instead of a grid over ω.
 
-With n(jω) = n_e(w) + jω n_o(w), the even and odd part of the numerator, and d likewise,
+With n(jω) = n_e(w) + jω n_o(w), the even and odd parts of the numerator, and likewise for d,
 
 .. math::
     \mathrm{Re}\,G(jω) = \frac{n_ed_e + w\,n_od_o}{d_e^2 + w\,d_o^2}, \qquad
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
-# Re G counts as positive above this part of its largest magnitude: below, it is rounding.
+# Re G counts as positive above this fraction of its magnitude; smaller values are rounding errors.
 POSITIVE = 1e-9
 
 
@@ -46,18 +46,18 @@ class RealPart(NamedTuple):
 
     @property
     def smallest(self) -> tuple[float, float]:
-        """The infimum of Re G(jω) over ω ≥ 0, and where [rad/s], infinity included."""
+        """The infimum of Re G(jω) over ω ≥ 0, and its frequency [rad/s], which may be infinite."""
         slope = self.real.deriv() * self.magnitude - self.real * self.magnitude.deriv()
-        # Any frequency may stand as a candidate: its value is one that Re G takes.
-        found = [(self.at(omega), omega) for omega in (0.0, *self._positive(slope), np.inf)]
-        return min(found)
+        # Superfluous candidates do no harm, because Re G takes their values too.
+        candidates = [(self.at(omega), omega) for omega in (0.0, *self._positive(slope), np.inf)]
+        return min(candidates)
 
     @property
     def not_positive(self) -> tuple[tuple[float, float], ...]:
-        """Intervals of ω [rad/s] in which Re G(jω) < 0, infinity as their end where they have none.
+        """Intervals of ω [rad/s] in which Re G(jω) < 0; the last one may end at infinity.
 
-        Ends come from the roots of R. A root that is none, or a double one, divides nothing,
-        because neighbours of one sign are joined.
+        Their ends are roots of R. Neighbouring intervals of the same sign are joined, so inaccurate
+        and double roots do no harm.
         """
         edges = [0.0, *self._positive(self.real), np.inf]
         intervals: list[tuple[float, float]] = []
@@ -70,7 +70,7 @@ class RealPart(NamedTuple):
 
     @property
     def marginal_gains(self) -> list[float]:
-        """Every K for which s + K G(s) = 0 has a root jω, ω > 0: there Re G = 0, K = −ω/Im G."""
+        """Every K for which s + K G(s) = 0 has a root jω, ω > 0: Re G = 0 and K = −ω/Im G."""
         gains = []
         for omega in self._positive(self.real):
             w = (omega / self.scale) ** 2
@@ -79,13 +79,13 @@ class RealPart(NamedTuple):
         return gains
 
     def _positive(self, polynomial: Polynomial) -> list[float]:
-        """ω [rad/s] of the roots in w with positive real part, rising."""
+        """ω [rad/s] of the roots in w with positive real part, in ascending order."""
         roots = polynomial.trim().roots().real
         return sorted(self.scale * float(np.sqrt(w)) for w in roots if w > 0.0)
 
 
 def real_part(numerator: np.ndarray, denominator: np.ndarray) -> RealPart:
-    """Re and Im of G(jω) for a proper G, coefficients highest power first."""
+    """Re and Im of G(jω) for a proper G; coefficients start with the highest power."""
     scale = _scale(denominator)
     (ne, no), (de, do) = _parts(numerator, scale), _parts(denominator, scale)
     w = Polynomial([0.0, 1.0])
@@ -93,7 +93,7 @@ def real_part(numerator: np.ndarray, denominator: np.ndarray) -> RealPart:
 
 
 def strictly_positive_real(numerator: np.ndarray, denominator: np.ndarray) -> tuple[bool, str]:
-    """Whether G is strictly positive real, and why not: coefficients highest power first."""
+    """Whether G is strictly positive real, and why not; coefficients with highest power first."""
     numerator, denominator = np.trim_zeros(numerator, "f"), np.trim_zeros(denominator, "f")
     poles, zeros = np.roots(denominator), np.roots(numerator)
     if np.any(poles.real >= 0.0):
@@ -106,7 +106,7 @@ def strictly_positive_real(numerator: np.ndarray, denominator: np.ndarray) -> tu
     part = real_part(numerator, denominator)
     smallest, omega = part.smallest
     size = max(abs(part.at(0.0)), abs(part.at(part.scale)))
-    # As ω → ∞ Re G may vanish, as 1/ω² and from above.
+    # Re G may approach zero for ω → ∞ if it does so from above and not faster than 1/ω².
     vanishes = omega == np.inf and excess == 1 and _decays_positive(numerator, denominator)
     if smallest > POSITIVE * size or vanishes:
         return True, ""
@@ -114,7 +114,7 @@ def strictly_positive_real(numerator: np.ndarray, denominator: np.ndarray) -> tu
 
 
 def _decays_positive(numerator: np.ndarray, denominator: np.ndarray) -> bool:
-    """Whether lim ω² Re G = (n₀d₁ − n₁d₀)/d₀² > 0, for one pole more than zeros."""
+    """Whether lim ω² Re G = (n₀d₁ − n₁d₀)/d₀² > 0, for relative degree one."""
     n0, n1 = [*numerator, 0.0][:2]
     gained, lost = n0 * denominator[1], n1 * denominator[0]
     return bool(gained - lost > POSITIVE * (abs(gained) + abs(lost)))
@@ -122,14 +122,15 @@ def _decays_positive(numerator: np.ndarray, denominator: np.ndarray) -> bool:
 
 def _parts(coefficients: np.ndarray, scale: float) -> tuple[Polynomial, Polynomial]:
     """Even and odd part in w of a polynomial in s = j ω, with ω = √w ``scale``."""
-    rising = np.asarray(coefficients, float)[::-1]
-    rising = rising * scale ** np.arange(len(rising))
-    even, odd = (part * (-1.0) ** np.arange(len(part)) for part in (rising[::2], rising[1::2]))
+    ascending = np.asarray(coefficients, float)[::-1]
+    ascending = ascending * scale ** np.arange(len(ascending))
+    parts = ascending[::2], ascending[1::2]
+    even, odd = (part * (-1.0) ** np.arange(len(part)) for part in parts)
     return Polynomial(even), Polynomial(odd if len(odd) else [0.0])
 
 
 def _scale(denominator: np.ndarray) -> float:
-    """Geometric mean of the poles' magnitudes [1/s], so that w is of order one."""
+    """Geometric mean of the poles' magnitudes [1/s], which makes w of order one."""
     poles = np.abs(np.roots(denominator))
     poles = poles[poles > 0.0]
     return float(np.exp(np.mean(np.log(poles)))) if len(poles) else 1.0
@@ -142,6 +143,6 @@ def _between(low: float, high: float, scale: float) -> float:
 
 
 def _text(roots: np.ndarray) -> str:
-    """The rightmost root."""
+    """The rightmost root as text."""
     root = complex(roots[np.argmax(roots.real)])
     return f"{root.real:.4g}" + (f"±{abs(root.imag):.4g}j" if abs(root.imag) > 0.0 else "")

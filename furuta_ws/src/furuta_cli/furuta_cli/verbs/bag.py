@@ -17,7 +17,8 @@ from furuta_recordings.recorder_node import PARAMETERS_FILE
 from furuta_recordings.replay_node import ReplayNode, ReplayOptions
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.spinning import StopSignal
-from furuta_studies.recompute import compare, recomputed
+from furuta_studies.recompute import recompute_bag
+from furuta_studies.recorded_loop import compare
 
 BAG = click.argument("bag", type=click.Path(path_type=Path))
 
@@ -124,12 +125,12 @@ def recompute(
     With the parameters recorded in it, or with others: what would this tuning have commanded?
     The measurements stay as they were; the pendulum does not answer.
     """
-    session, again = recomputed(bag, files, assignments)
-    result = compare(session, again)
+    recorded, recomputed = recompute_bag(bag, files, assignments)
+    result = compare(recorded, recomputed)
     if out is not None:
-        from furuta_figures.difference import draw_difference
+        from furuta_figures.recomputation import draw_recomputation
 
-        draw_difference(session, again, out)
+        draw_recomputation(recorded, recomputed, out)
         result["figure"] = str(out)
     if as_json:
         print_json(result)

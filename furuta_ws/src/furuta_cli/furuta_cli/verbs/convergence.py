@@ -8,27 +8,23 @@ from typing import Any
 import click
 import numpy as np
 
-from furuta_analysis.convergence.convergence import (
-    Convergence,
-    ErrorLoop,
-    convergence,
-    error_loop,
-    error_loop_of,
-)
+from furuta_analysis.convergence.convergence import Convergence, convergence
+from furuta_analysis.convergence.error_loop import ErrorLoop, error_loop, error_loop_for
 from furuta_analysis.convergence.friction_passivity import friction_passivity
 from furuta_analysis.convergence.passive_error import passive_error
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_cli.options import feedback_option, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
-from furuta_studies.ideal_loop import LoopOptions
+from furuta_studies.analysis_options import AnalysisOptions
 
-NEVER = (
-    "No L and no K satisfies the condition with an error made of the arm angle alone: G then has "
-    "the zero √(δ/β) in the right half plane, which is the pendulum's own."
+NEVER_SATISFIED = (
+    "No L and no K satisfies the condition with the arm angle alone as the error: G then has the "
+    "zero √(δ/β) of the pendulum in the right half plane."
 )
-INEXACT = (
-    "The condition presumes a true model; here the nodes' model or friction is not the plant's."
+MODEL_MISMATCH = (
+    "The condition assumes the true model; here the nodes' model or friction differs from the "
+    "plant's."
 )
 
 
@@ -44,28 +40,28 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Does the LuGre observer satisfy the passivity condition for convergence, [4], [6], [10]?
+    """Check the passivity condition for convergence of the LuGre observer, [4], [6], [10].
 
-    For the plant's model and friction, the controller's gain L or --feedback, and the observer's
-    gain K (--set observer_gain=0.1).
+    It depends on the plant's model and friction, on the controller's gain L or --feedback, and on
+    the observer's gain K (--set observer_gain=0.1).
     """
-    given = LoopOptions(files, assignments, "lugre", feedback).checked_loop()
-    made = loop(load_settings(files, assignments))
-    gain, friction = made.observer.observer_gain, given.law.parameters
-    g = error_loop(given.body, given.gains, friction)
+    ideal = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
+    nominal = loop(load_settings(files, assignments))
+    gain, friction = nominal.observer.observer_gain, ideal.law.parameters
+    g = error_loop(ideal.body, ideal.gains, friction)
     verdict = convergence(g, gain, friction)
-    c = passive_error(given.body, given.gains, friction)
+    c = passive_error(ideal.body, ideal.gains, friction)
     other = None
     if c is not None:
-        other = error_loop_of(given.body, given.gains, friction, c.tolist())
+        other = error_loop_for(ideal.body, ideal.gains, friction, c.tolist())
     if out is not None:
-        from furuta_figures.convergence import draw
+        from furuta_figures.convergence import draw_convergence
 
-        draw(g, other, gain, verdict, out)
+        draw_convergence(g, other, gain, verdict, out)
     result = {
-        **_result(given, gain, g, verdict, _exact(made)),
-        **_friction(given),
-        "passive_error": None if other is None else _passive(c, other, given),
+        **_result(ideal, gain, g, verdict, _model_is_exact(nominal)),
+        **_friction(ideal),
+        "passive_error": None if other is None else _passive(c, other, ideal),
     }
     if as_json:
         print_json(result)
@@ -73,21 +69,21 @@ def command(
         _print(result)
 
 
-def _exact(made: Loop) -> bool:
-    """Whether observer and controller know the plant as it is."""
-    known = made.observer.friction == made.plant.friction.parameters
-    return known and made.controller.model == made.plant.model
+def _model_is_exact(nominal: Loop) -> bool:
+    """Whether observer and controller have the plant's friction and model."""
+    same_friction = nominal.observer.friction == nominal.plant.friction.parameters
+    return same_friction and nominal.controller.model == nominal.plant.model
 
 
 def _result(
-    given: IdealLoop, gain: float, g: ErrorLoop, verdict: Convergence, exact: bool
+    ideal: IdealLoop, gain: float, g: ErrorLoop, verdict: Convergence, exact: bool
 ) -> dict[str, Any]:
     fields = verdict._asdict()
     positive, negative = verdict.largest_stable_gain
     return {
         **fields,
-        "reason": f"{verdict.reason}. {NEVER}" + ("" if exact else f" {INEXACT}"),
-        "L": [-each for each in given.gains],
+        "reason": f"{verdict.reason}. {NEVER_SATISFIED}" + ("" if exact else f" {MODEL_MISMATCH}"),
+        "L": [-each for each in ideal.gains],
         "K": gain,
         "exact_model": exact,
         "numerator": g.numerator.tolist(),
@@ -101,8 +97,8 @@ def _result(
     }
 
 
-def _friction(given: IdealLoop) -> dict[str, Any]:
-    passivity = friction_passivity(given.law.parameters)
+def _friction(ideal: IdealLoop) -> dict[str, Any]:
+    passivity = friction_passivity(ideal.law.parameters)
     return {
         "friction_passive": passivity.passive,
         "friction_passive_viscous": passivity.viscous_needed,
@@ -110,8 +106,8 @@ def _friction(given: IdealLoop) -> dict[str, Any]:
     }
 
 
-def _passive(c: Any, other: ErrorLoop, given: IdealLoop) -> dict[str, Any]:
-    verdict = convergence(other, 1.0, given.law.parameters)
+def _passive(c: Any, other: ErrorLoop, ideal: IdealLoop) -> dict[str, Any]:
+    verdict = convergence(other, 1.0, ideal.law.parameters)
     return {
         "c": np.asarray(c).tolist(),
         "smallest_real_part": verdict.smallest_real_part,
@@ -132,20 +128,21 @@ def _print(result: dict[str, Any]) -> None:
     print(f"  static gain {result['static_gain']:.4g}")
     if np.isfinite(result["smallest_real_part"]):
         print(
-            f"  smallest real part, sign of K: {result['smallest_real_part']:.4g} at ω = "
+            f"  smallest real part, with the sign of K: {result['smallest_real_part']:.4g} at ω = "
             f"{result['at_omega_rad_s']:.4g} rad/s"
         )
         for low, high in result["violated_rad_s"]:
             print(f"  negative for ω from {low:.4g} to {high:.4g} rad/s")
-        print(f"  holds while the arm is faster than {result['holds_above_rad_s']:.3g} rad/s")
+        print(f"  satisfied while the arm is faster than {result['holds_above_rad_s']:.3g} rad/s")
     limits = result["largest_stable_gain"]
     print(
-        f"  about rest, without leak, stable up to |K| = {limits['positive']:.4g} for K > 0 and "
+        f"  near rest, without leak, stable up to |K| = {limits['positive']:.4g} for K > 0 and "
         f"{limits['negative']:.4g} for K < 0; rightmost pole at this K "
         f"{result['fastest_growth']:.4g} 1/s"
     )
     print(
-        f"  without correction the error falls by e over {result['forgetting_travel_rad']:.4g} rad"
+        f"  without correction the error decays by the factor e over "
+        f"{result['forgetting_travel_rad']:.4g} rad"
     )
     print(
         f"  friction passive: {'yes' if result['friction_passive'] else 'no'} (needs viscous >= "

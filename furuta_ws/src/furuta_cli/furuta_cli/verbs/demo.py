@@ -17,15 +17,15 @@ from rich.progress import Progress
 from rich.table import Table
 
 from furuta_cli.options import json_option, model_options, print_json
-from furuta_figures.demo import draw
+from furuta_figures.demo import draw_demo
 from furuta_graph.settings import load_settings
 from furuta_recordings.bags.recorded_run import read_recorded_run
-from furuta_studies.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
-from furuta_studies.tuning.report import parameters
-from furuta_studies.tuning.tuning import Plan
+from furuta_studies.demo import run_demo, tune_graph
+from furuta_studies.phases import COMPENSATIONS, check_seconds, evaluate
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.result import observer_parameters
 
-# Of the tuning that comes first.
-PLAN = Plan()
+PLAN = TuningPlan()
 
 
 @click.command()
@@ -36,7 +36,7 @@ PLAN = Plan()
     default="output/demo",
     show_default=True,
     type=click.Path(path_type=Path),
-    help="Directory for figure, bag and summary.json; the contents of an earlier demo go.",
+    help="Directory for figure, bag and summary.json; those of an earlier demo are replaced.",
 )
 @model_options
 @json_option
@@ -49,8 +49,8 @@ def command(
 ) -> None:
     """Run no, Coulomb, LuGre and tuned LuGre compensation through the real node graph.
 
-    The graph runs in lock-step in one process and is recorded; the compensator is tuned, and
-    compensations are switched, by the parameter services.
+    The graph runs in lock-step in one process and is recorded. The parameter services are used to
+    tune the compensator and to switch between compensations.
     """
     check_seconds(seconds)
     settings = load_settings(files, assignments)
@@ -85,22 +85,22 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
-        draw(recorded, phases, figure)
+        draw_demo(recorded, phases, figure)
     return {
         "runs": evaluate(phases, recorded),
-        "tuned_parameters": parameters(tuned.after.observer),
+        "tuned_parameters": observer_parameters(tuned.after.observer),
         "figure": str(figure),
         "bag": str(bag),
     }
 
 
 def _clear(bag: Path) -> None:
-    """Remove the bag of an earlier demo, and nothing that is not one."""
+    """Remove the bag of an earlier demo; refuse if the directory holds anything else."""
     if not bag.exists():
         return
     for file in bag.iterdir():
         if file.suffix not in (".mcap", ".yaml"):
-            raise click.ClickException(f"{bag} holds {file.name}, which is not of a bag")
+            raise click.ClickException(f"{bag} holds {file.name}, which does not belong to a bag")
     for file in bag.iterdir():
         file.unlink()
     bag.rmdir()

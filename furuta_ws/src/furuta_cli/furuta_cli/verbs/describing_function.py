@@ -13,7 +13,7 @@ from furuta_analysis.describing_functions.steady_rotation import steady_rotation
 from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
-from furuta_studies.ideal_loop import LoopOptions
+from furuta_studies.analysis_options import AnalysisOptions
 
 INCOMPLETE = "The winding number disagrees with the cycles found: some may be missing."
 
@@ -39,7 +39,7 @@ def command(
 
     A prediction from first harmonics, next to which `furuta limit-cycle` is exact.
     """
-    given = LoopOptions(files, assignments, law, feedback).checked_loop()
+    given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     prediction = predict_cycles(transfer(given.body, given.gains), given.law)
     _draw(given, prediction, out, curves)
     result = _result(given, prediction)
@@ -51,13 +51,13 @@ def command(
 
 def _draw(given: IdealLoop, prediction: Prediction, out: Path | None, curves: Path | None) -> None:
     if out is not None:
-        from furuta_figures.describing_function import draw
+        from furuta_figures.describing_function import draw_describing_function
 
-        draw(given, prediction, out)
+        draw_describing_function(given, prediction, out)
     if curves is not None:
-        from furuta_figures.friction import draw_laws
+        from furuta_figures.friction_laws import draw_friction_laws
 
-        draw_laws(given.law.parameters, curves)
+        draw_friction_laws(given.law.parameters, curves)
 
 
 def _result(given: IdealLoop, prediction: Prediction) -> dict[str, Any]:

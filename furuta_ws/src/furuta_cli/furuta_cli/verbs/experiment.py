@@ -15,8 +15,13 @@ from rich.table import Table
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_studies.experiments import EXPERIMENTS, ExperimentResult, experiment, sensor_resolution
-from furuta_studies.tuning.report import parameters
+from furuta_studies.experiments import (
+    EXPERIMENTS,
+    ExperimentResult,
+    encoder_resolution,
+    run_experiment,
+)
+from furuta_studies.tuning.result import observer_parameters
 
 
 @click.command()
@@ -35,40 +40,42 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Repeat experiments of the paper (fig5 to fig9, or all): measured beside predicted.
+    """Repeat experiments of the paper (fig5 to fig9, or all), and compare with the prediction.
 
-    Simulated with the cores of the nodes. From fig6 on the true friction differs by direction,
-    by 5 % unless --set says otherwise.
+    The simulation uses the same functions as the nodes. From fig6 on the true friction differs by
+    direction, by 5 % unless it is set with --set.
     """
     if not 5.0 <= seconds <= 3600.0:
         raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
-    made = loop(load_settings(files, assignments))
+    nominal = loop(load_settings(files, assignments))
     rows = []
     console = Console(stderr=True, quiet=as_json)
     for name in EXPERIMENTS if "all" in names else dict.fromkeys(names):
         with console.status(name) as status:
-            outcome = experiment(name, made, seconds, lambda what, _: status.update(escape(what)))
+            result = run_experiment(
+                name, nominal, seconds, lambda message, _: status.update(escape(message))
+            )
         if out is not None:
             from furuta_figures.experiment import draw_experiment
 
-            draw_experiment(EXPERIMENTS[name].title, outcome, out / f"{name}.png")
-        rows.append(_row(name, outcome))
+            draw_experiment(EXPERIMENTS[name].title, result, out / f"{name}.png")
+        rows.append(_row(name, result))
     if as_json:
-        print_json({"experiments": rows, "encoder_count_rad": sensor_resolution(made)})
+        print_json({"experiments": rows, "encoder_count_rad": encoder_resolution(nominal)})
     else:
-        _print(rows, sensor_resolution(made))
+        _print(rows, encoder_resolution(nominal))
 
 
-def _row(name: str, outcome: ExperimentResult) -> dict[str, Any]:
+def _row(name: str, result: ExperimentResult) -> dict[str, Any]:
     return {
         "experiment": name,
-        "compensation": outcome.loop.observer.compensation,
-        **outcome.measured._asdict(),
-        "predicted_phi_peak_to_peak_rad": outcome.predicted_phi_peak_to_peak_rad,
+        "compensation": result.loop.observer.compensation,
+        **result.measured._asdict(),
+        "predicted_phi_peak_to_peak_rad": result.predicted_phi_peak_to_peak_rad,
         "describing_function_phi_peak_to_peak_rad": (
-            outcome.describing_function_phi_peak_to_peak_rad
+            result.describing_function_phi_peak_to_peak_rad
         ),
-        "parameters": parameters(outcome.loop.observer),
+        "parameters": observer_parameters(result.loop.observer),
     }
 
 

@@ -12,7 +12,8 @@ from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_
 from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, released, trace
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
-from furuta_studies.ideal_loop import LoopOptions, parse_range, require_stabilising
+from furuta_studies.analysis_options import AnalysisOptions, require_stabilising
+from furuta_studies.parameter_range import parse_range
 
 
 @click.command()
@@ -41,8 +42,8 @@ def command(
     Ideal: all states measured, feedback u = l·x without sampling or saturation. With --branch
     the cycle is followed over a parameter, round its folds, unstable cycles included.
     """
-    choice = LoopOptions(files, assignments, law, feedback, linear)
-    loop = choice.loop()
+    choice = AnalysisOptions(files, assignments, law, feedback, linear)
+    loop = choice.ideal_loop()
     if not 0.0 < abs(release) < 0.5 * np.pi:
         raise ParameterError(
             f"--release must be an angle within ±π/2 other than 0, given {release:g}"
@@ -61,15 +62,15 @@ def command(
             if p.event
         ]
         if out is not None:
-            from furuta_figures.cycle import draw_branch
+            from furuta_figures.limit_cycle import draw_branch
 
             draw_branch(name, points, out)
     elif out is not None:
         if cycle.kind != "oscillation":
             raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
-        from furuta_figures.cycle import draw_cycle
+        from furuta_figures.limit_cycle import draw_limit_cycle
 
-        draw_cycle(trace(loop, cycle), cycle, law, out)
+        draw_limit_cycle(trace(loop, cycle), cycle, law, out)
     if as_json:
         print_json(result)
     else:
@@ -77,14 +78,14 @@ def command(
 
 
 def _follow(
-    choice: LoopOptions, name: str, cycle: LimitCycle, low: float, high: float
+    choice: AnalysisOptions, name: str, cycle: LimitCycle, low: float, high: float
 ) -> list[BranchPoint]:
     """The branch through the cycle of the settings as they are, or of the range's middle."""
     here = choice.value(name)
     if here is None or not low <= here <= high:
         here = 0.5 * (low + high)
-        cycle = limit_cycle(choice.loop({name: here}))
-    return Branch(lambda value: choice.loop({name: value}), low, high).follow(here, cycle)
+        cycle = limit_cycle(choice.ideal_loop({name: here}))
+    return Branch(lambda value: choice.ideal_loop({name: value}), low, high).follow(here, cycle)
 
 
 def _described(cycle: LimitCycle) -> dict[str, Any]:

@@ -13,17 +13,18 @@ from rich.progress import track
 
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
-from furuta_studies.feedback_map import StudyPoint, study
-from furuta_studies.ideal_loop import LoopOptions, parse_range
+from furuta_studies.analysis_options import AnalysisOptions
+from furuta_studies.feedback_map import MapPoint, map_feedbacks
+from furuta_studies.parameter_range import parse_range
 
-COUNT = 20
+DEFAULT_COUNT = 20
 
 
 @click.command()
 @click.argument("ranges", nargs=2, metavar="NAME=LOW:HIGH[:COUNT] NAME=LOW:HIGH[:COUNT]")
 @ideal_options
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
-@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Keep the rows.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the map.")
+@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the rows.")
 @model_options
 @json_option
 def command(
@@ -36,15 +37,16 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Which feedbacks give a limit cycle, and how large: a map over two parameters.
+    """Map over two parameters: which feedbacks give a limit cycle, and how large it is.
 
-    Any parameter by name, or the gains l1 to l4 of u = l·x: furuta map omega1=2:12 omega2=2:12
+    The parameters are given by name, or are gains l1 to l4 of u = l·x, as in
+    furuta map omega1=2:12 omega2=2:12
     """
-    choice = LoopOptions(files, assignments, law, feedback)
-    (first, firsts), (second, seconds) = (parse_range(each, COUNT) for each in ranges)
+    options = AnalysisOptions(files, assignments, law, feedback)
+    (first, firsts), (second, seconds) = (parse_range(each, DEFAULT_COUNT) for each in ranges)
     if first == second:
         raise ParameterError(f"a map needs two different parameters, given {first} twice")
-    points = study(lambda a, b: choice.loop({first: a, second: b}), firsts, seconds)
+    points = map_feedbacks(lambda a, b: options.ideal_loop({first: a, second: b}), firsts, seconds)
     total = len(firsts) * len(seconds)
     console = Console(stderr=True, quiet=as_json or not sys.stderr.isatty())
     found = list(track(points, "mapping", total=total, console=console, transient=True))
@@ -55,7 +57,7 @@ def command(
             writer.writeheader()
             writer.writerows(rows)
     if out is not None:
-        from furuta_figures.cycle import draw_map
+        from furuta_figures.feedback_map import draw_map
 
         draw_map(first, second, firsts, seconds, found, out)
     if as_json:
@@ -66,7 +68,7 @@ def command(
             print(f"{kind:24} {kinds.count(kind)} of {total}")
 
 
-def _row(first: str, second: str, point: StudyPoint) -> dict[str, Any]:
+def _row(first: str, second: str, point: MapPoint) -> dict[str, Any]:
     cycle = point.cycle
     return {
         first: float(point.first),

@@ -13,7 +13,7 @@ from furuta_analysis.describing_functions.transfer import FIGURE_4, open_loop_po
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
-from furuta_studies.ideal_loop import LoopOptions
+from furuta_studies.analysis_options import AnalysisOptions
 
 
 @click.command()
@@ -38,7 +38,7 @@ def command(
     """
     if figure_4 and feedback is not None:
         raise ParameterError("--figure-4 brings its own feedbacks: give no --feedback with it")
-    given = LoopOptions(files, assignments, law, feedback).checked_loop()
+    given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     cases = {"": given}
     if figure_4:
         cases = {case: given.with_gains(each) for case, each in FIGURE_4.items()}
@@ -53,9 +53,9 @@ def command(
 
 
 def _draw(cases: dict[str, IdealLoop], out: Path) -> None:
-    from furuta_figures.nyquist import draw
+    from furuta_figures.nyquist import draw_nyquist
 
-    draw(cases, out)
+    draw_nyquist(cases, out)
 
 
 def _result(given: IdealLoop) -> dict[str, Any]:

@@ -13,9 +13,11 @@ from rich.table import Table
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_studies.experiments import sensor_resolution
-from furuta_studies.sensitivity import Sensitivity, sensitivity
-from furuta_studies.tuning.tuning import Plan, SimulatedLoop, tune
+from furuta_studies.experiments import encoder_resolution
+from furuta_studies.sensitivity import SensitivityRow, run_sensitivity
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import SimulatedLoop
+from furuta_studies.tuning.tuning import tune
 
 # Multiples of the rig's noise.
 NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -24,7 +26,7 @@ NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 @click.command()
 @click.option("--seconds", default=40.0, show_default=True, help="Pendulum time of each run.")
 @click.option("--seeds", default=10, show_default=True, help="Runs of each case.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the figure.")
 @model_options
 @json_option
 def command(
@@ -35,35 +37,37 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """How the limit cycle that compensation leaves grows with the sensors' noise.
+    """How the limit cycle that remains with compensation grows with the sensor noise.
 
-    For both estimators and five compensations, LuGre also as tuned at the noise of the settings.
+    For both estimators and five compensations. One of them is LuGre with parameters tuned at the
+    noise of the settings.
     """
     if not 5.0 <= seconds <= 3600.0:
         raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
     if not 1 <= seeds <= 1000:
         raise ParameterError(f"--seeds must be 1 to 1000, given {seeds}")
-    made = loop(load_settings(files, assignments))
+    nominal = loop(load_settings(files, assignments))
     with Console(stderr=True, quiet=as_json).status("tuning, then simulating"):
         compensations = {
-            name: made.observer._replace(compensation=name)
+            name: nominal.observer._replace(compensation=name)
             for name in ("coulomb", "stiction", "lugre", "adaptive")
         }
-        tuned = tune(SimulatedLoop(made), made.observer, made.estimator, Plan(), lambda *_: None)
-        compensations["lugre, tuned"] = tuned.after.observer
-        first = made.plant.seed
-        rows = sensitivity(made, compensations, NOISES, range(first, first + seeds), seconds)
+        rig = SimulatedLoop(nominal)
+        result = tune(rig, nominal.observer, nominal.estimator, TuningPlan(), lambda *_: None)
+        compensations["lugre, tuned"] = result.after.observer
+        first = nominal.plant.seed
+        rows = run_sensitivity(nominal, compensations, NOISES, range(first, first + seeds), seconds)
     if out is not None:
         from furuta_figures.sensitivity import draw_sensitivity
 
-        draw_sensitivity(rows, sensor_resolution(made), out)
+        draw_sensitivity(rows, encoder_resolution(nominal), out)
     if as_json:
         print_json({"rows": [row._asdict() for row in rows]})
     else:
         _print(rows)
 
 
-def _print(rows: list[Sensitivity]) -> None:
+def _print(rows: list[SensitivityRow]) -> None:
     table = Table(
         title=escape("arm, peak to peak [mrad], mean over the seeds, by noise"), box=SIMPLE
     )

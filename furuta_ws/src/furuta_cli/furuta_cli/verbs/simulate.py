@@ -79,7 +79,7 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 def _keep(record: Any, out: Path, actuator: Any) -> None:
     if out.suffix == ".png":
-        from furuta_figures.demo import draw_run
+        from furuta_figures.run import draw_run
 
         draw_run(record, out)
         return

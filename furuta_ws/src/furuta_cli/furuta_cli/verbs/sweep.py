@@ -14,26 +14,34 @@ from rich.progress import Progress
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
-from furuta_studies.sweep import Journal, Result, Study, run_here, write_table
-from furuta_studies.sweep_points import METHODS, parse_axis
+from furuta_studies.sweep import RunResult, Sweep, run_locally
+from furuta_studies.sweep_journal import Journal, write_table
+from furuta_studies.sweep_points import METHODS, parse_swept_parameter
 
-COUNT = 10
+DEFAULT_COUNT = 10
 
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
 @click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True)
-@click.option("--points", default=256, show_default=True, help="Runs, where it is not a grid.")
 @click.option(
-    "--seed", default=0, show_default=True, help="Of the points; plant.seed is the rig's."
+    "--points", default=256, show_default=True, help="Number of runs unless it is a grid."
+)
+@click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    help="Seed of random and sobol points; the sensor noise has plant.seed.",
 )
 @click.option("--seconds", default=60.0, show_default=True, help="Pendulum time of a run.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE.csv", default=Path("output/sweep.csv"),
-    show_default=True, help="Results, a row per run.",
+    show_default=True, help="Results, one row per run.",
 )  # fmt: skip
-@click.option("--picture", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw them.")
+@click.option(
+    "--picture", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the results."
+)
 @model_options
 @json_option
 def command(
@@ -51,8 +59,8 @@ def command(
 ) -> None:
     """Simulate the loop over any parameters, as in friction_observer.alpha0=0.1:0.3:50 seed=0:9.
 
-    Every run is that of furuta simulate. A sweep that was interrupted goes on where it was when
-    it is called again with the same arguments.
+    Every run is the same as with furuta simulate. An interrupted sweep continues when it is called
+    again with the same arguments.
     """
     if not 0 < seconds <= 1e6:
         raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
@@ -62,47 +70,47 @@ def command(
         raise ParameterError(f"--out must be a .csv file, given {out}")
     if out.exists():
         raise ParameterError(f"{out} exists already; name another file with --out")
-    axes = tuple(parse_axis(each, COUNT) for each in ranges)
-    study = Study(load_settings(files, assignments), axes, method, points, seed, seconds)
-    size = study.size
-    journal = Journal(out, study)
-    before = len(journal.results)
+    swept = tuple(parse_swept_parameter(each, DEFAULT_COUNT) for each in ranges)
+    sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
+    size = sweep.size
+    journal = Journal(out, sweep)
+    resumed = len(journal.results)
     try:
-        results = _run(study, set(journal.results), scheduler)
-        _follow(journal.keep(results), size, before, as_json)
+        results = _run(sweep, set(journal.results), scheduler)
+        _show_progress(journal.record(results), size, resumed, as_json)
     finally:
         journal.close()
-    rows = [point | journal.results[number] for number, point in enumerate(study.design())]
+    rows = [point | journal.results[number] for number, point in enumerate(sweep.generate_points())]
     write_table(rows, out)
-    journal.finish()
+    journal.delete()
     if picture is not None:
-        from furuta_figures.sweep import draw
+        from furuta_figures.sweep import draw_sweep
 
-        draw(axes, rows, picture)
-    _report(rows, before, out, as_json)
+        draw_sweep(swept, rows, picture)
+    _report(rows, resumed, out, as_json)
 
 
-def _run(study: Study, done: set[int], scheduler: str | None) -> Iterator[Result]:
+def _run(sweep: Sweep, done: set[int], scheduler: str | None) -> Iterator[RunResult]:
     if scheduler is None:
-        return run_here(study, done)
-    from furuta_studies.cluster import run_there
+        return run_locally(sweep, done)
+    from furuta_studies.cluster import run_on_cluster
 
-    return run_there(study, done, scheduler)
+    return run_on_cluster(sweep, done, scheduler)
 
 
-def _follow(results: Iterator[Result], size: int, before: int, quiet: bool) -> None:
+def _show_progress(results: Iterator[RunResult], size: int, resumed: int, quiet: bool) -> None:
     console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
     with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("sweeping", total=size, completed=before)
+        task = progress.add_task("sweeping", total=size, completed=resumed)
         for _ in results:
             progress.advance(task)
 
 
-def _report(rows: list[dict[str, Any]], before: int, out: Path, as_json: bool) -> None:
+def _report(rows: list[dict[str, Any]], resumed: int, out: Path, as_json: bool) -> None:
     impossible = sum(bool(row["error"]) for row in rows)
     summary = {
         "runs": len(rows),
-        "resumed": before,
+        "resumed": resumed,
         "fell": sum(bool(row["fell"]) for row in rows),
         "impossible": impossible,
         "file": str(out),

@@ -18,33 +18,33 @@ from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
-from furuta_studies.tuning.report import described, parameters, write_parameter_file
-from furuta_studies.tuning.tuning import (
-    FITTED,
-    SEARCHABLE,
-    GuardError,
-    Plan,
-    Report,
-    SimulatedLoop,
+from furuta_studies.tuning.observed_friction import FITTED
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.result import (
     TuningResult,
-    tune,
+    observer_parameters,
+    result_as_json,
+    write_parameter_file,
 )
+from furuta_studies.tuning.search import SEARCHABLE
+from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta_studies.tuning.tuning import ProgressCallback, tune
 
-DEFAULT = Plan()
+DEFAULT = TuningPlan()
 
 
 @click.command()
 @click.option(
     "--running",
     is_flag=True,
-    help="Tune the running graph by its parameter services (default: a simulation).",
+    help="Tune the running graph through its parameter services (default: a simulation).",
 )
 @click.option(
     "--fit",
     multiple=True,
     type=click.Choice(FITTED),
     default=DEFAULT.fit,
-    help="Read this parameter off the friction seen; repeatable (default: all that can be).",
+    help="Fit this parameter to the observed friction; repeatable (default: all possible ones).",
 )
 @click.option(
     "--search",
@@ -52,9 +52,11 @@ DEFAULT = Plan()
     type=click.Choice(SEARCHABLE),
     default=DEFAULT.search,
     show_default=True,
-    help="Then try this parameter out; repeatable.",
+    help="Then optimise this parameter by trials; repeatable.",
 )
-@click.option("--seconds", default=DEFAULT.seconds, show_default=True, help="Most pendulum time.")
+@click.option(
+    "--seconds", default=DEFAULT.seconds, show_default=True, help="Total pendulum time [s]."
+)
 @click.option(
     "--arm-guard",
     default=DEFAULT.arm_guard,
@@ -71,7 +73,7 @@ DEFAULT = Plan()
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
-    help="Keep the parameters in a parameter file.",
+    help="Write the parameters to a parameter file.",
 )
 @model_options
 @json_option
@@ -89,42 +91,43 @@ def command(
 ) -> None:
     """Find the LuGre compensator's parameters that leave the smallest limit cycle.
 
-    The pendulum first swings without compensation while the friction's parameters are read off
-    what the estimator sees; then those named by --search are tried out. On a running graph the
-    best ones stay in force; if the motion leaves the guard, or at Ctrl-C, the earlier ones are
-    put back.
+    The pendulum first swings without compensation, and the friction parameters are fitted to the
+    friction that the estimator observes. Then the parameters named by --search are optimised by
+    trials. On a running graph the best parameters stay active. If the motion leaves the guard, or
+    at Ctrl-C, the initial ones are restored.
     """
-    plan = Plan(fit, search, seconds, arm_guard, pendulum_guard)
+    plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard)
     try:
         plan.check()
         if running:
             if files or assignments:
-                raise ParameterError("--running goes with neither --params nor --set")
+                raise ParameterError("--running cannot be combined with --params or --set")
             tuned = _tune_running(plan, quiet=as_json)
         else:
             tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
     except GuardError as error:
-        raise UserError(f"stopped, the earlier parameters are in force again: {error}") from None
+        raise UserError(f"stopped and restored the initial parameters: {error}") from None
     except ValueError as error:
         raise UserError(str(error)) from None
     except TuningInterruptedError:
-        raise UserError("interrupted, the earlier parameters are in force again") from None
+        raise UserError("interrupted; the initial parameters are restored") from None
     if out is not None:
         write_parameter_file(tuned.after.observer, out)
     if as_json:
-        print_json(described(tuned))
+        print_json(result_as_json(tuned))
     else:
         _print(tuned, out)
 
 
 def _tune_simulated(
-    plan: Plan, files: tuple[Path, ...], assignments: tuple[str, ...], quiet: bool
+    plan: TuningPlan, files: tuple[Path, ...], assignments: tuple[str, ...], quiet: bool
 ) -> TuningResult:
-    made = loop(load_settings(files, assignments))
-    return tune(SimulatedLoop(made), made.observer, made.estimator, plan, _reporter(quiet))
+    nominal = loop(load_settings(files, assignments))
+    rig = SimulatedLoop(nominal)
+    return tune(rig, nominal.observer, nominal.estimator, plan, _reporter(quiet))
 
 
-def _tune_running(plan: Plan, quiet: bool) -> TuningResult:
+def _tune_running(plan: TuningPlan, quiet: bool) -> TuningResult:
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = Node("furuta_tune")
@@ -135,11 +138,11 @@ def _tune_running(plan: Plan, quiet: bool) -> TuningResult:
         rclpy.try_shutdown()
 
 
-def _reporter(quiet: bool) -> Report:
+def _reporter(quiet: bool) -> ProgressCallback:
     console = Console(stderr=True, quiet=quiet)
 
-    def report(what: str, seconds: float) -> None:
-        console.print(f"{seconds:6.1f} s  {what}", markup=False, highlight=False)
+    def report(message: str, seconds: float) -> None:
+        console.print(f"{seconds:6.1f} s  {message}", markup=False, highlight=False)
 
     return report
 
@@ -148,7 +151,7 @@ def _print(tuned: TuningResult, out: Path | None) -> None:
     table = Table.grid(padding=(0, 3))
     table.add_row("arm, peak to peak, before", f"{tuned.before.amplitude:.4f} rad")
     table.add_row("after", f"{tuned.after.amplitude:.4f} rad")
-    for name, value in parameters(tuned.after.observer).items():
+    for name, value in observer_parameters(tuned.after.observer).items():
         table.add_row(name, value if isinstance(value, str) else f"{value:.5g}")
     table.add_row("pendulum time", f"{tuned.seconds:.0f} s")
     Console().print(table)

@@ -1,17 +1,18 @@
-r"""LuGre's parameters from the friction that the estimator sees in a limit cycle.
+r"""Fit of LuGre's parameters to the friction that the estimator observes in a limit cycle.
 
-The estimator finds the friction between applied torque and motion, late by its own dynamics. They
-are known: with e the error of (φ̇, θ, θ̇, F) and M the filter's error transition,
+The estimator computes the friction from applied torque and motion, delayed by its own dynamics.
+These are known: with e the error of (φ̇, θ, θ̇, F) and M the error transition matrix of the filter,
 
 .. math::
     e_k = M e_{k-1} + (0, 0, 0, F_k - F_{k-1})
 
-so for any parameters the friction, the speed that belongs to it and what the estimator would have
-seen follow together. The parameters are those whose prediction is nearest to what was seen. The
-arm's reversals show the bristle, its slides the levels in each direction: a few turns of the limit
-cycle without compensation suffice.
+so any set of parameters determines the friction, the true speed and the friction that the estimator
+would observe. The fit minimises the difference between this prediction and the observation. The
+reversals of the arm determine the bristle parameters, its slides the friction level of each
+direction. A few periods of the limit cycle without compensation are enough.
 
-What the data hardly tell (α₁ and vs apart from each other) is held near the start by a weak prior.
+Parameters that the data hardly determine (α₁ and vs individually) are kept near the start by a weak
+prior.
 """
 
 from __future__ import annotations
@@ -28,50 +29,51 @@ from furuta_model.friction.lugre import bristle_after, friction
 from furuta_model.friction.parameters import LuGre
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT, RIGID_STATES
 
-# Standard deviation [V] of a seen friction that the model cannot explain, and the samples between
-# two whose errors do not depend on each other.
-SEEN_NOISE = 0.015
-APART = 5
-# Samples until the bristle's unknown start is forgotten.
-FORGOTTEN = 500
+# Standard deviation of the observed friction that the model cannot explain [V].
+OBSERVATION_NOISE = 0.015
+# Every n-th sample is used; the errors of closer samples depend on each other.
+SAMPLE_STRIDE = 5
+# Samples until the unknown initial deflection of the bristle has no effect any more.
+TRANSIENT_SAMPLES = 500
 SMALLEST = 1e-4
 
 
-class Scale(NamedTuple):
-    """How a parameter is measured in the fit: a map to the line, and how far it may be off."""
+class Transform(NamedTuple):
+    """Maps a parameter to an unbounded variable; ``prior_deviation`` is that variable's prior."""
 
-    to_line: Callable[[float], float]
-    from_line: Callable[[float], float]
-    spread: float
+    to_variable: Callable[[float], float]
+    to_parameter: Callable[[float], float]
+    prior_deviation: float
 
 
 def _logarithm(value: float) -> float:
     return log(max(value, SMALLEST))
 
 
-def _same(value: float) -> float:
+def _identity(value: float) -> float:
     return value
 
 
-SCALES = {
-    "sigma0": Scale(_logarithm, exp, 1.0),
-    "sigma1": Scale(_logarithm, exp, 1.0),
-    "alpha0": Scale(_logarithm, exp, 1.0),
-    "alpha1": Scale(_logarithm, exp, 0.5),
-    "stribeck_velocity": Scale(_logarithm, exp, 0.3),
-    "viscous": Scale(_same, abs, 0.05),
-    "asymmetry": Scale(atanh, tanh, 1.0),
+TRANSFORMS = {
+    "sigma0": Transform(_logarithm, exp, 1.0),
+    "sigma1": Transform(_logarithm, exp, 1.0),
+    "alpha0": Transform(_logarithm, exp, 1.0),
+    "alpha1": Transform(_logarithm, exp, 0.5),
+    "stribeck_velocity": Transform(_logarithm, exp, 0.3),
+    "viscous": Transform(_identity, abs, 0.05),
+    "asymmetry": Transform(atanh, tanh, 1.0),
 }
-# How far the line is searched, in spreads.
-REACH = 4.0
+FITTED = tuple(TRANSFORMS)
+# Bounds of the fit around the start, in deviations of the prior.
+BOUND = 4.0
 
 
-class SeenFriction(NamedTuple):
-    """Fitted parameters, their standard errors by name, and the misfit (rms) [V]."""
+class FrictionFit(NamedTuple):
+    """Fitted parameters, their standard errors by name, and the rms residual [V]."""
 
     friction: LuGre
     standard_errors: dict[str, float]
-    misfit: float
+    residual: float
 
 
 def fit_friction(
@@ -79,69 +81,92 @@ def fit_friction(
     kalman_step: np.ndarray,
     sample_time: float,
     start: LuGre,
-    names: tuple[str, ...] = tuple(SCALES),
-) -> SeenFriction:
-    """Fit the parameters ``names`` to ``estimates`` (n, 5), the others staying as in ``start``.
+    names: tuple[str, ...] = FITTED,
+) -> FrictionFit:
+    """Fit the parameters ``names`` to ``estimates`` (n, 5); the others keep their start values.
 
-    ``kalman_step`` is the filter's (:func:`furuta_control.kalman.sample_kalman`). Raises
-    :class:`ValueError` where the arm hardly moved or no friction was seen.
+    ``kalman_step`` is the filter's (:func:`furuta_control.estimators.kalman.sample_kalman`). Raises
+    :class:`ValueError` if the arm hardly moved or no friction was observed.
     """
-    speed, seen = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, OBSERVED_FRICTION]
-    _check(speed, seen)
+    speed, observed = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, OBSERVED_FRICTION]
+    _require_friction(speed, observed)
     errors = np.ascontiguousarray(kalman_step[1:, 1 : 1 + RIGID_STATES])
-    scales = [SCALES[name] for name in names]
-    begin = np.array([s.to_line(getattr(start, n)) for n, s in zip(names, scales, strict=True)])
-    spread = np.array([s.spread for s in scales])
-
-    def made(line: np.ndarray) -> LuGre:
-        given = (s.from_line(float(each)) for s, each in zip(scales, line, strict=True))
-        return start._replace(**dict(zip(names, given, strict=True)))
-
-    def misfit(line: np.ndarray) -> np.ndarray:
-        difference = _predict(speed, sample_time, made(line), errors) - seen
-        return difference[FORGOTTEN::APART]
-
-    found = least_squares(
-        lambda line: np.append(misfit(line) / SEEN_NOISE, (line - begin) / spread),
-        begin,
-        bounds=(begin - REACH * spread, begin + REACH * spread),
+    model = _Model(speed, observed, errors, sample_time, start, names)
+    initial, prior = model.prior
+    solution = least_squares(
+        lambda x: np.append(model.residuals(x) / OBSERVATION_NOISE, (x - initial) / prior),
+        initial,
+        bounds=(initial - BOUND * prior, initial + BOUND * prior),
     )
-    deviation = np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
-    return SeenFriction(
-        made(found.x),
-        {
-            name: _propagated(scale, each, error)
-            for name, scale, each, error in zip(names, scales, found.x, deviation, strict=True)
-        },
-        float(np.sqrt(np.mean(misfit(found.x) ** 2))),
+    deviations = np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
+    return FrictionFit(
+        model.friction(solution.x),
+        model.standard_errors(solution.x, deviations),
+        float(np.sqrt(np.mean(model.residuals(solution.x) ** 2))),
     )
 
 
-def _check(speed: np.ndarray, seen: np.ndarray) -> None:
-    if np.any(np.isnan(seen)):
-        raise ValueError("the estimator sees no friction")
-    if len(speed) < 4 * FORGOTTEN or np.ptp(seen) < 4 * SEEN_NOISE:
-        raise ValueError("the arm hardly moved: there is no friction to be seen")
+class _Model(NamedTuple):
+    """Prediction of the observed friction (n,) [V] from the speed (n,) and the fit's variables."""
+
+    speed: np.ndarray
+    observed: np.ndarray
+    errors: np.ndarray
+    sample_time: float
+    start: LuGre
+    names: tuple[str, ...]
+
+    @property
+    def prior(self) -> tuple[np.ndarray, np.ndarray]:
+        """Start values of the variables and the standard deviations of their prior."""
+        transforms = [(name, TRANSFORMS[name]) for name in self.names]
+        values = [each.to_variable(getattr(self.start, name)) for name, each in transforms]
+        return np.array(values), np.array([each.prior_deviation for _, each in transforms])
+
+    def friction(self, variables: np.ndarray) -> LuGre:
+        """The friction parameters that belong to ``variables``."""
+        pairs = zip(self.names, variables, strict=True)
+        fitted = {name: TRANSFORMS[name].to_parameter(float(each)) for name, each in pairs}
+        return self.start._replace(**fitted)
+
+    def residuals(self, variables: np.ndarray) -> np.ndarray:
+        """Predicted minus observed friction [V] at the samples that are used."""
+        friction = self.friction(variables)
+        predicted = _predict_observed(self.speed, self.sample_time, friction, self.errors)
+        return (predicted - self.observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
+
+    def standard_errors(self, variables: np.ndarray, deviations: np.ndarray) -> dict[str, float]:
+        """Standard errors of the parameters from those of the variables."""
+        triples = zip(self.names, variables, deviations, strict=True)
+        return {name: _propagated_error(TRANSFORMS[name], x, error) for name, x, error in triples}
 
 
-def _propagated(scale: Scale, line: float, error: float) -> float:
-    """Standard error of the parameter from that on the line, to first order."""
+def _require_friction(speed: np.ndarray, observed: np.ndarray) -> None:
+    if np.any(np.isnan(observed)):
+        raise ValueError("the estimator observes no friction")
+    if len(speed) < 4 * TRANSIENT_SAMPLES or np.ptp(observed) < 4 * OBSERVATION_NOISE:
+        raise ValueError("the arm hardly moved, so there is no friction to observe")
+
+
+def _propagated_error(transform: Transform, variable: float, error: float) -> float:
+    """Standard error of the parameter from that of its variable, to first order."""
     step = 1e-6
-    return abs(scale.from_line(line + step) - scale.from_line(line - step)) / (2 * step) * error
+    high, low = transform.to_parameter(variable + step), transform.to_parameter(variable - step)
+    return abs(high - low) / (2 * step) * error
 
 
 @compiled
-def _predict(speed: np.ndarray, dt: float, p: LuGre, errors: np.ndarray) -> np.ndarray:
-    """The friction (n,) [V] that the estimator sees if the true one has parameters ``p``."""
-    seen = np.empty(len(speed))
+def _predict_observed(speed: np.ndarray, dt: float, p: LuGre, errors: np.ndarray) -> np.ndarray:
+    """The friction (n,) [V] that the estimator observes if the true one has parameters ``p``."""
+    observed = np.empty(len(speed))
     e = np.zeros(4)
-    z, before = 0.0, 0.0
+    z, previous = 0.0, 0.0
     for k in range(len(speed)):
         e = errors @ e
         v = speed[k] + e[0]
         z, _ = bristle_after(v, 0.0, z, dt, p)
         force = friction(v, z, p)
-        e[3] += force - before
-        before = force
-        seen[k] = force - e[3]
-    return seen
+        e[3] += force - previous
+        previous = force
+        observed[k] = force - e[3]
+    return observed

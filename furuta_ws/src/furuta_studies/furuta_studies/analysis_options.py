@@ -1,0 +1,65 @@
+"""Options of the analysis verbs, and the ideal loop that they describe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_graph.settings import load_settings, loop, parameters_named
+from furuta_model.friction.laws import friction_law
+from furuta_model.parameters import ParameterError
+from furuta_studies.parameter_range import GAINS
+
+
+class AnalysisOptions(NamedTuple):
+    """Parameter files, assignments, friction law and feedback u = l·x (None: the controller's)."""
+
+    files: tuple[Path, ...]
+    assignments: tuple[str, ...]
+    law: str
+    feedback: tuple[float, float, float, float] | None
+    linear: bool = False
+
+    def ideal_loop(self, values: dict[str, float] | None = None) -> IdealLoop:
+        """The ideal loop with further values of parameters or of the gains l1 to l4."""
+        values = values or {}
+        named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
+        configured = loop(load_settings(self.files, [*self.assignments, *named]))
+        gains = list(self.feedback or [-each for each in configured.controller.feedback_gain])
+        for name, value in values.items():
+            if name in GAINS:
+                gains[GAINS.index(name)] = value
+        law = friction_law(self.law, configured.plant.friction.parameters)
+        l1, l2, l3, l4 = gains
+        return IdealLoop(configured.plant.model, law, l1, l2, l3, l4, self.linear)
+
+    def checked_loop(self) -> IdealLoop:
+        """The ideal loop, if its feedback is finite and not zero."""
+        ideal = self.ideal_loop()
+        checked_feedback(ideal.gains)
+        return ideal
+
+    def value(self, name: str) -> float | None:
+        """The value of a parameter or gain in the settings, None if nodes have different values."""
+        if name in GAINS:
+            return float(getattr(self.ideal_loop(), name))
+        settings = load_settings(self.files, self.assignments)
+        found = {
+            settings[node].get(each.name, each.default) for node, each in parameters_named(name)
+        }
+        return float(found.pop()) if len(found) == 1 else None
+
+
+def require_stabilising(ideal: IdealLoop) -> None:
+    """Reject a feedback whose loop is unstable without friction."""
+    poles = transfer(ideal.body, ideal.gains).poles
+    worst = poles[np.argmax(poles.real)]
+    if worst.real > 1e-6:
+        raise ParameterError(
+            f"the feedback does not stabilise the pendulum even without friction: pole at "
+            f"{worst.real:.4g}{worst.imag:+.4g}j 1/s"
+        )

@@ -1,0 +1,55 @@
+"""The phases of the demo: which compensation was active when, and the motion in each phase."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from furuta_analysis.simulation.oscillation import measure_oscillation
+from furuta_model.parameters import ParameterError
+
+if TYPE_CHECKING:  # Evaluation must not load the libraries that read bags.
+    from furuta_recordings.bags.recorded_run import RecordedRun
+
+# The phases: the three compensations of the paper, then LuGre with tuned parameters.
+TUNED = "tuned"
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
+# Last part of each phase, after the transients, that is evaluated.
+SETTLED = 0.75
+
+
+class Phase(NamedTuple):
+    """One compensation, its start and end in pendulum time [s], and the time it took [s]."""
+
+    compensation: str
+    start: float
+    end: float
+    wall_seconds: float
+
+
+def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]:
+    """Amplitude, period, control effort and speed of each phase, from the recorded true state."""
+    rows = []
+    for phase in phases:
+        settled = recorded.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
+        oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
+        rows.append(
+            {
+                "compensation": phase.compensation,
+                "phi_peak_to_peak_rad": oscillation.phi_peak_to_peak_rad,
+                "theta_peak_to_peak_rad": oscillation.theta_peak_to_peak_rad,
+                "period_s": oscillation.period_s,
+                "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
+                "samples": len(recorded.between(phase.start, phase.end).time),
+                "sim_seconds": phase.end - phase.start,
+                "wall_seconds": phase.wall_seconds,
+            }
+        )
+    return rows
+
+
+def check_seconds(seconds: float) -> None:
+    """Reject a phase that is too short for a limit cycle (2.4 s) after its transients."""
+    if not 5.0 <= seconds <= 3600.0:
+        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
