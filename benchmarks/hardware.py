@@ -24,7 +24,7 @@ from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.composed import HardwareGraph
 from furuta_graph.processes import executable
 from furuta_graph.settings import load_settings, loop
-from furuta_hw.monitor import ask
+from furuta_hw.emulator.monitor import ask
 
 SECONDS = 60.0
 PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}
@@ -74,7 +74,7 @@ def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
                     reasons.append(graph.bridge.guard.reason)
                 ask(monitor, "hold")
                 spin(graph, 1.0)
-                graph.bridge._arm()
+                graph.bridge.arm()
             spin(graph, 0.1)
         status = ask(monitor, "status")
         ask(monitor, "save", path=str(Path(directory) / "trace.npz"))

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from furuta_graph.processes import HARDWARE, PACKAGES, executable
-from furuta_hw.monitor import ask
+from furuta_hw.emulator.monitor import ask
 
 TIMEOUT = 120.0
 GRACE = 10.0

@@ -13,7 +13,7 @@ import yaml
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
 from furuta_friction.parameters import NEEDS_OBSERVED_FRICTION, ObserverParameters
-from furuta_hw.parameters import BridgeParameters
+from furuta_hw.bridge.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
 

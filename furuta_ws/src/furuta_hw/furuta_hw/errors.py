@@ -1,12 +1,16 @@
-"""What can go wrong with a rig, in words for the user."""
+"""Errors of rigs, drivers and commissioning."""
 
 
 class RigError(RuntimeError):
-    """The root of these."""
+    """Base class of all errors of a rig."""
+
+
+class DriverError(RigError):
+    """The rig driver cannot be loaded, or lacks what was asked for."""
 
 
 class LineError(RigError):
-    """The line to the rig cannot be opened, or broke."""
+    """The line to the rig cannot be opened, or it failed."""
 
 
 class StoppedError(RigError):
@@ -14,4 +18,4 @@ class StoppedError(RigError):
 
 
 class NotStillError(RigError):
-    """A zero was asked for while something moved."""
+    """The zeros cannot be measured because something moves."""
