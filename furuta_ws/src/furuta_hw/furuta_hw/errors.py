@@ -1,5 +1,10 @@
 """Errors of rigs, drivers and commissioning."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class RigError(RuntimeError):
     """Base class of all errors of a rig."""
@@ -19,3 +24,12 @@ class StoppedError(RigError):
 
 class NotStillError(RigError):
     """The zeros cannot be measured because something moves."""
+
+
+@contextmanager
+def line_errors() -> Iterator[None]:
+    """Turn the system's errors, including those of pyserial, into :class:`LineError`."""
+    try:
+        yield
+    except OSError as error:
+        raise LineError(str(error)) from None
