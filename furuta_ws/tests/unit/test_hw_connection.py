@@ -139,7 +139,7 @@ def test_a_failed_line_is_reported_once_and_opened_again(line: Line) -> None:
 
 
 def test_a_silent_rig_is_restarted(line: Line) -> None:
-    """After a second, and again after another; the default restart opens the line again."""
+    """After a second, and again after another; the default restart stops it and opens it again."""
     line.now += 0.9
     assert line.numbers() == []
     for _ in range(2):
@@ -147,7 +147,7 @@ def test_a_silent_rig_is_restarted(line: Line) -> None:
         with pytest.raises(LineError, match="no sample for 1 s"):
             line.numbers()
         assert line.numbers() == []
-    assert line.driver.calls == ["open", "close", "open", "close", "open"]
+    assert line.driver.calls == ["open", *["stop", "close", "open"] * 2]
     line.now += 1.1
     line.driver.failing = "open"
     with pytest.raises(LineError, match="open failed"):

@@ -108,7 +108,7 @@ class Guard:
                 self.stop(reason)
 
     def forget_samples(self) -> None:
-        """Discard what is known of the rig, because its samples start again."""
+        """Discard everything about earlier samples, because their numbers start again."""
         self._measured_at, self._sample = -inf, None
         self._command_due_since = self._estimate_due_since = inf
         self._bad_frames = self._disagreement = 0.0

@@ -88,5 +88,5 @@ def state(transition: str | None) -> None:
             done = client.call(ChangeState, "change_state", request).success
         now = client.call(GetState, "get_state", GetState.Request()).current_state.label
     if transition and not done and now != goal:
-        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; its log says why")
+        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; see its log")
     print(now)

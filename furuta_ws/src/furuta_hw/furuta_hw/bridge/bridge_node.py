@@ -80,7 +80,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         return self.guarded_rig.connection if self.guarded_rig else None
 
     def start(self) -> None:
-        """Enter the state of the parameter ``autostart``; happens by itself when the node spins."""
+        """Enter the state of the parameter ``autostart``; called when the node starts to spin."""
         if self._start_timer is None:
             return
         self.destroy_timer(self._start_timer)

@@ -52,7 +52,7 @@ class RigConnection:
 
         To be called every few milliseconds: it also opens a failed line again. Raises
         :class:`LineError` once when the line fails, and when a silent rig is restarted. In both
-        cases the rig is disarmed and the numbers of later samples are not related to earlier ones.
+        cases the rig is not armed afterwards, and the numbers of its samples start again.
         """
         if not self.connected:
             self._reopen_when_due()

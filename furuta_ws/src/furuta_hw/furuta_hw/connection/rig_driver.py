@@ -65,10 +65,7 @@ class RigDriver(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Open the line and start the samples. Raises :class:`LineError`; the line is closed then.
-
-        The rig is disarmed afterwards.
-        """
+        """Open the line and start the samples. If that fails: close it, raise :class:`LineError`."""
 
     @abstractmethod
     def close(self) -> None:
@@ -100,9 +97,12 @@ class RigDriver(ABC):
     def restart(self) -> None:
         """Restart the samples of a rig that has become silent. The rig is disarmed afterwards.
 
-        Raises :class:`LineError`; the line is closed then.
+        If it fails, it closes the line and raises :class:`LineError`.
         """
-        self.close()
+        try:
+            self.stop()
+        finally:
+            self.close()
         self.open()
 
     def statistics(self) -> LineStatistics:

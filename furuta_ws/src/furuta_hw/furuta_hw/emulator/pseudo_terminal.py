@@ -11,7 +11,7 @@ class PseudoTerminal:
     """A pseudo-terminal; the host opens ``name`` like a serial port."""
 
     def __init__(self) -> None:
-        # This process keeps the other end open too: reads fail when nobody has it open.
+        # This process keeps the other end open too: reads fail while it is closed.
         self._master, self._slave = os.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
@@ -27,7 +27,7 @@ class PseudoTerminal:
             return b""
 
     def write(self, data: bytes) -> None:
-        """Send; bytes are lost if the buffer is full, as on a serial line that nobody reads."""
+        """Send; bytes are lost if the buffer is full, as on a serial line without a reader."""
         try:
             os.write(self._master, data)
         except BlockingIOError:
