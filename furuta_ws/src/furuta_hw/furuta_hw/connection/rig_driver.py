@@ -65,7 +65,10 @@ class RigDriver(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Open the line and start the samples. If that fails: close it, raise :class:`LineError`."""
+        """Open the line and start the samples.
+
+        If that fails, it leaves the line closed and raises :class:`LineError`.
+        """
 
     @abstractmethod
     def close(self) -> None:
@@ -97,7 +100,7 @@ class RigDriver(ABC):
     def restart(self) -> None:
         """Restart the samples of a rig that has become silent. The rig is disarmed afterwards.
 
-        If it fails, it closes the line and raises :class:`LineError`.
+        If that fails, it leaves the line closed and raises :class:`LineError`.
         """
         try:
             self.stop()
