@@ -1,10 +1,11 @@
-"""The graph on a rig in software over a pseudo-terminal, in real time, beside the simulated plant.
+"""Compares the graph on an emulated rig behind a pseudo-terminal with the simulated plant.
 
     tools/in_environment python benchmarks/hardware.py [SECONDS] [--lockstep]
 
-Prints one JSON object: the arm's travel in windows of 5 s (median) and RMS for each compensation on
-either, their ratios, how many samples the rig had answered before the next one, and why it stopped:
-a machine that stalls for longer than the limits is a reason, and the run goes on after it.
+Prints one JSON object with, for each compensation: the arm's peak-to-peak angle in windows of 5 s
+(median) and its RMS on the rig and in simulation, their ratios, the fraction of samples answered
+before the next one, and the reasons of stops. A delay of the machine beyond the limits is such a
+reason; the run continues after it.
 """
 
 from __future__ import annotations
@@ -24,16 +25,16 @@ from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.composed import HardwareGraph
 from furuta_graph.processes import executable
 from furuta_graph.settings import load_settings, loop
-from furuta_hw.monitor import ask
+from furuta_hw.emulator.monitor import ask
 
 SECONDS = 60.0
 PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}
 WINDOW = 5000  # samples
-SETTLED = 5000  # samples after which a run counts
+SETTLING = 5000  # samples of a run that are left out
 
 
 def spin(graph: HardwareGraph, seconds: float) -> None:
-    """Let the graph run."""
+    """Run the graph."""
     end = monotonic() + seconds
     while monotonic() < end:
         graph.executor.spin_once(timeout_sec=0.05)
@@ -42,7 +43,7 @@ def spin(graph: HardwareGraph, seconds: float) -> None:
 def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
     """Drive the rig for ``seconds``, armed again after every stop.
 
-    In lock-step the rig waits for every answer: stalls of the machine are none of the loop.
+    In lock-step the rig waits for every answer, so delays of the machine do not change the result.
     """
     with tempfile.TemporaryDirectory() as directory:
         port, monitor = Path(directory) / "port", Path(directory) / "monitor"
@@ -74,18 +75,18 @@ def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
                     reasons.append(graph.bridge.guard.reason)
                 ask(monitor, "hold")
                 spin(graph, 1.0)
-                graph.bridge._arm()
+                graph.bridge.arm()
             spin(graph, 0.1)
         status = ask(monitor, "status")
-        ask(monitor, "save", path=str(Path(directory) / "trace.npz"))
+        ask(monitor, "save", path=str(Path(directory) / "log.npz"))
         graph.close()
         rig.terminate()
         rig.wait()
-        with np.load(Path(directory) / "trace.npz") as trace:
-            seen = windows(trace["phi"], trace["armed"])
-            armed = int(np.sum(trace["armed"]))
+        with np.load(Path(directory) / "log.npz") as log:
+            rig_windows = windows(log["phi"], log["armed"])
+            armed = int(np.sum(log["armed"]))
     return {
-        **measures(seen),
+        **measures(rig_windows),
         "armed_samples": armed,
         "answered_fraction": status["driven"] / max(1, armed),
         "rig_late_samples": status["late"],
@@ -94,34 +95,34 @@ def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
 
 
 def windows(phi: np.ndarray, armed: np.ndarray) -> list[np.ndarray]:
-    """The arm's angle in each whole window of every uninterrupted run, transients cut off."""
+    """Return the arm's angle in all complete windows of uninterrupted runs, without transients."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], armed, [0]))))
     return [
         phi[start : start + WINDOW]
-        for begin, end in zip(edges[::2] + SETTLED, edges[1::2], strict=True)
+        for begin, end in zip(edges[::2] + SETTLING, edges[1::2], strict=True)
         for start in range(begin, end - WINDOW + 1, WINDOW)
     ]
 
 
-def measures(seen: list[np.ndarray]) -> dict[str, Any]:
-    """Median travel and RMS [rad] over the windows."""
-    if not seen:
-        return {"travel_rad": None, "rms_rad": None, "windows": 0}
+def measures(angles: list[np.ndarray]) -> dict[str, Any]:
+    """Compute median peak-to-peak angle and RMS [rad] over the windows."""
+    if not angles:
+        return {"phi_peak_to_peak_rad": None, "rms_rad": None, "windows": 0}
     return {
-        "travel_rad": float(np.median([np.ptp(window) for window in seen])),
-        "rms_rad": float(np.sqrt(np.mean([np.var(window) for window in seen]))),
-        "windows": len(seen),
+        "phi_peak_to_peak_rad": float(np.median([np.ptp(window) for window in angles])),
+        "rms_rad": float(np.sqrt(np.mean([np.var(window) for window in angles]))),
+        "windows": len(angles),
     }
 
 
 def simulated(compensation: str, seconds: float) -> dict[str, Any]:
-    """The same on the simulated plant, whose graph is this loop to the last bit."""
+    """Compute the same in simulation, which equals the simulated graph to the last bit."""
     phi = simulate(loop(load_settings([], [f"compensation={compensation}"])), seconds).state[:, 0]
     return measures(windows(phi, np.ones(len(phi))))
 
 
 def main() -> None:
-    """Both compensations, one after the other."""
+    """Measure with and without compensation."""
     lockstep = "--lockstep" in sys.argv
     given = [each for each in sys.argv[1:] if not each.startswith("--")]
     seconds = float(given[0]) if given else SECONDS
@@ -133,7 +134,7 @@ def main() -> None:
         expected = simulated(compensation, 505.0)
         ratios = {
             f"{name}_ratio": rig[f"{name}_rad"] / expected[f"{name}_rad"]
-            for name in ("travel", "rms")
+            for name in ("phi_peak_to_peak", "rms")
             if rig["windows"]
         }
         result[compensation] = {"rig": rig, "simulated": expected} | ratios

@@ -1,4 +1,4 @@
-"""A log as a real rig leaves it, by equations and an integrator of its own."""
+"""A simulated log of a real rig, with equations and an integrator of its own."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from furuta_recordings.recording import Recording
 
 
 class Truth(NamedTuple):
-    """A small voltage-driven rig: coefficients as in (1), joint friction, tilt, ripple, timing."""
+    """True parameters of a small rig: coefficients of (1), joint friction, tilt, ripple, timing."""
 
     alpha: float = 0.0075
     beta: float = 0.0025
@@ -31,11 +31,11 @@ TRUTH = Truth()
 
 
 def swing(kind: str, truth: Truth = TRUTH, seconds: float = 4.0, seed: int = 0) -> Recording:
-    """A hanging pendulum's log at 500 Hz with jitter, angles from a turned encoder, noise.
+    """Simulate the log of a hanging pendulum at 500 Hz, with jitter and noise.
 
-    ``kind`` is sine (2 V, 1 Hz) or step (4 V held and logged once a second, the first one lost).
-    The pendulum's angle is 0 hanging and counts the other way; its mass matrix is inverted here
-    by numpy, and friction is a steep arctangent.
+    ``kind`` is sine (2 V, 1 Hz) or step (4 V, logged once a second, the first one missing). The
+    logged pendulum angle is 0 hanging and has the opposite sign. The mass matrix is inverted by
+    numpy, and friction is a steep arctangent.
     """
     rng = np.random.default_rng(seed)
     time = np.cumsum(

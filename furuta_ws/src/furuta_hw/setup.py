@@ -17,8 +17,8 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "hardware_bridge = furuta_hw.bridge_node:main",
-            "rig_emulator = furuta_hw.emulator:main",
+            "hardware_bridge = furuta_hw.bridge.bridge_node:main",
+            "rig_emulator = furuta_hw.emulator.rig_emulator:main",
         ]
     },
     zip_safe=False,

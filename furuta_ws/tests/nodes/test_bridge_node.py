@@ -1,106 +1,78 @@
-"""The bridge as a managed node, on a rig inside its own process."""
+"""The bridge as a managed node, on an emulated rig in its own process."""
 
 from __future__ import annotations
 
 from itertools import pairwise
+from math import isnan
+from pathlib import Path
 from typing import Any
 
 import pytest
+from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
-from std_srvs.srv import SetBool
 from testbench import Bench
 
-from furuta_hw.bridge_node import HardwareBridgeNode
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_hw.connection import rig_connection
+from furuta_ros.topics import MEASUREMENT
 
 
-def bridge(bench: Bench, **parameters: Any) -> HardwareBridgeNode:
-    """A bridge to the mock rig."""
-    given = {"port": "mock"} | parameters
-    node: HardwareBridgeNode = bench.add(
-        HardwareBridgeNode([Parameter(name, value=value) for name, value in given.items()])
-    )
-    return node
-
-
-def ask(bench: Bench, kind: Any, service: str, request: Any) -> Any:
-    """Call a service of the bridge."""
-    client = bench.probe.create_client(kind, f"hardware_bridge/{service}")
-    assert client.wait_for_service(10.0)
-    future = client.call_async(request)
-    bench.spin(future.done)
-    return future.result()
-
-
-def change(bench: Bench, transition: int) -> bool:
-    """Ask for a transition as ``ros2 lifecycle set`` does."""
-    request = ChangeState.Request(transition=Transition(id=transition))
-    return bool(ask(bench, ChangeState, "change_state", request).success)
-
-
-def arm(bench: Bench, armed: bool = True) -> tuple[bool, str]:
-    """Ask to arm."""
-    answer = ask(bench, SetBool, "arm", SetBool.Request(data=armed))
-    return answer.success, answer.message
-
-
-class Loop:
-    """Answers every measurement with a friction estimate and a command."""
-
-    def __init__(self, bench: Bench, command: float) -> None:
-        self.command = command
-        self._commands = bench.publisher(COMMAND)
-        self._estimates = bench.publisher(FRICTION_ESTIMATE)
-        bench.probe.create_subscription(
-            MEASUREMENT.type, MEASUREMENT.name, lambda _: self.answer(), 10
-        )
-
-    def answer(self) -> None:
-        """One sample."""
-        self._estimates.publish(Float64(data=0.0))
-        self._commands.publish(Float64(data=self.command))
+@pytest.fixture
+def permissive_rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A rig file whose limits stop nothing; a delay of the machine is no silent rig either."""
+    monkeypatch.setattr(rig_connection, "RETRY_PERIOD", 60.0)
+    file = tmp_path / "rig.yaml"
+    file.write_text(PERMISSIVE_RIG)
+    return str(file)
 
 
 def code(node: HardwareBridgeNode) -> int:
     """The DA code that the mock rig puts out."""
     assert node.connection is not None
-    rig: Any = node.connection._backend
-    return int(rig._rig.firmware.code)
+    driver: Any = node.connection._driver
+    return int(driver._port._rig.firmware.code)
 
 
-def test_states(bench: Bench) -> None:
-    """Unconfigured it is deaf; inactive it publishes and cannot be armed; active it can."""
-    node = bridge(bench)
+def test_states(bench: Bench, permissive_rig: str) -> None:
+    """Unconfigured it does nothing; inactive it publishes; active it can be armed and drives."""
+    node = bridge(bench, rig=permissive_rig)
     received = bench.collect(MEASUREMENT)
-    bench.settle()
-    assert (node.state, received) == ("unconfigured", [])
     assert arm(bench) == (False, "the bridge is unconfigured, must be active")
+    assert (node.state, received) == ("unconfigured", [])
     assert change(bench, Transition.TRANSITION_CONFIGURE)
     bench.spin(lambda: len(received) > 50)
     assert arm(bench) == (False, "the bridge is inactive, must be active")
     Loop(bench, 1.0)
-    bench.settle()
+    spin_samples(bench, node, 100)
     assert code(node) == 0
     assert change(bench, Transition.TRANSITION_ACTIVATE)
-    bench.settle()
-    assert code(node) == 0  # active is not armed
-    bench.spin(lambda: arm(bench)[0] and code(node) != 0)
+    spin_samples(bench, node, 100)
+    assert code(node) == 0  # an active bridge is not armed
+    assert arm(bench) == (True, "")
+    bench.spin(lambda: code(node) != 0)
     assert change(bench, Transition.TRANSITION_DEACTIVATE)
     bench.spin(lambda: code(node) == 0)
-    assert not node.guard.armed
+    assert (node.guard.armed, node.guard.reason) == (False, "deactivated")
     assert change(bench, Transition.TRANSITION_CLEANUP)
     assert (node.state, node.connection) == ("unconfigured", None)
 
 
-def test_read_only_is_pinned(bench: Bench) -> None:
-    """It reads, and refuses to be activated."""
+def test_autostart_takes_effect_when_the_node_spins(bench: Bench) -> None:
+    """The constructor does nothing; the first callbacks configure and activate the node."""
+    parameters = {"port": "mock", "autostart": "active"}
+    node = bench.add(HardwareBridgeNode([Parameter(n, value=v) for n, v in parameters.items()]))
+    assert node.state == "unconfigured"
+    bench.spin(lambda: node.state == "active" and node.samples > 0)
+    assert not node.guard.armed
+
+
+def test_a_read_only_bridge_cannot_be_activated(bench: Bench) -> None:
+    """It reads, and rejects the transition."""
     node = bridge(bench, read_only=True, autostart="active")
     assert node.state == "inactive"
-    assert "read_only" in node.trouble
+    assert "read_only" in node.failure
     assert not change(bench, Transition.TRANSITION_ACTIVATE)
     bench.spin(lambda: node.samples > 20)
 
@@ -113,23 +85,32 @@ def test_read_only_is_pinned(bench: Bench) -> None:
         ({"rig": "missing.yaml"}, "cannot read rig file missing.yaml"),
     ],
 )
-def test_what_cannot_be_opened_is_said(bench: Bench, parameters: dict, reason: str) -> None:
-    """The node stays unconfigured and can be tried again."""
+def test_a_failed_configuration_has_a_reason(bench: Bench, parameters: dict, reason: str) -> None:
+    """The node stays unconfigured, and the transition can be tried again."""
     node = bridge(bench, autostart="active", **parameters)
     assert node.state == "unconfigured"
-    assert reason in node.trouble
+    assert reason in node.failure
     assert not change(bench, Transition.TRANSITION_CONFIGURE)
 
 
-def test_measurements_are_the_rigs(bench: Bench) -> None:
-    """Quantised angles, no pendulum speed, the applied torque; stamps a period apart."""
+def test_an_unknown_driver_is_a_failed_configuration(bench: Bench, tmp_path: Path) -> None:
+    """The reason names the drivers that exist."""
+    file = tmp_path / "rig.yaml"
+    file.write_text("line: {driver: telepathy}")
+    node = bridge(bench, autostart="active", rig=str(file))
+    assert node.state == "unconfigured"
+    assert "no rig driver telepathy; known are serial_protocol" in node.failure
+
+
+def test_measurements_are_those_of_the_rig(bench: Bench) -> None:
+    """Quantised angles, no pendulum speed, the applied voltage; stamps a period apart."""
     bridge(bench, autostart="inactive")
     received = bench.collect(MEASUREMENT)
     bench.spin(lambda: len(received) > 100)
     message = received[-1]
     assert message.name == ["arm", "pendulum"]
     assert message.position[1] == pytest.approx(0.05, abs=0.003)
-    assert message.velocity[1] != message.velocity[1]
+    assert isnan(message.velocity[1])
     assert message.effort[0] == 0.0
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in received]
     for earlier, later in pairwise(stamps):
@@ -138,23 +119,29 @@ def test_measurements_are_the_rigs(bench: Bench) -> None:
         assert periods == pytest.approx(round(periods), rel=3e-4)
 
 
-def test_a_bad_command_stops_until_it_is_armed_again(bench: Bench) -> None:
-    """NaN: 0 V, one stop with its reason on /diagnostics; explicit arming ends it."""
-    node = bridge(bench, autostart="active")
+def test_a_bad_command_stops_the_rig_until_it_is_armed_again(
+    bench: Bench, permissive_rig: str
+) -> None:
+    """NaN: 0 V, one stop with its reason on /diagnostics, until the bridge is armed explicitly."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
     loop = Loop(bench, 0.2)
-    bench.spin(lambda: arm(bench)[0] and code(node) != 0)
+    spin_samples(bench, node, 10)
+    assert arm(bench) == (True, "")
+    bench.spin(lambda: code(node) != 0)
     loop.command = float("nan")
     bench.spin(lambda: not node.guard.armed and code(node) == 0)
-    if "command is nan" in node.guard.reason:  # and not a stall of the machine just before
-        bench.spin(lambda: any("command is nan" in s.status[0].message for s in statuses))
-        assert statuses[-1].status[0].level == DiagnosticStatus.ERROR
+    assert (node.guard.reason, node.guard.stops) == ("command is nan", 1)
+    stopped = (DiagnosticStatus.ERROR, "command is nan")
+    bench.spin(lambda: stopped in [(s.status[0].level, s.status[0].message) for s in statuses])
     loop.command = 0.0
-    bench.settle()
-    assert not node.guard.armed
-    stops = node.guard.stops
-    bench.spin(lambda: arm(bench)[0])
-    assert node.guard.stops >= stops
+    bench.spin(lambda: node.refused == sum(map(isnan, loop.sent)))
+    spin_samples(bench, node, 100)
+    assert (node.guard.armed, node.guard.stops) == (False, 1)
+    assert arm(bench) == (True, "")
+    spin_samples(bench, node, 100)
+    assert (node.guard.armed, node.guard.stops) == (True, 1)
     assert arm(bench, armed=False) == (True, "disarmed")
-    assert not node.guard.armed
+    assert (node.guard.armed, node.guard.stops) == (False, 2)
+    assert node.guard.reason == "disarmed by request"

@@ -13,7 +13,7 @@ from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.parameter_client import ParameterClient, ServiceError
 from furuta_graph.settings import NODES
-from furuta_hw.bridge_node import HardwareBridgeNode
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.plant_node import PlantNode
 

@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 from furuta_graph.processes import HARDWARE, PACKAGES, executable
-from furuta_hw.monitor import ask
+from furuta_hw.emulator.monitor import ask
 
 TIMEOUT = 120.0
 GRACE = 10.0
-LOOK = 0.05
+STATUS_AGE = 0.05
 
 
 class Processes:
@@ -65,7 +65,7 @@ class Processes:
 
 
 class EmulatedRig:
-    """A rig_emulator process with its port, and what its monitor says."""
+    """A rig_emulator process with its port and its monitor."""
 
     def __init__(self, processes: Processes, directory: Path, *arguments: str | Path) -> None:
         self.port, self._monitor = directory / "port", directory / "monitor"
@@ -73,25 +73,25 @@ class EmulatedRig:
             executable("furuta_hw", "rig_emulator"),
             *("--link", self.port, "--monitor", self._monitor, *arguments),
         )
-        self._looked_at = -inf
+        self._status_time = -inf
         assert self.process.stdout is not None
         assert self.process.stdout.readline().startswith("port: ")
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Ask its monitor."""
+        """Send a request to its monitor."""
         answer = ask(self._monitor, do, **arguments)
         assert "error" not in answer, answer
         return answer
 
     @property
     def status(self) -> dict[str, Any]:
-        """What it does, not older than ``LOOK``: who looks all the time keeps it from its work."""
-        if monotonic() - self._looked_at > LOOK:
-            self._status, self._looked_at = self.ask("status"), monotonic()
+        """Its status, at most ``STATUS_AGE`` old: requests delay the emulator."""
+        if monotonic() - self._status_time > STATUS_AGE:
+            self._status, self._status_time = self.ask("status"), monotonic()
         return self._status
 
-    def trace(self, path: Path) -> dict[str, np.ndarray]:
-        """All it has done, column by column."""
+    def log(self, path: Path) -> dict[str, np.ndarray]:
+        """Its log so far, column by column."""
         self.ask("save", path=str(path))
         with np.load(path) as table:
             return dict(table)
@@ -99,7 +99,7 @@ class EmulatedRig:
 
 @pytest.fixture
 def emulate(processes: Processes, tmp_path: Path) -> Callable[..., EmulatedRig]:
-    """Start a rig in software."""
+    """Start an emulated rig."""
     return partial(EmulatedRig, processes, tmp_path)
 
 

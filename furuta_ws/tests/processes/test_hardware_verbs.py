@@ -1,9 +1,10 @@
-"""``furuta hw`` and ``run --plant hardware`` as a user meets them."""
+"""``furuta hw`` and ``run --plant hardware`` as a user runs them."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import pytest
@@ -13,9 +14,17 @@ from furuta_graph.settings import read_file
 
 pytestmark = pytest.mark.realtime
 
+PATIENT_RIG = """
+pendulum: {sensor: encoder, counts_per_turn: 8192, sign: -1}
+line: {watchdog: 1.0}
+limits:
+  {command_age: 10, estimate_age: 10, measurement_age: 10, bad_frames: 1.0, disagreement: 1000,
+   pendulum_angle: 3.141592653589793, arm_angle: 1.0e+6}
+"""
 
-def test_rig_is_shown_and_printed(furuta: Any, tmp_path: Path) -> None:
-    """A rig's model as JSON, and as a parameter file that other verbs take."""
+
+def test_rig_as_json_and_as_parameter_file(furuta: Any, tmp_path: Path) -> None:
+    """A rig's model as JSON, and as a parameter file that other verbs read."""
     shown = json.loads(furuta("hw", "rig", "paper", "--json")[1])
     assert (shown["a23"], shown["b21"]) == (pytest.approx(-11), pytest.approx(45))
     file = tmp_path / "qube.yaml"
@@ -27,7 +36,7 @@ def test_rig_is_shown_and_printed(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_line_and_sensors(furuta: Any, emulate: Any) -> None:
-    """Check, read, zero and signs on a rig in software, each as one JSON object."""
+    """Check, read and zero on an emulated rig, each as one JSON object; none drives."""
     rig = emulate("--initial", "theta=0.1")
     checked = json.loads(furuta("hw", "check", "--port", rig.port, "--seconds", 1, "--json")[1])
     assert checked["samples"] == 1000
@@ -37,12 +46,24 @@ def test_line_and_sensors(furuta: Any, emulate: Any) -> None:
     zero = json.loads(furuta("hw", "zero", "--port", rig.port, "--json")[1])
     assert zero["pendulum.zero"] == pytest.approx(0.1 / 0.785 * 2048, abs=2)
     assert rig.status["driven"] == 0
-    status, out, err = furuta("hw", "signs", "--port", rig.port, "--json")
-    if status == 0:  # a stall of the machine may stop it, as it must
-        assert json.loads(out) == {"arm.sign": 1, "speed.sign": 1, "pendulum.sign": None}
-    else:
-        assert "no measurement" in err or "watchdog" in err
-    assert rig.status["volts"] == 0.0
+
+
+@pytest.fixture
+def patient_rig(tmp_path: Path) -> Path:
+    """A rig file whose limits a delay of the machine does not reach."""
+    file = tmp_path / "patient.yaml"
+    file.write_text(PATIENT_RIG)
+    return file
+
+
+def test_signs(furuta: Any, emulate: Any, patient_rig: Path) -> None:
+    """Found with the hanging pendulum, whose encoder sees it lag; the rig is at 0 V afterwards."""
+    rig = emulate("--rig", patient_rig, "--lockstep", "--initial", "theta=3.14159")
+    status, out, err = furuta("hw", "signs", "--port", rig.port, "--rig", patient_rig, "--json")
+    assert status == 0, err
+    assert json.loads(out) == {"arm.sign": 1, "speed.sign": 1, "pendulum.sign": -1}
+    assert rig.status["driven"] > 0
+    assert (rig.status["volts"], rig.status["armed"]) == (0.0, False)
 
 
 def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
@@ -58,7 +79,7 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
     [
         (["hw", "rig", "nobody"], "no rig nobody; rigs are"),
         (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-        (["hw", "friction", "--port", "mock", "--travel", "0.2"], "travel must be at least"),
+        (["hw", "friction", "--port", "mock", "--travel", "0.2"], "arm range must be at least"),
         (["hw", "emulate", "--fault", "gremlin=1"], "no fault gremlin"),
         (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "keeps its own time"),
         (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
@@ -72,8 +93,30 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
     assert len(err.strip().splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["check", "--seconds", "0"],
+        ["check", "--seconds", "nan"],
+        ["read", "--seconds", "3601"],
+        ["zero", "--seconds", "-1"],
+        ["signs", "--voltage", "0"],
+        ["signs", "--arm-range", "nan"],
+        ["friction", "--rate", "11"],
+        ["friction", "--travel", "0"],
+    ],
+    ids=" ".join,
+)
+def test_a_number_out_of_range_is_wrong_usage(furuta: Any, arguments: list[str]) -> None:
+    """Exit status 2, with the option's name."""
+    status, out, err = furuta("hw", *arguments, "--port", "mock")
+    assert (status, out) == (2, "")
+    assert "Invalid value for" in err
+    assert f"'{arguments[1]}'" in err
+
+
 def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> None:
-    """Not armed, it drives nothing; the bag has what was said and answered, and by what values."""
+    """Not armed, it drives nothing; the bag has measurements, commands and parameters."""
     rig, bag = emulate(), tmp_path / "bag"
     status, out, err = furuta(
         *("run", "--plant", "hardware", "--port", rig.port, "--rig", "paper"),
@@ -91,17 +134,18 @@ def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> N
     assert kept["plant"]["actuator.bits"] == 12
 
 
-def test_arming_by_the_verb(furuta: Any, processes: Any, emulate: Any) -> None:
-    """State, arm and disarm on a running bridge; a reason where it cannot be."""
-    rig = emulate()
-    run = processes.furuta("run", "--plant", "hardware", "--port", rig.port)
+def test_arming_by_the_verb(furuta: Any, processes: Any, emulate: Any, patient_rig: Path) -> None:
+    """State, arm and disarm on a running bridge; a reason where arming is not possible."""
+    rig = emulate("--rig", patient_rig)
+    run = processes.furuta("run", "--plant", "hardware", "--port", rig.port, "--rig", patient_rig)
     assert "active, not armed" in run.stdout.readline()
     assert furuta("hw", "state")[1].strip() == "active"
-    for _ in range(5):  # a stall of the machine may stop it at once
-        status, _, err = furuta("hw", "arm")
-        if rig.ask("status")["driven"] > 0:
-            break
-    assert rig.ask("status")["driven"] > 0, (status, err)
+    status, _, err = furuta("hw", "arm")
+    assert status == 0, err
+    end = monotonic() + 30.0
+    while rig.status["driven"] == 0:
+        assert monotonic() < end, "the armed rig was never driven"
+    assert rig.status["armed"] is True
     assert furuta("hw", "disarm")[0] == 0
     assert rig.ask("status")["armed"] is False
     assert furuta("hw", "state", "deactivate")[1].strip() == "inactive"

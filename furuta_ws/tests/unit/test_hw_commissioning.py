@@ -1,4 +1,4 @@
-"""Commissioning against rigs in software whose truth is known."""
+"""Commissioning of emulated rigs whose true parameters are known."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta_hw.commissioning import measure_friction, signs, zeros
-from furuta_hw.emulated import EmulatedRig, simulated
-from furuta_hw.errors import NotStillError
-from furuta_hw.faults import Faults
-from furuta_hw.frames import FrameReader, Sensors
-from furuta_hw.rig import Arm, Pendulum, Rig, Speed
-from furuta_hw.sensing import Sensing
-from furuta_hw.session import Experiment
+from furuta_hw.commissioning.friction import measure_friction
+from furuta_hw.commissioning.session import Experiment
+from furuta_hw.commissioning.signs import find_signs
+from furuta_hw.commissioning.zeros import find_zeros
+from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
+from furuta_hw.errors import DriverError, NotStillError
+from furuta_hw.protocol.frames import FrameReader, SensorsFrame
+from furuta_hw.rig.calibration import ArmEncoder, PendulumSensor, SpeedSensor
+from furuta_hw.rig.rig import Rig
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_sim.parameters import InitialState
@@ -22,31 +25,31 @@ from furuta_sim.parameters import InitialState
 HANGING = InitialState(theta=pi)
 
 
-class Driven(EmulatedRig):
-    """A rig whose drive is set from here, without a line."""
+class DrivenRig(EmulatedRig):
+    """An emulated rig whose voltage is set directly, without a line."""
 
-    def step(self, volts: float) -> Sensors:
+    def drive(self, volts: float) -> SensorsFrame:
         """One sample at this voltage."""
         self.held = False
         firmware = self.firmware
         firmware.session, firmware.watchdog, firmware.answered = 0, 2, firmware.number
         firmware.code, firmware._status = self._drive.to_code(volts), 1
-        (sensors,) = FrameReader().feed(self.tick())
-        assert isinstance(sensors, Sensors)
-        return sensors
+        (frame,) = FrameReader().feed(self.step())
+        assert isinstance(frame, SensorsFrame)
+        return frame
 
 
 def perform(rig: Rig, experiment: Experiment, true: Rig | None = None) -> tuple:
-    """Run an experiment with what ``rig`` says on a rig that is truly ``true``."""
+    """Run an experiment with the rig file ``rig`` on a rig that is really ``true``."""
     true = true or rig
-    body = Driven(true, simulated(true, HANGING))
-    sensing, furthest = Sensing(rig), 0.0
+    body = DrivenRig(true, plant_of(true, HANGING))
+    converter, furthest = SampleConverter(rig), 0.0
     volts = next(experiment)
     try:
         while True:
-            x = sensing.take(body.step(volts))
-            furthest = max(furthest, abs(x[0]))
-            volts = experiment.send(x)
+            sample = converter.convert(body.drive(volts))
+            furthest = max(furthest, abs(sample.arm_angle))
+            volts = experiment.send(sample)
     except StopIteration as done:
         return done.value, furthest
 
@@ -68,54 +71,63 @@ def test_friction_is_found(friction: LuGre) -> None:
     assert furthest < 3.0
 
 
-def test_friction_needs_room() -> None:
-    """A travel too short for a slide is refused before anything moves."""
-    with pytest.raises(ParameterError, match="travel must be at least"):
+def test_friction_needs_a_large_enough_arm_range() -> None:
+    """A range too small for a slide is rejected before anything moves."""
+    with pytest.raises(ParameterError, match="arm range must be at least"):
         next(measure_friction(Rig(), 0.5))
 
 
 @pytest.mark.parametrize("arm", [1, -1])
 @pytest.mark.parametrize("speed", [1, -1])
 def test_signs_are_found(arm: int, speed: int) -> None:
-    """However encoder and tachometer are wired, the nudge tells, with the default rig file."""
-    true = Rig(arm=Arm(sign=arm), speed=Speed(sign=speed))
-    found, furthest = perform(Rig(), signs(Rig(), 1.0), true)
+    """For every wiring of encoder and tachometer, with the default rig file."""
+    true = Rig(arm=ArmEncoder(sign=arm), speed=SpeedSensor(sign=speed))
+    found, furthest = perform(Rig(), find_signs(Rig(), 1.0), true)
     assert (found.arm, found.speed, found.pendulum) == (arm, speed, None)
     assert furthest < 0.2
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_sign_of_a_hanging_pendulum(sign: int) -> None:
-    """Seen by an encoder, it lags behind the arm."""
-    given = Rig(pendulum=Pendulum(sensor="encoder", counts_per_turn=8192))
+    """Measured by an encoder, it lags behind the arm."""
+    given = Rig(pendulum=PendulumSensor(sensor="encoder", counts_per_turn=8192))
     true = given._replace(pendulum=given.pendulum._replace(sign=sign))
-    assert perform(given, signs(given, 1.0), true)[0].pendulum == sign
+    assert perform(given, find_signs(given, 1.0), true)[0].pendulum == sign
 
 
-def still(rig: Rig, theta: float, samples: int = 500) -> list[Sensors]:
-    body = EmulatedRig(rig, simulated(rig, InitialState(phi=0.4, theta=theta)), Faults())
+def still(rig: Rig, theta: float, number: int = 500) -> list[RigSample]:
+    """Samples of a rig at rest."""
+    body = EmulatedRig(rig, plant_of(rig, InitialState(phi=0.4, theta=theta)))
     body.firmware.session = 0
-    reader = FrameReader()
-    return [s for _ in range(samples) for s in reader.feed(body.tick()) if isinstance(s, Sensors)]
+    reader, converter = FrameReader(), SampleConverter(rig)
+    frames = [frame for _ in range(number) for frame in reader.feed(body.step())]
+    return [converter.convert(each) for each in frames if isinstance(each, SensorsFrame)]
 
 
 def test_zeros_are_found() -> None:
     """With the pendulum upright the codes at rest are the zeros; half a turn away if it hangs."""
-    found = zeros(still(Rig(), 0.05), Rig(), hanging=False)
+    found = find_zeros(still(Rig(), 0.05), Rig(), hanging=False)
     assert found["arm.zero"] == 16
     assert found["pendulum.zero"] == pytest.approx(0.05 / (pi / 4 / 2048), abs=0.3)
     assert found["speed.zero"] == pytest.approx(0.0, abs=0.3)
-    rig = Rig(pendulum=Pendulum(sensor="encoder", counts_per_turn=2000, zero=7.0))
-    found = zeros(still(rig, pi - 1e-3), rig, hanging=True)
+    rig = Rig(pendulum=PendulumSensor(sensor="encoder", counts_per_turn=2000, zero=7.0))
+    found = find_zeros(still(rig, pi - 1e-3), rig, hanging=True)
     assert found["pendulum.zero"] % 2000 == pytest.approx(7.0, abs=0.6)
 
 
-def test_zeros_of_what_moves_are_refused() -> None:
-    """Nor of what its sensor cannot see."""
+def test_zeros_of_moving_sensors_are_rejected() -> None:
+    """As are those of a pendulum beyond its sensor's range, and of a driver without codes."""
     samples = still(Rig(), 0.0)
-    moved = [s._replace(arm=s.arm + k // 10) for k, s in enumerate(samples)]
+    moved = [
+        sample._replace(codes=sample.codes._replace(arm=sample.codes.arm + k // 10))
+        for k, sample in enumerate(samples)
+        if sample.codes is not None
+    ]
     with pytest.raises(NotStillError, match="arm moves"):
-        zeros(moved, Rig(), hanging=False)
+        find_zeros(moved, Rig(), hanging=False)
     with pytest.raises(NotStillError, match="end of its range"):
-        zeros(still(Rig(), 2.0), Rig(), hanging=False)
-    assert np.ptp([s.arm for s in samples]) == 0
+        find_zeros(still(Rig(), 2.0), Rig(), hanging=False)
+    without_codes = [sample._replace(codes=None) for sample in samples]
+    with pytest.raises(DriverError, match="no raw codes"):
+        find_zeros(without_codes, Rig(), hanging=False)
+    assert np.ptp([sample.arm_angle for sample in samples]) == 0

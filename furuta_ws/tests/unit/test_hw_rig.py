@@ -12,17 +12,24 @@ from hypothesis import strategies as st
 
 from furuta_graph.rigs import find_rig, rig_directory, rig_settings
 from furuta_graph.settings import load_settings, loop
-from furuta_hw.codes import converter, encoder, wrapped
-from furuta_hw.frames import Sensors
-from furuta_hw.physical import Physical, normalised_coulomb, normalised_model, normalised_viscous
-from furuta_hw.rig import Rig, Speed
-from furuta_hw.rig_file import load_rig
-from furuta_hw.sensing import SLEW, Sensing, Timeline
+from furuta_hw.bridge.sample_clock import SLEW, SampleClock
+from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
+from furuta_hw.rig.calibration import PendulumSensor, SpeedSensor
+from furuta_hw.rig.channels import converter, encoder, wrapped
+from furuta_hw.rig.physical import (
+    PhysicalParameters,
+    normalised_coulomb,
+    normalised_model,
+    normalised_viscous,
+)
+from furuta_hw.rig.rig import Rig
+from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import accelerations
 from furuta_sim.plant import convert
 
-PHYSICAL = Physical(
+PHYSICAL = PhysicalParameters(
     arm_inertia=2e-4,
     rotor_inertia=4e-6,
     gear_ratio=3.0,
@@ -94,10 +101,10 @@ def test_normalised_model_moves_as_the_physical_one(
     np.testing.assert_allclose(got, in_newton_metres(u, v, theta, w), rtol=1e-4, atol=1e-3)
 
 
-def test_rigs_that_come_with_the_workspace() -> None:
-    """Each loads, names its sources, and its model is one; the paper's is the default."""
+def test_rigs_of_the_workspace() -> None:
+    """Each loads, names its sources, and has a valid model; the paper's is the default."""
     files = sorted(rig_directory().glob("*.yaml"))
-    assert [each.stem for each in files] == ["odrive_furuta", "paper", "qube_servo_2"]
+    assert {"odrive_furuta", "paper", "qube_servo_2"} <= {each.stem for each in files}
     for file in files:
         rig = load_rig(file)
         assert rig.model.determinant > 0
@@ -108,7 +115,7 @@ def test_rigs_that_come_with_the_workspace() -> None:
     assert paper._replace(model=default.model) == default
 
 
-def test_the_papers_rig_says_what_the_defaults_say() -> None:
+def test_the_papers_rig_has_the_default_parameters() -> None:
     """Naming the paper's rig changes no parameter of any node."""
     given, bare = loop(load_settings([], [], rig_settings(Rig()))), loop(load_settings([], []))
     assert given == bare
@@ -134,7 +141,7 @@ def test_the_papers_rig_says_what_the_defaults_say() -> None:
     ],
 )
 def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> None:
-    """What is wrong, with the file's name."""
+    """The message names the file and the error."""
     file = tmp_path / "rig.yaml"
     file.write_text(text)
     with pytest.raises(ParameterError, match=r"rig\.yaml") as caught:
@@ -143,9 +150,9 @@ def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> N
     assert "\n" not in str(caught.value)
 
 
-def test_an_unknown_rig_is_told_those_there_are() -> None:
-    """Names as well as files."""
-    with pytest.raises(ParameterError, match="odrive_furuta, paper, qube_servo_2"):
+def test_an_unknown_rig_lists_the_known_ones() -> None:
+    """The rigs of the workspace are listed; a missing file is named."""
+    with pytest.raises(ParameterError, match=r"rigs are .*odrive_furuta.*paper.*qube_servo_2"):
         find_rig("nobody")
     with pytest.raises(ParameterError, match=r"cannot read rig file .*missing\.yaml"):
         find_rig("missing.yaml")
@@ -153,7 +160,7 @@ def test_an_unknown_rig_is_told_those_there_are() -> None:
 
 @given(st.floats(-20, 20), st.integers(4, 16), st.sampled_from((1, -1)))
 def test_a_converter_is_the_simulated_one(value: float, bits: int, sign: int) -> None:
-    """Code and back is what the simulated rig's converter makes, to the last bit."""
+    """Conversion to a code and back equals the simulated rig's converter to the last bit."""
     channel = converter(10.0, bits, sign, 0.0)
     expected = sign * convert(sign * value, 10.0, bits)
     assert channel.to_si(channel.to_code(value)) == expected
@@ -166,8 +173,8 @@ def test_an_encoder_loses_no_count(code: int, counts: int, zero: float) -> None:
     assert channel.to_code(channel.to_si(code)) == code
 
 
-def test_ends_of_a_range_are_known() -> None:
-    """The outermost codes say "at least", not "so much"."""
+def test_ends_of_a_range_are_detected() -> None:
+    """At the outermost codes the value may be beyond the range."""
     channel = converter(1.0, 12, 1, 0.0)
     assert [channel.at_rail(c) for c in (-2048, -2047, 0, 2046, 2047)] == [
         *(True, False, False, False, True)
@@ -177,45 +184,62 @@ def test_ends_of_a_range_are_known() -> None:
 
 @given(st.floats(-100, 100))
 def test_wrapped_is_the_same_angle(angle: float) -> None:
-    """In -π ≤ angle < π."""
+    """And it is in -π ≤ angle < π."""
     w = wrapped(angle)
     assert -pi - 1e-9 <= w <= pi + 1e-9
     assert isclose(np.cos(w), np.cos(angle), abs_tol=1e-9)
 
 
-def frame(sample: int, **codes: int) -> Sensors:
-    given = dict.fromkeys(Sensors._fields, 0) | {"sample": sample} | codes
-    return Sensors(**given)
+def frame(sample: int, **codes: int) -> SensorsFrame:
+    """Make a frame whose other fields are zero."""
+    given = dict.fromkeys(SensorsFrame._fields, 0) | {"sample": sample} | codes
+    return SensorsFrame(**given)
 
 
 def test_speed_from_counts() -> None:
-    """Without a tachometer: the filtered difference, true at constant speed, also across gaps."""
-    rig = Rig(speed=Speed(sensor="encoder"))
-    sensing = Sensing(rig)
+    """Without a tachometer: the filtered difference, exact at constant speed, also across gaps."""
+    converter = SampleConverter(Rig(speed=SpeedSensor(sensor="encoder")))
     for k in [*range(300), *range(310, 600, 2)]:
-        x = sensing.take(frame(k, arm=k)).copy()
-    assert x[1] == pytest.approx(2 * pi / 250 / 0.001, rel=1e-6)
-    assert x[0] == pytest.approx(598 * 2 * pi / 250)
-    assert sensing.steps == 2
+        sample = converter.convert(frame(k, arm=k))
+    assert sample.arm_speed == pytest.approx(2 * pi / 250 / 0.001, rel=1e-6)
+    assert sample.arm_angle == pytest.approx(598 * 2 * pi / 250)
+    assert sample.number == 598
 
 
-def test_measurement_holds_the_applied_torque() -> None:
-    """The effort is the voltage that was in force up to the sample."""
-    sensing = Sensing(Rig())
-    assert sensing.take(frame(1, drive=1024))[4] == 5.0
-    assert np.isnan(sensing.x[3])
+def test_sample_has_the_applied_voltage_and_the_codes() -> None:
+    """The voltage is the one that was applied up to the sample."""
+    sample = SampleConverter(Rig()).convert(frame(1, drive=1024, arm=7, speed=8, pendulum=9))
+    assert sample.voltage == 5.0
+    assert sample.codes == (7, 8, 9)
 
 
-def test_stamps_follow_the_rig_not_the_jitter() -> None:
-    """Arrivals late by up to 20 ms move stamps by less than their slew; drift is followed."""
+def test_sample_has_the_state_of_the_rig() -> None:
+    """Each bit of the status, and converters at the end of their range."""
+    converter = SampleConverter(Rig())
+    for status in range(8):
+        sample = converter.convert(frame(status, status=status))
+        assert sample.armed == bool(status & ARMED)
+        assert sample.watchdog == bool(status & WATCHDOG)
+        assert sample.fault == bool(status & FAULT)
+        assert not sample.at_rail
+    assert converter.convert(frame(8, speed=2047)).at_rail
+    assert converter.convert(frame(9, pendulum=-2048)).at_rail
+    with_encoders = Rig(
+        speed=SpeedSensor(sensor="encoder"), pendulum=PendulumSensor(sensor="encoder")
+    )
+    assert not SampleConverter(with_encoders).convert(frame(1, speed=2047, pendulum=-2048)).at_rail
+
+
+def test_stamps_follow_the_rig_and_suppress_jitter() -> None:
+    """Delays of up to 20 ms move stamps by less than their slew; the rig's drift is followed."""
     random = np.random.default_rng(0)
     period, drift = 1_000_000, 50e-6
-    timeline = Timeline(period)
+    clock = SampleClock(period)
     stamps = []
     for k in range(100_000):
         arrival = round(k * period * (1 + drift) + 1e5 + random.exponential(2e5))
         arrival += 20_000_000 * (k % 1000 == 0)
-        stamps.append(timeline.stamp(k, arrival))
+        stamps.append(clock.stamp(k, arrival))
     steps = np.diff(stamps)
     assert np.all(np.abs(steps - period) <= SLEW * period + 1)
     assert abs(stamps[-1] - 99_999 * period * (1 + drift)) < 1_000_000

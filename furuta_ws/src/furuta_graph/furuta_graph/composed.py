@@ -15,7 +15,7 @@ from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.settings import Settings
-from furuta_hw.bridge_node import HardwareBridgeNode
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import executor_of, settle_memory, spin_until

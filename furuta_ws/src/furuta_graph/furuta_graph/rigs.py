@@ -7,8 +7,8 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 
 from furuta_graph.settings import NODES, Settings
-from furuta_hw.rig import Rig
-from furuta_hw.rig_file import load_rig
+from furuta_hw.rig.rig import Rig
+from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError, values
 
 SUFFIX = ".yaml"

@@ -49,6 +49,7 @@ def run_on_hardware(
     """Run the graph on a rig until it is told to stop or the rig's time is up."""
     with _running(HardwareGraph, settings, record, scheduling) as graph:
         stop, bridge = StopSignal(), graph.bridge
+        bridge.start()
         if bridge.state != bridge.parameters.autostart:
             raise SystemExit(1)  # the bridge has said why in its log
         period = bridge.rig.line.sample_time

@@ -14,7 +14,7 @@ from furuta_analysis.simulation.closed_loop import Loop
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_hw.parameters import BridgeParameters
+from furuta_hw.bridge.parameters import BridgeParameters
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_sim.parameters import PlantNodeParameters
 

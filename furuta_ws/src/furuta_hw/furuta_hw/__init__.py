@@ -1,1 +1,1 @@
-"""Bridge to a real rig: calibration, wire protocol, safety, node, and a rig in software."""
+"""Hardware bridge of the Furuta pendulum: rig files, drivers, safety, node and emulated rig."""

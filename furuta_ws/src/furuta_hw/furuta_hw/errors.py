@@ -1,12 +1,21 @@
-"""What can go wrong with a rig, in words for the user."""
+"""Errors of rigs, drivers and commissioning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 
 class RigError(RuntimeError):
-    """The root of these."""
+    """Base class of all errors of a rig."""
+
+
+class DriverError(RigError):
+    """The rig driver cannot be loaded, or lacks what was asked for."""
 
 
 class LineError(RigError):
-    """The line to the rig cannot be opened, or broke."""
+    """The line to the rig cannot be opened, or it failed."""
 
 
 class StoppedError(RigError):
@@ -14,4 +23,13 @@ class StoppedError(RigError):
 
 
 class NotStillError(RigError):
-    """A zero was asked for while something moved."""
+    """The zeros cannot be measured because something moves."""
+
+
+@contextmanager
+def line_errors() -> Iterator[None]:
+    """Turn the system's errors, including those of pyserial, into :class:`LineError`."""
+    try:
+        yield
+    except OSError as error:
+        raise LineError(str(error)) from None

@@ -1,4 +1,4 @@
-"""The verbs of ``furuta hw`` that speak to a running bridge."""
+"""The verbs of ``furuta hw`` that call a running bridge."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from furuta_graph.parameter_client import ServiceError
 from furuta_ros.spinning import executor_of
 
 BRIDGE = "hardware_bridge"
-# Longest wait for the bridge, and for its answer, which may wait for the rig [s].
+# Longest wait for the bridge, and for its answer, which can take as long as the rig's [s].
 TIMEOUT = 10.0
 ATTEMPTS = 5
-# Each with the state that it leads to.
+# Each transition with its number and the state after it.
 TRANSITIONS = {
     "configure": (Transition.TRANSITION_CONFIGURE, "inactive"),
     "activate": (Transition.TRANSITION_ACTIVATE, "active"),
@@ -29,7 +29,7 @@ TRANSITIONS = {
 }
 
 
-class Caller:
+class BridgeClient:
     """Calls services of the bridge."""
 
     def __init__(self) -> None:
@@ -37,9 +37,9 @@ class Caller:
         self._executor = executor_of([self._node])
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
-        """Ask until there is an answer: the first one can pass before both sides are known.
+        """Call a service until it answers: an answer is lost while discovery is not complete.
 
-        To ask twice comes to the same as once.
+        Calling these services twice has the same effect as calling them once.
         """
         client = self._node.create_client(kind, f"{BRIDGE}/{service}")
         if not client.wait_for_service(TIMEOUT):
@@ -53,40 +53,40 @@ class Caller:
 
 
 @contextmanager
-def _caller() -> Iterator[Caller]:
+def _bridge_client() -> Iterator[BridgeClient]:
     rclpy.init(args=[])
     try:
-        yield Caller()
+        yield BridgeClient()
     finally:
         rclpy.try_shutdown()
 
 
 @click.command()
 def arm() -> None:
-    """Arm the bridge: from now on commands drive the rig."""
-    with _caller() as caller:
-        answer = caller.call(SetBool, "arm", SetBool.Request(data=True))
+    """Arm the bridge: commands drive the rig from now on."""
+    with _bridge_client() as client:
+        answer = client.call(SetBool, "arm", SetBool.Request(data=True))
     if not answer.success:
         raise ServiceError(f"not armed: {answer.message}")
 
 
 @click.command()
 def disarm() -> None:
-    """Disarm the bridge: 0 V."""
-    with _caller() as caller:
-        caller.call(SetBool, "arm", SetBool.Request(data=False))
+    """Disarm the bridge: the rig goes to 0 V."""
+    with _bridge_client() as client:
+        client.call(SetBool, "arm", SetBool.Request(data=False))
 
 
 @click.command()
 @click.argument("transition", required=False, type=click.Choice(list(TRANSITIONS)))
 def state(transition: str | None) -> None:
-    """Print the state of the managed bridge, after a TRANSITION if one is given."""
-    with _caller() as caller:
+    """Print the state of the managed bridge, after a TRANSITION if given."""
+    with _bridge_client() as client:
         if transition:
             number, goal = TRANSITIONS[transition]
             request = ChangeState.Request(transition=Transition(id=number))
-            done = caller.call(ChangeState, "change_state", request).success
-        now = caller.call(GetState, "get_state", GetState.Request()).current_state.label
+            done = client.call(ChangeState, "change_state", request).success
+        now = client.call(GetState, "get_state", GetState.Request()).current_state.label
     if transition and not done and now != goal:
-        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; its log says why")
+        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; see its log")
     print(now)

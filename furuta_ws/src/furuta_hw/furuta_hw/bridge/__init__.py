@@ -1,0 +1,1 @@
+"""The node hardware_bridge."""

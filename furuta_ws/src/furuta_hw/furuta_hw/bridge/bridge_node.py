@@ -1,0 +1,230 @@
+"""Node ``hardware_bridge``: passes commands to a rig and its measurements to the graph."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from math import isfinite, nan
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+from rclpy.timer import Timer
+from std_msgs.msg import Float64
+from std_srvs.srv import SetBool
+
+from furuta_hw.bridge.diagnostics_node import diagnostics
+from furuta_hw.bridge.guarded_rig import GuardedRig
+from furuta_hw.bridge.parameters import BridgeParameters
+from furuta_hw.bridge.sample_clock import SampleClock
+from furuta_hw.connection.driver_loading import make_driver
+from furuta_hw.connection.rig_connection import RigConnection
+from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.errors import RigError
+from furuta_hw.guard import Guard
+from furuta_hw.rig.rig import Rig
+from furuta_hw.rig.rig_file import load_rig
+from furuta_model.parameters import ParameterError
+from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
+from furuta_ros.node import FurutaNode
+from furuta_ros.spinning import run_node
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
+
+CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
+DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
+START_DELAY = 0.001  # [s] of spinning after which autostart takes effect
+
+SUCCESS = TransitionCallbackReturn.SUCCESS
+FAILURE = TransitionCallbackReturn.FAILURE
+
+
+class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
+    """Replaces the plant: publishes ``measurement``, subscribes to ``command`` [V].
+
+    A managed node. When configured it reads the rig and publishes. It drives the rig only while it
+    is active and armed by the service ``~/arm``. The reason of a stop is logged once and reported
+    on ``/diagnostics``. After a stop the bridge must be armed again.
+    """
+
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
+        FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
+        LifecycleNodeMixin.__init__(self)
+        self.rig = Rig()
+        self.guard = Guard(self.rig.limits, self.rig.line.sample_time)
+        self.guarded_rig: GuardedRig | None = None  # None while unconfigured
+        self.failure = ""  # why the last transition failed
+        self.samples = 0
+        self._receive_scheduled = False
+        self._sample_clock = SampleClock(self._period)
+        self._restarts = 0
+        self._timers_when_configured: list[Timer] = []
+        self._writer = JointWriter()
+        self._publisher = self.publish_on(MEASUREMENT)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.subscribe_to(COMMAND, self._on_command)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
+        self.create_service(SetBool, "~/arm", self._on_arm)
+        # Transitions call methods that a subclass may override, so not from the constructor.
+        self._start_timer: Timer | None = self._steady_timer(START_DELAY, self.start)
+
+    @property
+    def state(self) -> str:
+        """The state of the managed node."""
+        return str(self._state_machine.current_state[1])
+
+    @property
+    def connection(self) -> RigConnection | None:
+        """The connection to the rig, None while unconfigured."""
+        return self.guarded_rig.connection if self.guarded_rig else None
+
+    def start(self) -> None:
+        """Enter the state of the parameter ``autostart``; called when the node starts to spin."""
+        if self._start_timer is None:
+            return
+        self.destroy_timer(self._start_timer)
+        self._start_timer = None
+        goal = self.parameters.autostart
+        if goal != "unconfigured" and self.trigger_configure() == SUCCESS and goal == "active":
+            self.trigger_activate()
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Open the line; the rig sends samples from now on."""
+        parameters = self.parameters
+        try:
+            self.rig = load_rig(Path(parameters.rig)) if parameters.rig else Rig()
+            connection = RigConnection(make_driver(parameters.port, self.rig), self._data_arrived)
+            connection.open()
+        except (RigError, ParameterError) as error:
+            return self._fail(str(error))
+        self.guard = Guard(self.rig.limits, self.rig.line.sample_time)
+        self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
+        self._sample_clock, self._restarts = SampleClock(self._period), 0
+        self._timers_when_configured = [
+            self._steady_timer(CHECK_PERIOD, self._check),
+            self._steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
+        ]
+        return SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Make arming possible."""
+        if self.parameters.read_only:
+            return self._fail("read_only: this bridge never drives")
+        return SUCCESS
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Set the rig to 0 V and only read it."""
+        if self.guarded_rig is not None:
+            self.guarded_rig.stop("deactivated")
+        return SUCCESS
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Set the rig to 0 V and close the line."""
+        self._close()
+        return SUCCESS
+
+    on_shutdown = on_cleanup
+    on_error = on_cleanup
+
+    def destroy_node(self) -> None:
+        """Set the rig to 0 V and close the line before the node ends."""
+        self._close()
+        super().destroy_node()
+
+    def arm(self) -> str:
+        """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
+        if self.state != "active" or self.guarded_rig is None:
+            return f"the bridge is {self.state}, must be active"
+        reason = self.guarded_rig.arm()
+        if not reason:
+            self.get_logger().info("armed")
+        return reason
+
+    @property
+    def _period(self) -> int:
+        """The rig's sample time [ns]."""
+        return round(self.rig.line.sample_time * NANOSECONDS)
+
+    def _close(self) -> None:
+        for timer in self._timers_when_configured:
+            self.destroy_timer(timer)
+        self._timers_when_configured = []
+        if self.guarded_rig is not None:
+            self.guarded_rig.close()
+            self.guarded_rig = None
+
+    def _fail(self, reason: str) -> TransitionCallbackReturn:
+        self.failure = reason
+        self.get_logger().error(reason)
+        return FAILURE
+
+    def _data_arrived(self) -> None:
+        """Called by the reading thread: let this node's own thread decode the data."""
+        executor = self.executor
+        if executor is not None and not self._receive_scheduled:
+            self._receive_scheduled = True
+            executor.create_task(self._receive)
+
+    def _receive(self) -> None:
+        """Publish the samples that have arrived."""
+        self._receive_scheduled = False
+        guarded = self.guarded_rig
+        if guarded is None:
+            return  # closed while this call was pending
+        was_connected = guarded.connection.connected
+        for sample in guarded.samples():
+            self._publish(sample)
+        if guarded.connection.connected and not was_connected:
+            self.get_logger().info("the line is open again")
+        if guarded.restarts != self._restarts:
+            self._restarts = guarded.restarts
+            self._sample_clock = SampleClock(self._period)
+
+    def _publish(self, sample: RigSample) -> None:
+        self.samples += 1
+        now = self.get_clock().now().nanoseconds
+        self._writer.stamp(self._sample_clock.stamp(sample.number, now))
+        x = (sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan)
+        self._publisher.publish(self._writer.fill(x, sample.voltage))
+
+    def _on_command(self, message: Float64) -> None:
+        if self.guarded_rig is not None:
+            self.guarded_rig.command(message.data)
+        if not isfinite(message.data):
+            raise RefusedError(f"data is {message.data}, must be finite")
+
+    def _on_estimate(self, message: Float64) -> None:
+        """Tell the guard that the friction observer is alive; the controller uses the estimate."""
+        self.guard.estimated()
+
+    def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        if request.data:
+            response.message = self.arm()
+            response.success = not response.message
+        else:
+            if self.guarded_rig is not None:
+                self.guarded_rig.stop("disarmed by request")
+            response.success, response.message = True, "disarmed"
+        return response
+
+    def _check(self) -> None:
+        self._receive()
+        if self.guarded_rig is not None:
+            self.guarded_rig.check()
+
+    def _report_stop(self) -> None:
+        self.get_logger().error(f"stopped, 0 V: {self.guard.reason}")
+        self._publish_diagnostics()
+
+    def _publish_diagnostics(self) -> None:
+        self._diagnostics.publish(diagnostics(self))
+
+    def _steady_timer(self, period: float, callback: Callable[[], None]) -> Timer:
+        """Make a timer that does not follow changes of the system's time."""
+        return self.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def main() -> None:
+    """Entry point of the executable ``hardware_bridge``."""
+    sys.exit(run_node(HardwareBridgeNode))

@@ -1,0 +1,96 @@
+"""A rig behind a guard: the core of the bridge, without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from time import monotonic
+
+from furuta_hw.connection.rig_connection import RigConnection
+from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.errors import LineError
+from furuta_hw.guard import Guard
+
+
+class GuardedRig:
+    """Passes commands to an open connection as far as the guard permits, and stops the rig.
+
+    ``report_stop`` is called once after every stop, when the rig has been told to stop.
+    """
+
+    def __init__(
+        self, connection: RigConnection, guard: Guard, report_stop: Callable[[], None]
+    ) -> None:
+        self.connection = connection
+        self.guard = guard
+        self._report_stop = report_stop
+        self._reported_stops = guard.stops
+        self.restarts = 0  # how often the numbering of samples has started again
+
+    def samples(self) -> Iterator[RigSample]:
+        """Yield the new samples after the guard has checked each of them."""
+        try:
+            samples = self.connection.samples()
+        except LineError as error:
+            self._on_line_error(error)
+            return
+        for sample in samples:
+            self.guard.count_bad_frames(self.connection.new_bad_frames())
+            self.guard.measured(monotonic(), sample)
+            self._handle_stop()
+            if sample.armed and not self.guard.armed:
+                self.connection.stop()
+            yield sample
+
+    def command(self, u: float) -> None:
+        """Apply a command [V] within the guard's limits."""
+        volts = self.guard.command(monotonic(), u)
+        self._handle_stop()
+        if volts is not None:
+            try:
+                self.connection.drive(volts)
+            except LineError as error:
+                self._on_line_error(error)
+
+    def arm(self) -> str:
+        """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
+        if self.guard.armed:
+            return ""
+        if not self.connection.connected:
+            return f"no line to the rig: {self.connection.failure}"
+        reason = self.guard.arm(monotonic())
+        if not reason:
+            try:
+                self.connection.arm()
+            except LineError as error:
+                self._on_line_error(error)
+                return str(error)
+        return reason
+
+    def stop(self, reason: str) -> None:
+        """Disarm the guard and the rig, which goes to 0 V."""
+        self.guard.stop(reason)
+        self._handle_stop()
+        self.connection.stop()
+
+    def check(self) -> None:
+        """Stop the rig if commands or measurements are too old."""
+        self.guard.check(monotonic())
+        self._handle_stop()
+
+    def close(self) -> None:
+        """Stop the rig and close the line."""
+        self.stop("the bridge ends")
+        self.connection.close()
+
+    def _handle_stop(self) -> None:
+        if self.guard.stops != self._reported_stops:
+            self._reported_stops = self.guard.stops
+            self.connection.stop()
+            self._report_stop()
+
+    def _on_line_error(self, error: LineError) -> None:
+        """Stop. The connection recovers by itself, and its samples start again."""
+        self.guard.stop(str(error))
+        self._handle_stop()
+        self.guard.forget_samples()
+        self.restarts += 1

@@ -1,0 +1,1 @@
+"""Commissioning: zeros, signs and friction of a rig."""

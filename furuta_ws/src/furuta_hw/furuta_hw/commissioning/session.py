@@ -1,0 +1,112 @@
+"""A session of commissioning: read a rig, or drive it under the guard, without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from math import inf, pi
+from time import monotonic
+from typing import TypeVar
+
+from furuta_hw.connection.driver_loading import make_driver
+from furuta_hw.connection.rig_driver import LineStatistics, RigSample
+from furuta_hw.errors import LineError, StoppedError
+from furuta_hw.guard import Guard
+from furuta_hw.rig.rig import Rig
+
+# Shortest time without a sample after which the line counts as failed [s].
+SILENCE = 0.5
+
+Result = TypeVar("Result")
+# An experiment drives a rig: it is sent samples, yields voltages [V] and returns its result. The
+# arm angle of its samples is zero where the experiment starts.
+Experiment = Generator[float, RigSample, Result]
+
+
+class RigSession:
+    """An open line to a rig; a context manager that leaves the rig at 0 V."""
+
+    def __init__(self, port: str, rig: Rig) -> None:
+        self.rig = rig
+        self._driver = make_driver(port, rig)
+
+    def __enter__(self) -> RigSession:
+        self._driver.open()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            self._driver.stop()
+        finally:
+            self._driver.close()
+
+    def statistics(self) -> LineStatistics:
+        """Return the frames counted so far."""
+        return self._driver.statistics()
+
+    def samples(self, seconds: float = inf) -> Iterator[RigSample]:
+        """Yield samples as they come, for ``seconds`` of the rig's time."""
+        left = seconds / self.rig.line.sample_time
+        silence = max(SILENCE, self.rig.limits.measurement_age)
+        received_at = monotonic()
+        while left > 0:
+            for sample in self._driver.decode(self._driver.read()):
+                received_at = monotonic()
+                if left > 0:
+                    left -= 1
+                    yield sample
+            if monotonic() - received_at > silence:
+                raise LineError(f"no sample for {silence:g} s")
+
+    def drive(self, experiment: Experiment[Result], voltage: float, arm_range: float) -> Result:
+        """Run an experiment within ±``voltage`` [V] and ±``arm_range`` [rad] of where the arm is.
+
+        The angle of the pendulum is not limited. Raises :class:`StoppedError`.
+        """
+        samples = self._samples_from_here()
+        guard = self._make_guard(voltage, arm_range)
+        volts, bad_frames = next(experiment), self.statistics().bad
+        try:
+            for sample in samples:
+                guard.count_bad_frames(self.statistics().bad - bad_frames)
+                bad_frames = self.statistics().bad
+                now = monotonic()
+                if not guard.armed:
+                    self._arm(guard, now, sample)
+                guard.measured(now, sample)
+                applied = guard.command(now, volts)
+                if applied is None:
+                    raise StoppedError(guard.reason)
+                self._driver.drive(applied)
+                volts = experiment.send(sample)
+        except StopIteration as done:
+            result: Result = done.value
+            return result
+        finally:
+            self._driver.stop()
+        raise AssertionError("samples() never ends")
+
+    def _samples_from_here(self) -> Iterator[RigSample]:
+        """Yield samples whose arm angle is zero at the first one, which is left out.
+
+        The hanging pendulum may be outside its sensor's range, so that is not reported.
+        """
+        samples = self.samples()
+        start = next(samples).arm_angle
+        for sample in samples:
+            yield sample._replace(arm_angle=sample.arm_angle - start, at_rail=False)
+
+    def _make_guard(self, voltage: float, arm_range: float) -> Guard:
+        limits = self.rig.limits._replace(
+            voltage=voltage, arm_angle=arm_range, pendulum_angle=pi, estimate_age=inf
+        )
+        return Guard(limits, self.rig.line.sample_time)
+
+    def _arm(self, guard: Guard, now: float, sample: RigSample) -> None:
+        if guard.stops:
+            raise StoppedError(guard.reason)
+        guard.measured(now, sample)
+        guard.command(now, 0.0)
+        reason = guard.arm(now)
+        if reason:
+            raise StoppedError(reason)
+        self._driver.arm()

@@ -1,0 +1,1 @@
+"""The interface of rig drivers, and the connection that keeps one running."""

@@ -1,0 +1,1 @@
+"""Rig drivers: one module, or one package, for each protocol."""

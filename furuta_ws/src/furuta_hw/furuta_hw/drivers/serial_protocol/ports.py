@@ -1,0 +1,98 @@
+"""Ports that carry bytes to and from a rig: a serial port, or an emulated rig in this process."""
+
+from __future__ import annotations
+
+import os
+from time import monotonic, sleep
+from typing import Protocol
+
+import serial
+
+from furuta_hw.connection.rig_driver import READ_TIMEOUT
+from furuta_hw.emulator.emulated_rig import EmulatedRig
+from furuta_hw.errors import LineError
+from furuta_hw.rig.rig import Rig
+
+# The port name that stands for an emulated rig in this process.
+MOCK = "mock"
+
+
+class Port(Protocol):
+    """Carries bytes. ``read`` and ``write`` may be called from two threads."""
+
+    def read(self) -> bytes:
+        """Wait for bytes for at most :data:`READ_TIMEOUT` and return them; empty if none came."""
+
+    def write(self, data: bytes) -> None:
+        """Send; raises :class:`LineError` if the line does not accept all bytes."""
+
+    def close(self) -> None:
+        """Free the port."""
+
+
+class SerialPort:
+    """A serial port through pyserial, held exclusively."""
+
+    def __init__(self, port: str, baud: int) -> None:
+        try:
+            self._port = serial.Serial(port, baud, timeout=READ_TIMEOUT, exclusive=True)
+            self._port.reset_input_buffer()
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise LineError(f"cannot open {port}: {_reason(error)}") from None
+
+    def read(self) -> bytes:
+        """Wait for bytes and return them."""
+        try:
+            return bytes(self._port.read(1) + self._port.read(self._port.in_waiting))
+        except (serial.SerialException, OSError, TypeError) as error:
+            raise LineError(f"the line failed: {_reason(error)}") from None
+
+    def write(self, data: bytes) -> None:
+        """Send without waiting: a line without room for a frame is too slow to drive a rig."""
+        try:
+            sent = os.write(self._port.fileno(), data)
+        except (serial.SerialException, OSError) as error:
+            raise LineError(f"the line does not accept data: {_reason(error)}") from None
+        if sent < len(data):
+            raise LineError("the line does not accept data: its buffer is full")
+
+    def close(self) -> None:
+        """Free the port."""
+        self._port.close()
+
+
+class MockPort:
+    """An emulated rig in this process. Its time runs while it is read."""
+
+    def __init__(self, rig: EmulatedRig, period: float) -> None:
+        self._rig = rig
+        self._period = period
+        self._next = monotonic() + period
+
+    def read(self) -> bytes:
+        """Wait until the next sample is due, and return its bytes."""
+        sleep(max(0.0, self._next - monotonic()))
+        self._next = max(self._next + self._period, monotonic())
+        return self._rig.step()
+
+    def write(self, data: bytes) -> None:
+        """Send to the rig."""
+        self._rig.receive(data)
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to free."""
+
+
+def open_port(name: str, rig: Rig) -> Port:
+    """Open the serial port of that name, or the mock. Raises :class:`LineError`."""
+    if name == MOCK:
+        return MockPort(EmulatedRig(rig), rig.line.sample_time)
+    if not name:
+        raise LineError("no port given; name the serial port, or mock")
+    return SerialPort(name, rig.line.baud)
+
+
+def _reason(error: Exception) -> str:
+    """The system's message; that of pyserial repeats the port."""
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else str(error)

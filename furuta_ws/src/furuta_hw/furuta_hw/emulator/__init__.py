@@ -1,0 +1,1 @@
+"""The emulated rig: reference firmware, simulated pendulum and faults."""

@@ -1,0 +1,1 @@
+"""Rig files: model, calibration, line and limits of a rig."""

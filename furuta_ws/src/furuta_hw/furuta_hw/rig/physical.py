@@ -1,0 +1,75 @@
+r"""Conversion of masses, lengths and motor constants to the paper's normalised model.
+
+The motor drives the arm through a gear of ratio N. The voltage u acts on its resistance R:
+
+.. math::
+    τ = N k_t i, \qquad i = (u - N k_e \dot φ) / R
+
+Eq. (1) holds for torques in N m with α = J_a + N²J_r + mL², β = J_p + ml², γ = mLl, δ = mgl. It is
+normalised to the control signal by the volts per N m, κ = R / (N k_t): every coefficient is
+multiplied by κ, so that u has the factor 1, and back-EMF adds to the viscous friction:
+
+.. math::
+    σ_2 = κ b + N k_e, \qquad α_0 = κ τ_c
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from furuta_model.parameters import About, ParameterError
+from furuta_model.pendulum import FurutaPendulum
+
+
+class PhysicalParameters(NamedTuple):
+    """A rig's parameters as in its data sheet. The zero defaults are replaced by the rig file."""
+
+    arm_inertia: Annotated[
+        float, About("J_a, arm about the motor's axis, without pendulum", "kg m²", 0.0)
+    ] = 0.0
+    rotor_inertia: Annotated[float, About("J_r, motor's rotor", "kg m²", 0.0)] = 0.0
+    gear_ratio: Annotated[float, About("N, turns of the motor per turn of the arm", "", 1e-3)] = 1.0
+    arm_length: Annotated[float, About("L, axis to pendulum joint", "m", 0.0)] = 0.0
+    pendulum_mass: Annotated[float, About("m", "kg", 0.0)] = 0.0
+    pendulum_length: Annotated[float, About("l, joint to centre of mass", "m", 0.0)] = 0.0
+    pendulum_inertia: Annotated[float, About("J_p, about its centre of mass", "kg m²", 0.0)] = 0.0
+    gravity: Annotated[float, About("g", "m/s²", 0.0)] = 9.81
+    resistance: Annotated[float, About("R, motor's terminals", "Ω", 0.0)] = 0.0
+    torque_constant: Annotated[float, About("k_t", "N m/A", 0.0)] = 0.0
+    back_emf_constant: Annotated[float, About("k_e", "V s/rad", 0.0)] = 0.0
+    arm_damping: Annotated[float, About("b, viscous friction at the arm", "N m s/rad", 0.0)] = 0.0
+    friction_torque: Annotated[float, About("τ_c, Coulomb friction at the arm", "N m", 0.0)] = 0.0
+
+    def check(self) -> None:
+        """Reject a rig without the parameters that the model requires."""
+        needed = ("arm_length", "pendulum_mass", "pendulum_length", "resistance", "torque_constant")
+        missing = [name for name in needed if getattr(self, name) == 0.0]
+        if missing:
+            raise ParameterError(f"physical needs {', '.join(missing)} above 0")
+
+
+def volts_per_torque(p: PhysicalParameters) -> float:
+    """Compute κ = R / (N k_t) [V/(N m)]."""
+    return p.resistance / (p.gear_ratio * p.torque_constant)
+
+
+def normalised_model(p: PhysicalParameters) -> FurutaPendulum:
+    """Compute α, β, γ, δ of eq. (1), in volts."""
+    k = volts_per_torque(p)
+    m, arm, l = p.pendulum_mass, p.arm_length, p.pendulum_length  # noqa: E741
+    return FurutaPendulum(
+        alpha=k * (p.arm_inertia + p.gear_ratio**2 * p.rotor_inertia + m * arm**2),
+        beta=k * (p.pendulum_inertia + m * l**2),
+        gamma=k * m * arm * l,
+        delta=k * m * p.gravity * l,
+    )
+
+
+def normalised_viscous(p: PhysicalParameters) -> float:
+    """Compute σ₂ [V s/rad]: viscous friction and back-EMF."""
+    return volts_per_torque(p) * p.arm_damping + p.gear_ratio * p.back_emf_constant
+
+
+def normalised_coulomb(p: PhysicalParameters) -> float:
+    """Compute the Coulomb level α₀ [V]."""
+    return volts_per_torque(p) * p.friction_torque

@@ -1,0 +1,119 @@
+"""Reads rig files: YAML with a section for each part of a :class:`Rig`.
+
+The model is given in one of three forms: ``model`` (α, β, γ, δ), ``linear`` (the four identified
+coefficients of (3)) or ``physical``. Values that a file does not give are those of the paper's rig.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import yaml
+
+from furuta_hw.rig.physical import (
+    PhysicalParameters,
+    normalised_coulomb,
+    normalised_model,
+    normalised_viscous,
+)
+from furuta_hw.rig.rig import Rig
+from furuta_model.linear import from_linear
+from furuta_model.parameters import About, ParameterError, build, declared
+from furuta_model.pendulum import FurutaPendulum
+
+
+class LinearCoefficients(NamedTuple):
+    """The identified coefficients of the linear model (3)."""
+
+    a23: Annotated[float, About("φ̈ per θ", "1/s²", high=0.0)] = -11.0
+    a43: Annotated[float, About("θ̈ per θ", "1/s²", low=0.0)] = 33.0
+    b21: Annotated[float, About("φ̈ per u", "rad/(V s²)", low=0.0)] = 45.0
+    b41: Annotated[float, About("θ̈ per u", "rad/(V s²)", high=0.0)] = -29.0
+
+
+# Sections of a rig file that hold text for the reader.
+TEXT_SECTIONS = ("name", "sources", "notes")
+
+
+def load_rig(file: Path) -> Rig:
+    """Read a rig file. Raises :class:`ParameterError` with one line for any error."""
+    try:
+        content = yaml.safe_load(file.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not a text file"
+        raise ParameterError(f"cannot read rig file {file}: {reason}") from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}" if mark else ""
+        raise ParameterError(f"rig file {file} is not YAML{where}") from None
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"rig file {file} must map sections to values")
+    try:
+        return _rig(content)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+
+
+def _rig(content: Mapping[str, Any]) -> Rig:
+    """Build the rig from the content of its file."""
+    given: dict[str, Any] = {}
+    forms = [form for form in ("model", "linear", "physical") if form in content]
+    if len(forms) > 1:
+        raise ParameterError(f"give one of model, linear, physical, not {' and '.join(forms)}")
+    for section, values in content.items():
+        if section in TEXT_SECTIONS:
+            continue
+        if not isinstance(values, Mapping):
+            raise ParameterError(f"{section} must map names to values")
+        given |= {f"{section}.{name}": _number(value) for name, value in values.items()}
+    given = _normalised(given)
+    known = [each.name for each in declared(Rig)]
+    unknown = sorted(str(name) for name in given if name not in known)
+    if unknown:
+        raise ParameterError(f"unknown: {', '.join(unknown)}")
+    return build(Rig, given)
+
+
+def _number(value: Any) -> Any:
+    """Convert text like 1e-5, which YAML 1.1 does not read as a number."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def _normalised(given: dict[str, Any]) -> dict[str, Any]:
+    """Convert ``linear`` or ``physical`` to ``model``; explicitly given values take precedence."""
+    linear = _section(given, LinearCoefficients, "linear")
+    if linear is not None:
+        if linear.b41 == 0.0:
+            raise ParameterError("linear.b41 must be below 0")
+        given = _model(from_linear(*linear)) | given
+    physical = _section(given, PhysicalParameters, "physical")
+    if physical is not None:
+        friction = {"friction.viscous": normalised_viscous(physical)}
+        if physical.friction_torque > 0.0:
+            friction["friction.alpha0"] = normalised_coulomb(physical)
+        given = _model(normalised_model(physical)) | friction | given
+    return {name: v for name, v in given.items() if name.partition(".")[0] not in _FORMS}
+
+
+_FORMS = ("linear", "physical")
+
+
+def _model(model: FurutaPendulum) -> dict[str, Any]:
+    return {f"model.{name}": value for name, value in model._asdict().items()}
+
+
+def _section(given: dict[str, Any], group: type[Any], name: str) -> Any:
+    """Build the group from the section of that name; None without such a section."""
+    prefix = f"{name}."
+    values = {n: v for n, v in given.items() if n.startswith(prefix)}
+    if not values:
+        return None
+    unknown = sorted(set(values) - {prefix + name for name in group._fields})
+    if unknown:
+        raise ParameterError(f"unknown: {', '.join(unknown)}")
+    return build(group, values, prefix)
