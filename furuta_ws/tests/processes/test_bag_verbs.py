@@ -118,12 +118,12 @@ def test_bad_recordings_are_one_line(
         writer.add_connection("/x", "std_msgs/msg/Float64", typestore=types)
     for arguments, reason in (
         (["identify", tmp_path / "none.csv"], "no recording"),
-        (["identify", empty], "no readable bag"),
+        (["identify", empty], "not a readable bag"),
         (["identify", words], "no column with the time"),
         (["identify", states], "sensor_msgs/msg/JointState"),
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),
-        (["bag", "info", empty], "no readable bag"),
+        (["bag", "info", empty], "not a readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
         (["bag", "recompute", states], "nothing to compute from"),
