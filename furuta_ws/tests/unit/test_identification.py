@@ -9,7 +9,7 @@ from rig_log import Truth, swing
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_identification.fitting.fit import identify
+from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import (
     node_parameters,

@@ -8,11 +8,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta_identification.uncertainty.quality import Followed
+from furuta_identification.fitting.validation import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
 
-def draw_residuals(followed: list[Followed], others: list[Followed], path: Path) -> None:
+def draw_residuals(followed: list[Prediction], others: list[Prediction], path: Path) -> None:
     """A column a recording, ``others`` held out; each channel and, below it, what is left."""
     each_of = [*followed, *others]
     channels = [
@@ -44,7 +44,7 @@ def draw_residuals(followed: list[Followed], others: list[Followed], path: Path)
     plt.close(figure)
 
 
-def _draw_channel(upper: Axes, lower: Axes, each: Followed, k: int, fit: float) -> None:
+def _draw_channel(upper: Axes, lower: Axes, each: Prediction, k: int, fit: float) -> None:
     """One channel, measured and modelled, and the difference."""
     time, measured = each.recording.time, each.recording.measured[:, k]
     upper.plot(time, measured, lw=1.6, label="measured")
