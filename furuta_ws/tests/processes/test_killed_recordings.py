@@ -16,9 +16,13 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
+from furuta_recordings.bags.writer_process import FLUSH_INTERVAL
+
 KILLS = int(os.environ.get("FURUTA_KILLS", "2"))
 # Messages in the bag below which it is killed: from none to two seconds at 1 kHz.
 LATEST = 10_000
+# After that, kills spread evenly over the time between two flushes.
+GOLDEN_RATIO = 0.618
 # Most time [s] that may be lost.
 MOST_LOST = 1.0
 # What is killed: the control loop, whose writer then finishes the bag, or both at once.
@@ -72,6 +76,7 @@ def test_sigkill_of_a_recording(furuta: Any, processes: Any, tmp_path: Path) -> 
         process = processes.furuta("run", "--record", bag)
         wait_for(bag)
         appeared, seen = time_ns(), wait_for_messages(bag, wanted)
+        sleep(FLUSH_INTERVAL * (GOLDEN_RATIO * k % 1.0))
         pids = [*(children(process.pid) if "writer" in victim else []), process.pid]
         killed = time_ns()
         for pid in pids:

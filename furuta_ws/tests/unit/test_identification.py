@@ -9,7 +9,6 @@ from rig_log import Truth, swing
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.parameters import ControllerParameters, EstimatorParameters
-from furuta_identification.fitting.fit_percent import fit_percent
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -18,10 +17,9 @@ from furuta_identification.fitting.report import (
     standard_errors,
     summary,
 )
-from furuta_identification.fitting.validation import predict_prepared, validate
+from furuta_identification.fitting.validation import fit_percent, predict_prepared, validate
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare
-from furuta_identification.preparation.splitting import split_into_runs
 from furuta_identification.regression.equations import ratios
 from furuta_identification.regression.momentum import momentum_fit
 from furuta_identification.regression.speeds import speed_lag, with_speeds
@@ -29,6 +27,7 @@ from furuta_model.lugre import LuGre
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import split_into_runs
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, drive, measure
 

@@ -16,9 +16,9 @@ from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
 from furuta_identification.preparation.options import ANGLE_UNITS, ZEROS, Options
-from furuta_identification.preparation.splitting import split_into_runs
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import split_into_runs
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
@@ -164,7 +164,7 @@ def _result(identified: Identified) -> dict[str, Any]:
     result["fit"] = {each.recording.name: _fits(each) for each in identified.fitted}
     result["held_out"] = {each.recording.name: _fits(each) for each in identified.held_out}
     regression = identified.model.regression._asdict()
-    result["regression"] = {n: value for n, value in regression.items() if n != "standard_errors"}
+    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
     return result
 
 

@@ -48,18 +48,8 @@ def fit_balanced(
         names.remove("delay")
         values = values.changed(["delay"], [0.0])
     optimum = optimise(recordings, names, values, window, scale)
-    covariance, information = covariance_and_information(optimum.shooting, optimum.vector, {})
-    return Model(
-        optimum.values,
-        names,
-        covariance,
-        information,
-        window,
-        scale,
-        regression,
-        recordings,
-        findings,
-    )
+    certainty = covariance_and_information(optimum.shooting, optimum.vector, {})
+    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
 
 
 def _first_unknowns(

@@ -57,7 +57,7 @@ def _delays(recordings: list[Recording], lag: float) -> list[float]:
 def _most_certain(recordings: list[Recording], lag: float, delay: float) -> MomentumFit:
     """The regression with the smallest relative error of α."""
     fits = [momentum_fit(with_speeds(each.with_delayed_command(delay), lag)) for each in recordings]
-    return min(fits, key=lambda fit: abs(fit.standard_errors[0] / fit.alpha))
+    return min(fits, key=lambda fit: abs(fit.alpha_error / fit.alpha))
 
 
 def starting_values(fit: MomentumFit, lag: float) -> ParameterValues:

@@ -10,10 +10,10 @@ from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare
-from furuta_identification.preparation.splitting import split_into_runs
 from furuta_identification.regression.speeds import speed_lag
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import split_into_runs
 
 # Largest pendulum angle [rad] of a pendulum that was balanced.
 LARGEST_BALANCED_ANGLE = 0.7

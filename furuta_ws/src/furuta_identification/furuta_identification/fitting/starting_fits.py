@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.fit_percent import worst_pendulum_fit
 from furuta_identification.fitting.optimisation import (
     COARSE,
     Optimum,
@@ -12,6 +11,7 @@ from furuta_identification.fitting.optimisation import (
     optimise,
     residual_scale,
 )
+from furuta_identification.fitting.validation import worst_pendulum_fit
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from furuta_identification.fitting.coulomb import assume_if_one_way, with_second_start
-from furuta_identification.fitting.fit_percent import worst_pendulum_fit
 from furuta_identification.fitting.identifiability import identifiable
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
 from furuta_identification.fitting.recording_differences import difference_covariance
 from furuta_identification.fitting.ripple import strongest_order
 from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
+from furuta_identification.fitting.validation import worst_pendulum_fit
 from furuta_identification.preparation.options import Options
 from furuta_identification.regression.momentum import MomentumFit
 from furuta_identification.shooting.parameter_values import ParameterValues
@@ -39,21 +39,12 @@ def fit_swinging(
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
     setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *SETUP], start)
-    names = setting.names
-    own_fits = _own_fits(recordings, names, setting.start, window)
-    scale = np.median([residual_scale(each) for each in own_fits], axis=0)
-    optimum = fit_together(recordings, names, own_fits, window, scale)
-    scale = residual_scale(optimum)
-    optimum = optimise(
-        recordings, names, optimum.values, window, scale, robust=True, tolerance=COARSE
-    )
-    optimum = with_second_start(optimum, recordings, window, scale)
+    own_fits = _own_fits(recordings, setting.names, setting.start, window)
+    optimum, scale = _common_fit(recordings, setting.names, own_fits, window)
     optimum, found = _final_fit(optimum, recordings, window, scale)
     fit = worst_pendulum_fit(optimum)
     if fit < SMALLEST_FREE_RUN_FIT and options.window is None:
-        why = (
-            f"no free run follows these recordings to the end: fitted in segments of {SEGMENT:g} s"
-        )
+        why = f"no free run follows the recordings to the end: fitted in segments of {SEGMENT:g} s"
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, [*findings, why], options)
     if fit < SMALLEST_FIT:
@@ -64,17 +55,10 @@ def fit_swinging(
     covariance, information = covariance_and_information(
         optimum.shooting, optimum.vector, setting.assumed
     )
-    return Model(
-        optimum.values,
-        [*optimum.shooting.names, *setting.assumed],
-        covariance + difference_covariance(optimum, own_fits, setting.assumed),
-        information,
-        window,
-        scale,
-        regression,
-        recordings,
-        [*findings, *setting.findings, *found],
-    )
+    covariance = covariance + difference_covariance(optimum, own_fits, setting.assumed)
+    names, certainty = [*optimum.shooting.names, *setting.assumed], (covariance, information)
+    findings = [*findings, *setting.findings, *found]
+    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
 
 
 def _own_fits(
@@ -84,6 +68,19 @@ def _own_fits(
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
     return [fit_growing_segments(each, names, start, window, scale) for each in recordings]
+
+
+def _common_fit(
+    recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
+) -> tuple[Optimum, np.ndarray]:
+    """A coarse fit of all recordings together, and the scale of its residuals (4,)."""
+    scale = np.median([residual_scale(each) for each in own_fits], axis=0)
+    optimum = fit_together(recordings, names, own_fits, window, scale)
+    scale = residual_scale(optimum)
+    optimum = optimise(
+        recordings, names, optimum.values, window, scale, robust=True, tolerance=COARSE
+    )
+    return with_second_start(optimum, recordings, window, scale), scale
 
 
 def _final_fit(

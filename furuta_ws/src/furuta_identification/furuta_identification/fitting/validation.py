@@ -1,4 +1,4 @@
-"""Predicts recordings with a fitted model: those it was fitted to, and others."""
+"""Predicts recordings with a fitted model, and how well predictions agree with measurements."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.fit_percent import fit_percent
 from furuta_identification.fitting.model import Model
+from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare
 from furuta_identification.shooting.segments import cut_into_segments
@@ -20,6 +20,26 @@ REST = 0.1
 # Largest movement [rad] of a pendulum at rest, and largest deviation [rad] of its angle from the
 # rest angle of the model that is not another zero.
 LARGEST_ZERO_ERROR = 0.03
+# Standard deviation of a series [rad, rad/s] below which nothing moves in it.
+SMALLEST_MOTION = 1e-6
+
+
+def fit_percent(measured: np.ndarray, predicted: np.ndarray) -> float:
+    """100·(1 − ‖y − ŷ‖/‖y − ȳ‖) [%]; NaN for a series (n,) without values or without motion."""
+    here = np.isfinite(measured)
+    y, y_hat = measured[here], predicted[here]
+    if not len(y) or np.std(y) < SMALLEST_MOTION:
+        return float("nan")
+    return float(100.0 * (1.0 - np.linalg.norm(y - y_hat) / np.linalg.norm(y - np.mean(y))))
+
+
+def worst_pendulum_fit(optimum: Optimum) -> float:
+    """The smallest fit of the pendulum's angle [%] over the recordings."""
+    predictions = optimum.shooting.predictions(optimum.vector)
+    return min(
+        fit_percent(part.recording.measured[:, THETA], predicted[:, THETA])
+        for part, predicted in zip(optimum.shooting.parts, predictions, strict=True)
+    )
 
 
 class Prediction(NamedTuple):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from furuta_identification.preparation.cleaning import cleaned
 from furuta_identification.preparation.first_command import with_first_command
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.orientation import oriented
 from furuta_identification.preparation.units import in_radians, with_usable_speeds
+from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording
 
 

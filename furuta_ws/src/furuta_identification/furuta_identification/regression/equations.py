@@ -15,9 +15,10 @@ arm's equation gives the rest in volts.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from furuta_identification.regression.least_squares import Regression, regress
 from furuta_identification.regression.windows import FEWEST_WINDOWS, WINDOW, Windows
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
@@ -26,6 +27,14 @@ from furuta_recordings.recording import Recording
 # window that may be so slow.
 SLOW = 0.05
 LARGEST_SLOW_PART = 0.05
+
+
+class Regression(NamedTuple):
+    """Coefficients (k,), their standard errors (k,), and the unexplained part, 0 to 1."""
+
+    coefficients: np.ndarray
+    errors: np.ndarray
+    misfit: float
 
 
 def ratios(recording: Recording) -> np.ndarray:
@@ -63,7 +72,7 @@ def pendulum_equation(recording: Recording, windows: Windows) -> Regression:
     ]
     if np.ptp(phi) > 1.0:
         columns += [-windows.mean(c * np.sin(phi)), windows.mean(c * np.cos(phi))]
-    return regress(np.array(columns).T, windows.mean(s))
+    return _regress(np.array(columns).T, windows.mean(s))
 
 
 def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> Regression:
@@ -90,7 +99,7 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
             f"the arm moves in {np.sum(moving)} of {len(u)} windows of {WINDOW:g} s, which is too "
             "few for a fit; record a motion in which it does not rest"
         )
-    return regress(np.array(columns).T[moving], u[moving])
+    return _regress(np.array(columns).T[moving], u[moving])
 
 
 def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -102,3 +111,23 @@ def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray
     if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
         return np.zeros_like(forward), np.zeros_like(backward), moving
     return forward, backward, moving
+
+
+def _regress(x: np.ndarray, y: np.ndarray) -> Regression:
+    """Fit y (n,) = x (n, k) · coefficients.
+
+    Windows overlap by half, which doubles the variance. A coefficient whose column is zero stays
+    zero, and its standard error is infinite.
+    """
+    scale = np.linalg.norm(x, axis=0)
+    used = scale > 0.0
+    coefficients, errors = np.zeros(len(scale)), np.full(len(scale), np.inf)
+    x, scale = x[:, used] / scale[used], scale[used]
+    solution, _, _, _ = np.linalg.lstsq(x, y, rcond=1e-6)
+    residual = y - x @ solution
+    variance = 2.0 * residual @ residual / max(1, len(y) - len(scale))
+    coefficients[used] = solution / scale
+    errors[used] = np.sqrt(variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))) / scale
+    size = float(np.linalg.norm(y))
+    misfit = float(np.linalg.norm(residual)) / size if size else 1.0
+    return Regression(coefficients, errors, misfit)
