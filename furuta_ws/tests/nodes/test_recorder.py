@@ -1,4 +1,4 @@
-"""The recorder node: what comes on the topics, collected when it is asked to."""
+"""The recorder node: it writes what was published once it is told to collect."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ X = (0.1, 0.2, 0.3, 0.4)
 
 
 def publish(bench: Any, count: int, topics: tuple[Topic, ...] = (MEASUREMENT, COMMAND)) -> None:
-    """Publish ``count`` messages on each topic, in turn, to who is known to listen."""
+    """Publish ``count`` messages on each topic in turn, after its subscriber was discovered."""
     publishers = [bench.publisher(topic) for topic in topics]
     for k in range(count):
         for topic, publisher in zip(topics, publishers, strict=True):
@@ -28,15 +28,15 @@ def publish(bench: Any, count: int, topics: tuple[Topic, ...] = (MEASUREMENT, CO
 
 
 def read(bag: Path) -> list[tuple[str, int, Any]]:
-    with Bag(bag) as reader:
+    with Bag(bag) as opened:
         return [
-            (c.topic, time, reader.deserialize(data, c.msgtype))
-            for c, time, data in reader.messages()
+            (c.topic, time, opened.deserialize(data, c.msgtype))
+            for c, time, data in opened.messages()
         ]
 
 
-def test_messages_in_their_order(bench: Any, tmp_path: Path) -> None:
-    """Topics alternate as they were published; stamped, each is filed under the stamp before."""
+def test_messages_stay_in_order(bench: Any, tmp_path: Path) -> None:
+    """Topics alternate as published; with ``stamped`` each message has the stamp before it."""
     recorder = RecorderNode(tmp_path / "bag", stamped=True)
     publish(bench, 20)
     recorder.collect()
@@ -48,7 +48,7 @@ def test_messages_in_their_order(bench: Any, tmp_path: Path) -> None:
 
 
 def test_only_chosen_topics(bench: Any, tmp_path: Path) -> None:
-    """And nothing else; closing collects what is left."""
+    """No other topic is recorded; closing collects what is left."""
     recorder = RecorderNode(tmp_path / "bag", topics=chosen_topics(["/command"]))
     publish(bench, 5, (COMMAND,))
     recorder.destroy_node()
@@ -56,15 +56,15 @@ def test_only_chosen_topics(bench: Any, tmp_path: Path) -> None:
 
 
 def test_topics_by_name() -> None:
-    """Without a name those of the graph; an unknown one is refused with what there is."""
+    """Without names those of the graph; for an unknown one the message lists all."""
     assert chosen_topics([]) == TOPICS
     assert chosen_topics(["timing", "ground_truth"]) == (TIMING, GROUND_TRUTH)
     with pytest.raises(ParameterError, match=f"no topic elbow.*{GROUND_TRUTH.name}"):
         chosen_topics(["elbow"])
 
 
-def test_changed_parameters_decode(bench: Any, tmp_path: Path) -> None:
-    """A change is kept, a declaration is not, and another library reads it."""
+def test_changes_of_parameters_are_recorded(bench: Any, tmp_path: Path) -> None:
+    """A change is recorded, a declaration is not."""
     recorder = RecorderNode(tmp_path / "bag")
     bench.probe.declare_parameter("level", 0.1)
     bench.probe.declare_parameter("law", "none")
@@ -78,8 +78,8 @@ def test_changed_parameters_decode(bench: Any, tmp_path: Path) -> None:
     assert (level.double_value, law.string_value) == (0.2, "lugre")
 
 
-def test_what_the_middleware_drops_is_counted(bench: Any, tmp_path: Path, monkeypatch: Any) -> None:
-    """A queue that is too short loses the oldest, and the recorder says how many."""
+def test_dropped_messages_are_counted(bench: Any, tmp_path: Path, monkeypatch: Any) -> None:
+    """A queue that is too short loses the oldest messages; the recorder counts them."""
     monkeypatch.setattr(module, "RECEIVE_DEPTH", 5)
     recorder = RecorderNode(tmp_path / "bag", topics=[COMMAND])
     publish(bench, 1, (COMMAND,))

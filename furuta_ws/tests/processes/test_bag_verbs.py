@@ -1,4 +1,4 @@
-"""Recording, replaying and identifying as a user does."""
+"""Recording, replaying and identifying on the command line."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def bag(tmp_path_factory: Any) -> Path:
 
 @pytest.fixture(autouse=True)
 def recorded(furuta: Any, bag: Path) -> None:
-    """A lock-step bag that the tests of this file share."""
+    """Record the lock-step bag that the tests of this file share."""
     if not bag.exists():
         status, _, err = furuta(
             "run", "--lockstep", "--seconds", "2", "--record", bag, "--set", "compensation=lugre"
@@ -34,7 +34,7 @@ def recorded(furuta: Any, bag: Path) -> None:
 
 
 def test_info(furuta: Any, bag: Path) -> None:
-    """What is in the bag, its parameters beside it."""
+    """Messages, topics, types and the parameter file of a bag."""
     result = json.loads(furuta("bag", "info", bag, "--json")[1])
     assert result["messages"] == 10_000
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
@@ -42,19 +42,19 @@ def test_info(furuta: Any, bag: Path) -> None:
 
 
 def test_recompute(furuta: Any, bag: Path) -> None:
-    """Bit-identical with the recorded parameters."""
+    """With the recorded parameters every number is identical to the last bit."""
     result = json.loads(furuta("bag", "recompute", bag, "--json")[1])
     assert result["identical"]
     assert result["samples"] == 2000
 
 
-def test_replay_chosen_and_renamed(bench: Any, processes: Any, bag: Path) -> None:
-    """Chosen topics, one under another name, in their order and at their rate."""
+def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:
+    """Only the chosen topics, one under another name, in order and not too fast."""
     renamed: list[Any] = []
     bench.probe.create_subscription(JOINT_STATES.type, "renamed", renamed.append, deep(10_000))
     kept = bench.collect(MEASUREMENT)
     command = ("bag", "replay", bag, "--topic", "measurement", "--topic", "joint_states")
-    began = monotonic()
+    start = monotonic()
     process = processes.furuta(
         *command, "--remap", "joint_states:=renamed", "--wait", "--rate", "4"
     )
@@ -62,13 +62,13 @@ def test_replay_chosen_and_renamed(bench: Any, processes: Any, bag: Path) -> Non
     out, err = process.communicate(timeout=30)
     assert process.returncode == 0, err
     assert out.startswith("4000 messages")
-    assert monotonic() - began > 2.0 / 4
+    assert monotonic() - start > 2.0 / 4
     stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in renamed]
     assert stamps == sorted(stamps)
 
 
-def test_identify_a_foreign_table(furuta: Any, tmp_path: Path) -> None:
-    """A table with other names, hanging zero and commands in rows of their own."""
+def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
+    """A table with other names, a hanging zero, and commands in separate rows."""
     series = tmp_path / "run.npz"
     furuta("simulate", "--ideal-sensors", "--seconds", "8", "--out", series)
     table = tmp_path / "log.csv"
@@ -104,10 +104,10 @@ def test_identify_a_foreign_table(furuta: Any, tmp_path: Path) -> None:
     assert status == 0, err
 
 
-def test_bad_recordings_are_one_line(
+def test_bad_recordings_give_one_line(
     monkeypatch: Any, capsys: Any, tmp_path: Path, bag: Path
 ) -> None:
-    """What is missing, said in one line."""
+    """Exit status 1, and one line says what is missing."""
     empty = tmp_path / "empty"
     empty.mkdir()
     words = tmp_path / "words.csv"
@@ -118,12 +118,12 @@ def test_bad_recordings_are_one_line(
         writer.add_connection("/x", "std_msgs/msg/Float64", typestore=types)
     for arguments, reason in (
         (["identify", tmp_path / "none.csv"], "no recording"),
-        (["identify", empty], "no readable bag"),
+        (["identify", empty], "not a readable bag"),
         (["identify", words], "no column with the time"),
         (["identify", states], "sensor_msgs/msg/JointState"),
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),
-        (["bag", "info", empty], "no readable bag"),
+        (["bag", "info", empty], "not a readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
         (["bag", "recompute", states], "nothing to recompute"),
@@ -135,3 +135,28 @@ def test_bad_recordings_are_one_line(
         assert (ended.value.code, out) == (1, ""), arguments
         assert reason in err
         assert len(err.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (["identify", "log.csv", "--window", "0.01"], "--window"),
+        (["identify", "log.csv", "--window", "nan"], "--window"),
+        (["identify", "log.csv", "--command-scale", "0"], "--command-scale"),
+        (["identify", "log.csv", "--command-scale", "inf"], "--command-scale"),
+        (["identify", "log.csv", "--zero", "left"], "--zero"),
+        (["identify"], "PATH"),
+        (["bag", "replay", "bag", "--rate", "-1"], "--rate"),
+        (["bag", "replay", "bag", "--rate", "nan"], "--rate"),
+        (["bag", "replay", "bag", "--remap", "a:=b:=c"], "--remap"),
+        (["bag", "replay", "bag", "--remap", "a="], "--remap"),
+    ],
+)
+def test_wrong_usage(monkeypatch: Any, capsys: Any, arguments: list[str], option: str) -> None:
+    """Exit status 2, and the message names the option."""
+    monkeypatch.setattr(sys, "argv", ["furuta", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    out, err = capsys.readouterr()
+    assert (ended.value.code, out) == (2, "")
+    assert f"'{option}" in err

@@ -1,17 +1,15 @@
-"""Bags that survive: every moment of writing leaves a bag that other libraries read."""
+"""Bag files: complete at every moment of writing, and recovered when damaged."""
 
 from __future__ import annotations
 
 import errno
 import os
-import random
 import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from time import sleep
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +17,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
+from mcap.records import ChunkIndex
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
@@ -26,23 +25,25 @@ from rosbags.typesys import Stores, get_typestore
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags import mcap_file
 from furuta_recordings.bags.bag import Bag, refuse_too_long
-from furuta_recordings.bags.mcap_file import Kind
+from furuta_recordings.bags.mcap_records import FOOTER_SIZE, BagTopic
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
 
-KINDS = [
-    Kind("/a", "std_msgs/msg/Float64", "float64 data\n", ""),
-    Kind("/b", "std_msgs/msg/Float64", "float64 data\n", ""),
+TOPICS = [
+    BagTopic("/a", "std_msgs/msg/Float64", "float64 data\n", ""),
+    BagTopic("/b", "std_msgs/msg/Float64", "float64 data\n", ""),
 ]
 # A Float64 in CDR: header, then eight bytes.
 DATA = b"\x00\x01\x00\x00" + bytes(8)
+# A chunk, its head, a summary, a footer.
+WRITES_PER_FLUSH = 4
 WRITE_FOR_EVER = """
 import itertools, sys, time
 from pathlib import Path
 from furuta_recordings.bags.writer import BagWriter
-from furuta_recordings.bags.mcap_file import Kind
-kinds = [Kind("/a", "std_msgs/msg/Float64", "float64 data\\n", "")]
-writer = BagWriter(Path(sys.argv[1]), kinds, {"parameters.yaml": "plant: {}"})
+from furuta_recordings.bags.mcap_records import BagTopic
+topics = [BagTopic("/a", "std_msgs/msg/Float64", "float64 data\\n", "")]
+writer = BagWriter(Path(sys.argv[1]), topics, {"parameters.yaml": "plant: {}"})
 for k in itertools.count():
     writer.add(0, k, b"\\x00\\x01\\x00\\x00" + k.to_bytes(8, "little"))
     if k % 50 == 0:
@@ -63,9 +64,9 @@ def counts(bag: Path) -> tuple[int, int]:
     return by_rosbags, by_mcap
 
 
-def test_a_bag_is_whole_after_every_flush(tmp_path: Path) -> None:
-    """Before it is closed, and closed; the room that was not used goes."""
-    writer = BagWriter(tmp_path / "bag", KINDS, {"parameters.yaml": "plant: {}\n"})
+def test_a_bag_is_complete_after_every_flush(tmp_path: Path) -> None:
+    """Before and after it is closed; closing cuts off the unused space."""
+    writer = BagWriter(tmp_path / "bag", TOPICS, {"parameters.yaml": "plant: {}\n"})
     assert counts(writer.path) == (0, 0)
     for k in range(5):
         for j in range(10):
@@ -78,15 +79,15 @@ def test_a_bag_is_whole_after_every_flush(tmp_path: Path) -> None:
     (file,) = writer.path.glob("*.mcap")
     assert file.stat().st_size < 20_000
     assert (writer.path / "parameters.yaml").read_text() == "plant: {}\n"
-    with Bag(writer.path) as reader:
-        assert {c.topic: c.msgcount for c in reader.connections} == {"/a": 26, "/b": 25}
-        assert [time for _, time, _ in reader.messages()][-1] == 99
+    with Bag(writer.path) as bag:
+        assert {c.topic: c.msgcount for c in bag.connections} == {"/a": 26, "/b": 25}
+        assert [time for _, time, _ in bag.messages()][-1] == 99
 
 
 def test_a_full_file_is_followed_by_another(tmp_path: Path, monkeypatch: Any) -> None:
     """As rosbag2 splits bags; order and number of messages stay."""
-    monkeypatch.setattr(mcap_file, "DATA_ROOM", 2**20 + 10_000)
-    writer = BagWriter(tmp_path / "bag", KINDS, {})
+    monkeypatch.setattr(mcap_file, "DATA_SPACE", 2**20 + 10_000)
+    writer = BagWriter(tmp_path / "bag", TOPICS, {})
     for k in range(1000):
         writer.add(0, k, DATA)
         if k % 10 == 0:
@@ -94,27 +95,63 @@ def test_a_full_file_is_followed_by_another(tmp_path: Path, monkeypatch: Any) ->
     writer.close()
     assert len(list(writer.path.glob("*.mcap"))) > 2
     assert counts(writer.path) == (1000, 1000)
+    with Bag(writer.path) as bag:
+        assert [time for _, time, _ in bag.messages()] == list(range(1000))
 
 
-def test_sigkill_at_any_moment(tmp_path: Path) -> None:
-    """Twelve writers killed while they write without pause: all that was flushed is there."""
-    for k in range(12):
-        bag = tmp_path / f"bag{k}"
-        child = subprocess.Popen(
-            [sys.executable, "-c", WRITE_FOR_EVER, str(bag)], stdout=subprocess.PIPE, text=True
-        )
-        assert child.stdout is not None
-        child.stdout.readline()
-        sleep(random.uniform(0.0, 0.1))
-        child.send_signal(signal.SIGKILL)
-        said = [int(line) for line in child.communicate()[0].splitlines() if line.endswith("\n")]
-        by_rosbags, by_mcap = counts(bag)
-        assert by_rosbags == by_mcap >= max(said, default=0)
+class Killed(BaseException):
+    """Stands for SIGKILL: nothing of the process runs afterwards."""
 
 
-def test_a_full_disk_keeps_what_came_before(tmp_path: Path, monkeypatch: Any) -> None:
-    """Writing fails, and the bag still reads."""
-    writer = BagWriter(tmp_path / "bag", KINDS, {})
+@pytest.mark.parametrize("last", range(12))
+def test_killed_at_every_write(tmp_path: Path, monkeypatch: Any, last: int) -> None:
+    """Killed during the write after ``last`` others: every finished flush is in the bag.
+
+    The interrupted write is half done, except for heads and footers, which are in one disk block.
+    Until a summary names the first chunk, readers scan the data and find it earlier.
+    """
+    writer = BagWriter(tmp_path / "bag", TOPICS, {})
+    pwrite, writes, flushes = os.pwrite, 0, 0
+
+    def killed(file: int, data: memoryview, offset: int) -> int:
+        nonlocal writes, flushes
+        if writes == last:
+            pwrite(file, data[: len(data) // 2 if len(data) > FOOTER_SIZE else 0], offset)
+            raise Killed
+        writes += 1
+        flushes += len(data) == FOOTER_SIZE
+        return pwrite(file, data, offset)
+
+    monkeypatch.setattr(os, "pwrite", killed)
+    with pytest.raises(Killed):
+        for k in range(100):
+            writer.add(0, k, b"x" * 50_000)
+            writer.flush()
+    monkeypatch.undo()
+    assert flushes == last // WRITES_PER_FLUSH
+    expected = flushes or int(last >= 2)
+    assert counts(writer.path) == (expected, expected)
+
+
+@pytest.mark.parametrize("flushes", [1, 2, 3, 5, 10, 20, 50])
+def test_sigkill_while_writing(tmp_path: Path, flushes: int) -> None:
+    """A writer that writes without pause is killed: everything that was flushed is in the bag."""
+    bag = tmp_path / "bag"
+    child = subprocess.Popen(
+        [sys.executable, "-c", WRITE_FOR_EVER, str(bag)], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    lines = [child.stdout.readline() for _ in range(flushes)]
+    child.send_signal(signal.SIGKILL)
+    lines += child.communicate()[0].splitlines(keepends=True)
+    flushed = 1 + max(int(line) for line in lines if line.endswith("\n"))
+    by_rosbags, by_mcap = counts(bag)
+    assert by_rosbags == by_mcap >= flushed > 50 * (flushes - 1)
+
+
+def test_a_full_disk_keeps_what_was_written_before(tmp_path: Path, monkeypatch: Any) -> None:
+    """Writing fails, and the bag is still readable."""
+    writer = BagWriter(tmp_path / "bag", TOPICS, {})
     writer.add(0, 1, DATA)
     writer.flush()
 
@@ -130,7 +167,8 @@ def test_a_full_disk_keeps_what_came_before(tmp_path: Path, monkeypatch: Any) ->
 
 
 def written(path: Path, chunks: int = 20) -> Path:
-    writer = BagWriter(path, KINDS, {})
+    """A closed bag with 50 messages per chunk; times are numbers from 0 on."""
+    writer = BagWriter(path, TOPICS, {})
     for k in range(chunks):
         for j in range(50):
             writer.add(j % 2, 50 * k + j, DATA)
@@ -139,43 +177,63 @@ def written(path: Path, chunks: int = 20) -> Path:
     return path
 
 
+def chunks_of(file: Path) -> list[ChunkIndex]:
+    with file.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    return summary.chunk_indexes
+
+
+def times(bag: Path) -> list[int]:
+    with Bag(bag) as opened:
+        return [time for _, time, _ in opened.messages()]
+
+
 @pytest.mark.parametrize("part", [0.3, 0.6, 0.95])
 def test_recover_truncated(tmp_path: Path, part: float) -> None:
-    """What lies before the cut comes back; the bag itself said that it was cut."""
+    """Every chunk before the cut is recovered; the truncated bag itself is refused."""
     bag = written(tmp_path / "bag")
     (file,) = bag.glob("*.mcap")
-    os.truncate(file, int(part * file.stat().st_size))
-    with pytest.raises(ParameterError, match="no readable bag"), Bag(bag):
+    size = int(part * file.stat().st_size)
+    complete = sum(c.chunk_start_offset + c.chunk_length <= size for c in chunks_of(file))
+    assert complete > 0
+    os.truncate(file, size)
+    with pytest.raises(ParameterError, match="not a readable bag"), Bag(bag):
         pass
-    result = recover(bag, tmp_path / "mended")
-    assert 0.7 * part * 1000 < result["messages"] <= 1000
-    assert counts(tmp_path / "mended") == (result["messages"], result["messages"])
+    result = recover(bag, tmp_path / "recovered")
+    assert result["messages"] == 50 * complete
+    assert times(tmp_path / "recovered") == list(range(50 * complete))
 
 
-def test_recover_corrupted(tmp_path: Path) -> None:
-    """A damaged chunk is left out by its checksum, the others stay."""
+@pytest.mark.parametrize(
+    ("in_the_chunk", "lost"), [(True, range(500, 550)), (False, range(0))], ids=["chunk", "index"]
+)
+def test_recover_corrupted(tmp_path: Path, in_the_chunk: bool, lost: range) -> None:
+    """Damage in a chunk costs that chunk alone; damage in a message index costs nothing."""
     bag = written(tmp_path / "bag")
     (file,) = bag.glob("*.mcap")
+    chunk = chunks_of(file)[10]
+    end = chunk.chunk_start_offset + chunk.chunk_length
     content = bytearray(file.read_bytes())
-    content[len(content) // 2] ^= 0xFF
+    content[end - 20 if in_the_chunk else end + 20] ^= 0xFF
     file.write_bytes(content)
-    result = recover(bag, tmp_path / "mended")
-    assert result["messages"] in (950, 1000)
-    assert counts(tmp_path / "mended")[0] == result["messages"]
+    result = recover(bag, tmp_path / "recovered")
+    assert len(result["problems"]) == bool(lost)
+    assert times(tmp_path / "recovered") == [t for t in range(1000) if t not in lost]
 
 
 def test_recover_without_metadata(tmp_path: Path) -> None:
-    """A bag whose metadata.yaml is gone."""
+    """A bag without metadata.yaml."""
     bag = written(tmp_path / "bag")
     (bag / "metadata.yaml").unlink()
-    with pytest.raises(ParameterError, match="no readable bag"), Bag(bag):
+    with pytest.raises(ParameterError, match="not a readable bag"), Bag(bag):
         pass
-    assert recover(bag, tmp_path / "mended")["messages"] == 1000
+    assert recover(bag, tmp_path / "recovered")["messages"] == 1000
 
 
 @pytest.mark.parametrize("plugin", [StoragePlugin.SQLITE3, StoragePlugin.MCAP])
-def test_foreign_bags(tmp_path: Path, plugin: StoragePlugin) -> None:
-    """Bags of another writer are read and recovered, sqlite3 and mcap."""
+def test_bags_of_other_writers(tmp_path: Path, plugin: StoragePlugin) -> None:
+    """They are read and recovered, sqlite3 and mcap."""
     types = get_typestore(Stores.ROS2_HUMBLE)
     with Writer(tmp_path / "bag", version=8, storage_plugin=plugin) as writer:
         connection = writer.add_connection("/a", "std_msgs/msg/Float64", typestore=types)
@@ -183,17 +241,17 @@ def test_foreign_bags(tmp_path: Path, plugin: StoragePlugin) -> None:
             writer.write(connection, k, DATA)
     with Bag(tmp_path / "bag") as reader:
         assert reader.message_count == 10
-    assert recover(tmp_path / "bag", tmp_path / "mended")["messages"] == 10
+    assert recover(tmp_path / "bag", tmp_path / "recovered")["messages"] == 10
 
 
 @pytest.fixture(scope="module")
-def sound(tmp_path_factory: Any) -> list[Path]:
+def intact(tmp_path_factory: Any) -> list[Path]:
     """A bag of ours that was closed, one that was not, and one of another writer."""
-    directory = tmp_path_factory.mktemp("sound")
+    directory = tmp_path_factory.mktemp("intact")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mcap_file, "DATA_ROOM", 2**20 + 2**16)
-        patch.setattr(mcap_file, "SUMMARY_ROOM", 2**14)
-        killed = BagWriter(directory / "killed", KINDS, {})
+        patch.setattr(mcap_file, "DATA_SPACE", 2**20 + 2**16)
+        patch.setattr(mcap_file, "SUMMARY_SPACE", 2**14)
+        killed = BagWriter(directory / "killed", TOPICS, {})
         killed.add(0, 1, DATA)
         killed.flush()
     types = get_typestore(Stores.ROS2_HUMBLE)
@@ -211,8 +269,8 @@ def sound(tmp_path_factory: Any) -> list[Path]:
     damage=st.binary(min_size=1, max_size=30),
     cut=st.booleans(),
 )
-def test_whatever_is_damaged_gets_an_answer(
-    sound: list[Path],
+def test_damage_anywhere(
+    intact: list[Path],
     tmp_path_factory: Any,
     which: int,
     place: float,
@@ -220,9 +278,9 @@ def test_whatever_is_damaged_gets_an_answer(
     damage: bytes,
     cut: bool,
 ) -> None:
-    """Reading and recovery work or refuse in one line; what was recovered reads."""
+    """Reading and recovery succeed or fail with one line; a recovered bag is readable."""
     bag = tmp_path_factory.mktemp("damaged") / "bag"
-    shutil.copytree(sound[which], bag)
+    shutil.copytree(intact[which], bag)
     (file,) = (each for each in bag.iterdir() if each.suffix in (".mcap", ".db3"))
     size = file.stat().st_size
     with file.open("r+b") as stream:
@@ -230,21 +288,21 @@ def test_whatever_is_damaged_gets_an_answer(
         stream.write(damage)
         if cut:
             stream.truncate()
-    read, mended = refusal(lambda: everything(bag)), bag.with_name("mended")
-    assert read is None or "no readable bag" in read
-    mending = refusal(lambda: recover(bag, mended))
-    assert mending is None or "nothing that can be read" in mending
-    if mending is None:
-        everything(mended)
+    reading, recovered = error_of(lambda: read_all(bag)), bag.with_name("recovered")
+    assert reading is None or "not a readable bag" in reading
+    recovering = error_of(lambda: recover(bag, recovered))
+    assert recovering is None or "no message that can be read" in recovering
+    if recovering is None:
+        read_all(recovered)
 
 
-def everything(bag: Path) -> None:
-    with Bag(bag) as reader:
-        for connection, _, data in reader.messages():
-            reader.deserialize(data, connection.msgtype)
+def read_all(bag: Path) -> None:
+    with Bag(bag) as opened:
+        for connection, _, data in opened.messages():
+            opened.deserialize(data, connection.msgtype)
 
 
-def refusal(do: Callable[[], Any]) -> str | None:
+def error_of(do: Callable[[], Any]) -> str | None:
     try:
         do()
     except ParameterError as error:
@@ -254,21 +312,21 @@ def refusal(do: Callable[[], Any]) -> str | None:
 
 
 @pytest.mark.parametrize("content", [b"", b"not a bag", b"\x89MCAP0\r\n" + b"\xff" * 100])
-def test_rubbish_is_no_bag(tmp_path: Path, content: bytes) -> None:
-    """Empty and foreign files are refused in one line, by reading and by recovery."""
+def test_other_files_are_not_bags(tmp_path: Path, content: bytes) -> None:
+    """Empty and other files are refused in one line, by reading and by recovery."""
     file = tmp_path / "x.mcap"
     file.write_bytes(content)
-    with pytest.raises(ParameterError, match="no readable bag"), Bag(file):
+    with pytest.raises(ParameterError, match="not a readable bag"), Bag(file):
         pass
-    with pytest.raises(ParameterError, match="nothing that can be read"):
-        recover(file, tmp_path / "mended")
+    with pytest.raises(ParameterError, match="no message that can be read"):
+        recover(file, tmp_path / "recovered")
 
 
 def test_a_bag_too_long_for_memory_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
-    """By the counts in its summary, with topic and limit named."""
-    monkeypatch.setattr("furuta_recordings.bags.bag.LONGEST", 10)
+    """By the counts in its summary; the message names topic and limit."""
+    monkeypatch.setattr("furuta_recordings.bags.bag.MOST_IN_MEMORY", 10)
     connection = SimpleNamespace(topic="/measurement", msgcount=11)
-    with pytest.raises(ParameterError, match="11 messages on /measurement, at most 10"):
+    with pytest.raises(ParameterError, match="11 messages on /measurement, at most 10 fit"):
         refuse_too_long(tmp_path, [connection])
     connection.msgcount = 10
     refuse_too_long(tmp_path, [connection])

@@ -1,4 +1,4 @@
-"""The process that writes bags: nothing is lost on the way, and nobody waits for it."""
+"""The process that writes bags: no message is lost, and the recorder never waits for it."""
 
 from __future__ import annotations
 
@@ -12,76 +12,87 @@ from typing import Any
 import pytest
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags import writer_process as bag_process
+from furuta_recordings.bags import background_writer
+from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.mcap_file import Kind
-from furuta_recordings.bags.writer_process import BagProcess
+from furuta_recordings.bags.mcap_records import BagTopic
 
-KINDS = [Kind("/a", "std_msgs/msg/Float64", "float64 data\n", "")]
+TOPICS = [BagTopic("/a", "std_msgs/msg/Float64", "float64 data\n", "")]
 MEGABYTE = bytes(2**20)
 
 
 @pytest.fixture
-def bag(tmp_path: Path) -> Iterator[BagProcess]:
+def writer(tmp_path: Path) -> Iterator[BackgroundWriter]:
     """A bag being written."""
-    bag = BagProcess(tmp_path / "bag", KINDS, {"parameters.yaml": "plant: {}\n"})
-    yield bag
-    bag.close()
+    writer = BackgroundWriter(tmp_path / "bag", TOPICS, {"parameters.yaml": "plant: {}\n"})
+    yield writer
+    writer.close()
 
 
-def writer_of(bag: BagProcess) -> int:
-    return bag._process.pid
+def process_of(writer: BackgroundWriter) -> int:
+    return writer._process.pid
 
 
-def test_what_goes_in_comes_out(bag: BagProcess, tmp_path: Path) -> None:
-    """In order, whatever the sizes, and the bag is there from the start."""
+def stop(pid: int) -> None:
+    """Stop a process and wait until it is stopped."""
+    os.kill(pid, signal.SIGSTOP)
+    deadline = monotonic() + 30.0
+    while Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "T":
+        assert monotonic() < deadline
+        sleep(0.001)
+
+
+def test_all_messages_are_written(writer: BackgroundWriter, tmp_path: Path) -> None:
+    """In order, whatever their sizes; the bag exists from the start."""
     assert (tmp_path / "bag" / "parameters.yaml").read_text() == "plant: {}\n"
     contents = [os.urandom(size) for size in (0, 1, 70_000, 3_000_000, 12)]
     for time, content in enumerate(contents):
-        bag.add(0, time, content)
-        bag.send(wait=time % 2 == 0)
-    bag.close()
-    assert bag.failure is None
-    with Bag(tmp_path / "bag") as reader:
-        got = [(time, bytes(data)) for _, time, data in reader.messages()]
+        writer.add(0, time, content)
+        writer.send(wait=time % 2 == 0)
+    writer.close()
+    assert writer.failure is None
+    with Bag(tmp_path / "bag") as bag:
+        got = [(time, bytes(data)) for _, time, data in bag.messages()]
     assert got == list(enumerate(contents))
 
 
-def test_nobody_waits_for_a_writer_that_stands_still(bag: BagProcess, monkeypatch: Any) -> None:
-    """Handing over returns at once, until more waits than is allowed: then recording ends."""
-    monkeypatch.setattr(bag_process, "LONGEST_WAIT", 4 * 2**20)
-    os.kill(writer_of(bag), signal.SIGSTOP)
+def test_the_recorder_does_not_wait_for_a_stopped_writer(
+    writer: BackgroundWriter, monkeypatch: Any
+) -> None:
+    """Sending returns until the backlog exceeds its limit; then recording ends."""
+    monkeypatch.setattr(background_writer, "LARGEST_BACKLOG", 4 * 2**20)
+    stop(process_of(writer))
     for time in range(4):
-        bag.add(0, time, MEGABYTE)
-        bag.send()
-        assert bag.failure is None
+        writer.add(0, time, MEGABYTE)
+        writer.send()
+        assert writer.failure is None
     for time in range(2):
-        bag.add(0, time, MEGABYTE)
-        bag.send()
-    assert bag.failure is not None
-    assert "does not keep up" in bag.failure
-    os.kill(writer_of(bag), signal.SIGCONT)
+        writer.add(0, time, MEGABYTE)
+        writer.send()
+    assert writer.failure is not None
+    assert "the disk is too slow" in writer.failure
+    os.kill(process_of(writer), signal.SIGCONT)
 
 
-def test_a_writer_that_is_killed(bag: BagProcess) -> None:
-    """It is said, and handing over raises nothing."""
-    os.kill(writer_of(bag), signal.SIGKILL)
+def test_a_killed_writer_is_reported(writer: BackgroundWriter) -> None:
+    """Sending does not raise; the failure says what happened."""
+    os.kill(process_of(writer), signal.SIGKILL)
     deadline = monotonic() + 30.0
-    while bag.failure is None:
+    while writer.failure is None:
         assert monotonic() < deadline
-        bag.add(0, 0, b"data")
-        bag.send()
+        writer.add(0, 0, b"data")
+        writer.send()
         sleep(0.01)
-    assert "was ended" in bag.failure
+    assert "was killed" in writer.failure
 
 
-def test_a_bag_that_cannot_be_made(tmp_path: Path) -> None:
+def test_a_bag_that_cannot_be_created(tmp_path: Path) -> None:
     """The reason comes from the other process, in one line."""
     (tmp_path / "file").write_text("not a directory")
     for path, reason in (
-        (tmp_path, "exists already"),
+        (tmp_path, "already exists"),
         (tmp_path / "file" / "bag", "file: File exists"),
     ):
-        with pytest.raises(ParameterError, match=reason) as refused:
-            BagProcess(path, KINDS, {})
-        assert "\n" not in str(refused.value)
+        with pytest.raises(ParameterError, match=reason) as error:
+            BackgroundWriter(path, TOPICS, {})
+        assert "\n" not in str(error.value)

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from furuta_figures.figure import saved_figure, style_time_series
 from furuta_figures.run import SIGNALS
 from furuta_model.state import PHI, THETA
+from furuta_recordings.bags.recorded_run import RecordedRun
 from furuta_studies.phases import Phase
-
-if TYPE_CHECKING:  # Drawing must not load the libraries that read bags.
-    from furuta_recordings.bags.recorded_run import RecordedRun
 
 TITLES = {
     "none": "no compensation (Fig. 6)",

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta_figures.figure import saved_figure, style_time_series
-from furuta_identification.uncertainty.quality import Followed
+from furuta_identification.fitting.validation import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
 
-def draw_residuals(followed: list[Followed], others: list[Followed], path: Path) -> None:
+def draw_residuals(followed: list[Prediction], others: list[Prediction], path: Path) -> None:
     """Draw one column per recording (``others`` were held out), each channel above its residual."""
     runs = [*followed, *others]
     channels = _measured_channels(runs)
@@ -34,7 +34,7 @@ def draw_residuals(followed: list[Followed], others: list[Followed], path: Path)
         figure.align_ylabels()
 
 
-def _measured_channels(runs: list[Followed]) -> list[int]:
+def _measured_channels(runs: list[Prediction]) -> list[int]:
     """Channels that at least one recording holds."""
     return [
         k
@@ -43,7 +43,7 @@ def _measured_channels(runs: list[Followed]) -> list[int]:
     ]
 
 
-def _draw_channel(upper: Axes, lower: Axes, run: Followed, k: int, fit: float) -> None:
+def _draw_channel(upper: Axes, lower: Axes, run: Prediction, k: int, fit: float) -> None:
     """Draw one channel, measured and modelled, and the difference."""
     time, measured = run.recording.time, run.recording.measured[:, k]
     upper.plot(time, measured, lw=1.6, label="measured")

@@ -1,1 +1,1 @@
-"""Recordings: bags written, read, repaired and replayed, and readers for other formats."""
+"""Recordings: bags written, read, recovered and replayed, and readers for other formats."""

@@ -1,4 +1,4 @@
-"""Node ``recorder``: topics into a bag that survives whatever happens to this process."""
+"""Node ``recorder``: writes topics into a bag that survives the end of this process."""
 
 from __future__ import annotations
 
@@ -14,34 +14,39 @@ from rclpy.subscription import Subscription
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
+from furuta_model import topic_names
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.mcap_file import Kind
-from furuta_recordings.bags.writer_process import BagProcess
-from furuta_ros.messages import NANOSECONDS
+from furuta_model.time_stamps import NANOSECONDS
+from furuta_recordings.bags.background_writer import BackgroundWriter
+from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_ros.topics import QOS, TIMING, TOPICS, Topic, deep
 
-# Messages of a topic that may wait until they are collected.
+# Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
 RECEIVE_DEPTH = 100_000
-# Seconds between two times that who runs the recorder lets it collect.
+# Time [s] between two calls of :meth:`RecorderNode.collect` by whoever runs the recorder.
 COLLECT_EVERY = 0.005
-PARAMETER_EVENTS = Topic("/parameter_events", ParameterEvent)
-PARAMETERS_FILE = "parameters.yaml"
+PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 RECORDABLE = (*TOPICS, TIMING)
+# Seconds and nanoseconds of the stamp in a serialized JointState, after the four bytes that name
+# the encoding.
+_STAMP, _STAMP_OFFSET = struct.Struct("<iI"), 4
 
 
 class RecorderNode(Node):
-    """Writes topics as they are, undecoded, to ``path``.
+    """Writes serialized messages to the bag ``path``.
 
-    It belongs to no executor: the middleware keeps what arrives, with its time, until
-    :meth:`collect` hands it to a process that writes. So recording costs the loop no callback, and
-    no wait for a disk. What was collected is safe, whatever happens to this process. With
-    ``stamped``, for lock-step, a message is filed under the newest time stamp before it, which
-    makes the bag repeatable, and collecting waits for the writer; otherwise a message is filed
-    under the time of its arrival. Where writing fails, on a full disk say, recording ends with a
-    message and the graph runs on; the bag holds what came before. ``kept`` and ``lost`` count
-    messages handed over and those that the middleware dropped.
+    The node belongs to no executor. The middleware keeps received messages with their times until
+    :meth:`collect` passes them to a writer process. Recording therefore costs the control loop no
+    callback and no wait for a disk, and collected messages survive the end of this process.
 
-    ``parameters`` (a ROS parameter file's text) is kept with the bag, and every change of a
+    By default a message gets the time of its arrival. With ``stamped``, for lock-step, it gets the
+    newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for the
+    writer. If writing fails, for example on a full disk, recording ends with an error message, the
+    graph continues, and the bag keeps what was written. ``kept`` and ``lost`` count the messages
+    that were passed on and those that the middleware dropped.
+
+    ``parameters`` (text of a ROS parameter file) is stored with the bag, and each change of a
     parameter is recorded from the topic /parameter_events.
     """
 
@@ -54,67 +59,79 @@ class RecorderNode(Node):
     ) -> None:
         super().__init__("recorder", start_parameter_services=False)
         self._stamped = stamped
-        self._stamp = 0
+        self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
         chosen = [*topics, PARAMETER_EVENTS]
-        kept = {PARAMETERS_FILE: parameters} if parameters else {}
-        self._bag = BagProcess(path, [self._kind(topic) for topic in chosen], kept)
-        self._sources = [
-            self.create_subscription(topic.type, topic.name, _never, deep(RECEIVE_DEPTH), raw=True)
+        files = {PARAMETERS_FILE: parameters} if parameters else {}
+        self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
+        depth = deep(RECEIVE_DEPTH)
+        self._inputs = [
+            self.create_subscription(topic.type, topic.name, _never_called, depth, raw=True)
             for topic in chosen
         ]
-        self._numbers = [0] * len(chosen)
+        self._last_numbers = [0] * len(chosen)
 
-    def _kind(self, topic: Topic) -> Kind:
+    def _bag_topic(self, topic: Topic) -> BagTopic:
         name = _type_name(topic)
-        text = get_typestore(Stores.ROS2_JAZZY).generate_msgdef(name, ros_version=2)[0]
-        return Kind(self.resolve_topic_name(topic.name), name, text, _QOS)
+        definition = get_typestore(Stores.ROS2_JAZZY).generate_msgdef(name, ros_version=2)[0]
+        return BagTopic(self.resolve_topic_name(topic.name), name, definition, _QOS)
 
     def collect(self) -> None:
-        """Hand all that has arrived to the process that writes."""
+        """Pass all received messages to the writer process."""
         if self.failure is not None:
             return
-        arrived = [each for index in range(len(self._sources)) for each in self._take(index)]
-        for time, index, data in sorted(arrived):
-            source = self._sources[index]
-            if source.msg_type is ParameterEvent and not _changes(data):
-                continue
-            if source.msg_type is JointState:
-                seconds, nanoseconds = struct.unpack_from("<iI", data, 4)
-                self._stamp = seconds * NANOSECONDS + nanoseconds
-            self._bag.add(index, self._stamp if self._stamped else time, data)
-            self.kept += 1
-        self._bag.send(wait=self._stamped)
-        self._tell_failure()
+        indexes = range(len(self._inputs))
+        received = [message for index in indexes for message in self._take(index)]
+        for time, index, data in sorted(received):
+            self._add(time, index, data)
+        self._writer.send(wait=self._stamped)
+        self._report_failure()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
-        """Time of arrival [ns], topic and content of what has arrived on a topic."""
-        source = self._sources[index]
-        with source.handle:
-            while (taken := source.handle.take_message(source.msg_type, True)) is not None:
-                data, about = taken
-                self._count(source, index, about["publication_sequence_number"])
-                yield about["received_timestamp"], index, data
+        """Time of arrival [ns], topic and content of each message received on a topic."""
+        subscription = self._inputs[index]
+        handle, message_type = subscription.handle, subscription.msg_type
+        with handle:
+            while (taken := handle.take_message(message_type, True)) is not None:
+                data, info = taken
+                self._count_missing(subscription, index, info["publication_sequence_number"])
+                yield info["received_timestamp"], index, data
 
-    def _count(self, source: Subscription, index: int, number: int) -> None:
-        """Tell of messages that the middleware dropped, by the numbers of the only publisher."""
-        missing = number - self._numbers[index] - 1
-        if missing > 0 < self._numbers[index] and source.get_publisher_count() == 1:
+    def _add(self, time: int, index: int, data: bytes) -> None:
+        message_type = self._inputs[index].msg_type
+        if message_type is ParameterEvent and not _changes_parameters(data):
+            return
+        if message_type is JointState:
+            seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
+            self._newest_stamp = seconds * NANOSECONDS + nanoseconds
+        self._writer.add(index, self._newest_stamp if self._stamped else time, data)
+        self.kept += 1
+
+    def _count_missing(self, subscription: Subscription, index: int, number: int) -> None:
+        """Report messages that the middleware dropped, by the sequence numbers of a publisher.
+
+        With several publishers the numbers say nothing.
+        """
+        missing = number - self._last_numbers[index] - 1
+        known = self._last_numbers[index] > 0 and subscription.get_publisher_count() == 1
+        if missing > 0 and known:
             self.lost += missing
-            self.get_logger().warning(f"{missing} messages on {source.topic} did not arrive")
-        self._numbers[index] = number
+            self.get_logger().warning(f"{missing} messages on {subscription.topic} were dropped")
+        self._last_numbers[index] = number
 
-    def _tell_failure(self) -> None:
-        if self.failure is None and self._bag.failure is not None:
-            self.failure = self._bag.failure
-            self.get_logger().error(f"recording ended: {self.failure}; what came before is kept")
+    def _report_failure(self) -> None:
+        if self.failure is None and self._writer.failure is not None:
+            self.failure = self._writer.failure
+            self.get_logger().error(
+                f"recording ended: {self.failure}; the bag keeps what was written before"
+            )
 
     def close(self) -> None:
         """Collect what is left and finish the bag."""
         self.collect()
-        self._bag.close()
-        self._tell_failure()
+        self._writer.close()
+        self._report_failure()
 
     def destroy_node(self) -> None:
         """Finish the bag with the node."""
@@ -122,12 +139,12 @@ class RecorderNode(Node):
         super().destroy_node()
 
 
-# What makes the recorder of a run once ROS is up.
+# Creates the recorder of a run once ROS is started.
 MakeRecorder = Callable[[], RecorderNode]
 
 
 def chosen_topics(names: Iterable[str]) -> tuple[Topic, ...]:
-    """The topics of these names; all of the graph where none is named."""
+    """The topics with these names; without names, all topics of the graph."""
     known = {topic.name: topic for topic in RECORDABLE}
     unknown = [name for name in names if name.strip("/") not in known]
     if unknown:
@@ -135,21 +152,21 @@ def chosen_topics(names: Iterable[str]) -> tuple[Topic, ...]:
     return tuple(known[name.strip("/")] for name in names) or TOPICS
 
 
-def _changes(data: bytes) -> bool:
-    """Whether an event changes parameters; their declaration at a node's start is no change."""
+def _changes_parameters(data: bytes) -> bool:
+    """Whether an event changes parameters; declaring them at a node's start does not count."""
     return bool(deserialize_message(data, ParameterEvent).changed_parameters)
 
 
-def _never(message: Any) -> None:
+def _never_called(message: Any) -> None:
     """Callback of subscriptions that no executor serves."""
 
 
-def _type_name(topic: Any) -> str:
+def _type_name(topic: Topic) -> str:
     package, _, _ = topic.type.__module__.partition(".")
     return f"{package}/msg/{topic.type.__name__}"
 
 
-# As rosbag2 writes a profile: enumerations by number (keep last, reliable, volatile, automatic).
+# The quality of service as rosbag2 writes it: keep last, reliable, volatile, automatic liveliness.
 _UNLIMITED = "{sec: 2147483647, nsec: 4294967295}"
 _QOS = (
     f"- history: 1\n  depth: {QOS.depth}\n  reliability: 1\n  durability: 2\n"

@@ -1,4 +1,4 @@
-"""A recording to identify from: what was measured, what was commanded, each with its own times."""
+"""A recording for identification: measurements and commands, each with their own times."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ UNITS = ("rad", "rad/s", "rad", "rad/s")
 class Recording(NamedTuple):
     """Series of one recording.
 
-    ``time`` (n,) [s], increasing but not necessarily even; ``measured`` (n, 4) of x = (φ, φ̇, θ,
-    θ̇), NaN where there is nothing; ``command_time`` (m,) [s] and ``command`` (m,) [V], each
-    held until the next, 0 V before the first.
+    ``time`` (n,) [s], increasing but not necessarily evenly spaced; ``measured`` (n, 4) of x = (φ,
+    φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A
+    command holds until the next one; before the first the command is 0 V.
     """
 
     name: str
@@ -33,16 +33,16 @@ class Recording(NamedTuple):
 
     @property
     def interval(self) -> float:
-        """The usual time between two samples [s]."""
+        """The median time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
     def between(self, start: float, end: float) -> Recording:
-        """The samples with start ≤ time < end; commands are kept, for they hold on."""
+        """The samples with start ≤ time < end, and all commands."""
         chosen = (self.time >= start) & (self.time < end)
         return self._replace(time=self.time[chosen], measured=self.measured[chosen])
 
     def reoriented(self, zero: float, pendulum: float, arm: float) -> Recording:
-        """The same in other coordinates: θ = pendulum·measured + zero [rad], φ = arm·measured."""
+        """In other coordinates: θ = pendulum·measured + zero [rad], φ = arm·measured."""
         measured = self.measured.copy()
         measured[:, THETA] = pendulum * measured[:, THETA] + zero
         measured[:, THETA_DOT] *= pendulum
@@ -51,15 +51,15 @@ class Recording(NamedTuple):
         return self._replace(measured=measured)
 
     def with_command_negated(self) -> Recording:
-        """The same with the command's sign turned."""
+        """With the opposite sign of the command."""
         return self._replace(command=-self.command)
 
     def with_delayed_command(self, delay: float) -> Recording:
-        """The same with the command's times ``delay`` [s] later."""
+        """With the command ``delay`` [s] later."""
         return self._replace(command_time=self.command_time + delay)
 
     def commanded_at(self, time: np.ndarray) -> np.ndarray:
-        """The command in force at each time [V]."""
+        """The command that holds at each time [V]."""
         if not len(self.command):
             return np.zeros(len(time))
         index = np.searchsorted(self.command_time, time + 1e-9, side="right") - 1

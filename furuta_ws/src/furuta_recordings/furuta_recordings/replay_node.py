@@ -1,4 +1,4 @@
-"""Node ``replay``: recorded messages on their topics again."""
+"""Node ``replay``: publishes the messages of a bag on their topics."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
 from furuta_model.parameters import ParameterError
+from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
-from furuta_ros.messages import NANOSECONDS
 from furuta_ros.topics import deep
 
-# Depth of the publishers' queues: what a reader may lag behind at full speed, and what is still
-# there when the middleware asks again, seconds later, for a message that its transport lost.
-DEPTH = 20_000
-# Longest wait for readers [s], and seconds of the bag between two times of /clock.
-PATIENCE = 30.0
-TICK = 0.01
-# Longest sleep [s] before it is looked whether to stop.
-NAP = 0.1
+# Depth of the publishers' queues. At full speed a subscriber may be this far behind, and the
+# middleware may ask, seconds later, for a message that its transport has lost.
+QUEUE_DEPTH = 20_000
+# Longest wait for subscribers [s].
+SUBSCRIBER_TIMEOUT = 30.0
+# Time of the bag between two messages on /clock [ns].
+CLOCK_PERIOD = 10_000_000
+# Longest sleep [s] between two checks whether to stop.
+LONGEST_SLEEP = 0.1
 
 
 class ReplayOptions(NamedTuple):
@@ -39,91 +40,109 @@ class ReplayOptions(NamedTuple):
 
 
 class ReplayNode(Node):
-    """Publishes what a bag holds, in its order."""
+    """Publishes the messages of a bag in their order.
+
+    ``published`` counts them; ``latest`` is the largest delay of one [s].
+    """
 
     def __init__(self, bag: Path, options: ReplayOptions) -> None:
         super().__init__("replay")
         self._bag, self._options = bag, options
         self.published = 0
         self.latest = 0.0
-        self._channels: dict[str, Publisher] = {}
-        with Bag(bag) as reader:
-            kinds = {c.topic: c.msgtype for c in reader.connections}
-        wanted = {_full(topic) for topic in options.topics}
-        unknown = wanted - {_full(topic) for topic in kinds}
+        # Monotonic time [s] and time of the bag [ns] at the first message.
+        self._start: tuple[float, int] | None = None
+        self._clock_tick = -1
+        self._topic_publishers: dict[str, Publisher] = {}
+        for topic, type_name in self._chosen_types().items():
+            self._create_publisher(topic, type_name)
+        self._clock_publisher = (
+            self.create_publisher(Clock, "/clock", deep(10)) if options.clock else None
+        )
+
+    def _chosen_types(self) -> dict[str, str]:
+        """Topics to replay with their types."""
+        with Bag(self._bag) as bag:
+            types = {c.topic: c.msgtype for c in bag.connections}
+        wanted = {_absolute(topic) for topic in self._options.topics}
+        unknown = wanted - {_absolute(topic) for topic in types}
         if unknown:
             raise ParameterError(
-                f"{bag} has no topic {', '.join(sorted(unknown))}; it has {', '.join(kinds)}"
+                f"{self._bag} has no topic {', '.join(sorted(unknown))}; it has {', '.join(types)}"
             )
-        names = {_full(a): b for a, b in options.remap}
-        for topic, kind in kinds.items():
-            if wanted and _full(topic) not in wanted:
-                continue
-            made = _message_class(kind)
-            if made is None:
-                if wanted:
-                    raise ParameterError(f"{topic}: the type {kind} is not installed")
-                self.get_logger().warning(f"left out {topic}: the type {kind} is not installed")
-                continue
-            self._channels[topic] = self.create_publisher(
-                made, names.get(_full(topic), topic), deep(DEPTH)
-            )
-        self._ticker = self.create_publisher(Clock, "/clock", deep(10)) if options.clock else None
+        return {topic: t for topic, t in types.items() if not wanted or _absolute(topic) in wanted}
+
+    def _create_publisher(self, topic: str, type_name: str) -> None:
+        """Create a topic's publisher, if its type is installed."""
+        message_class = _message_class(type_name)
+        if message_class is None:
+            if self._options.topics:
+                raise ParameterError(f"{topic}: the type {type_name} is not installed")
+            self.get_logger().warning(f"left out {topic}: the type {type_name} is not installed")
+            return
+        names = {_absolute(old): new for old, new in self._options.remap}
+        self._topic_publishers[topic] = self.create_publisher(
+            message_class, names.get(_absolute(topic), topic), deep(QUEUE_DEPTH)
+        )
 
     def play(self, stop: Callable[[], bool]) -> None:
         """Publish everything, or until ``stop()``."""
         if self._options.wait:
-            self._wait(stop)
-        began, first, tick = 0.0, None, -1
-        with Bag(self._bag) as reader:
-            chosen = [c for c in reader.connections if c.topic in self._channels]
-            for connection, time, data in reader.messages(chosen):
-                if first is None:
-                    began, first = monotonic(), time
-                if self._options.rate > 0.0:
-                    due = began + (time - first) / NANOSECONDS / self._options.rate
-                    self._sleep_until(due, stop)
-                    self.latest = max(self.latest, monotonic() - due)
+            self._wait_for_subscribers(stop)
+        with Bag(self._bag) as bag:
+            chosen = [c for c in bag.connections if c.topic in self._topic_publishers]
+            for connection, time, data in bag.messages(chosen):
+                self._sleep_until_due(time, stop)
                 if stop():
                     return
-                if self._ticker is not None and time // int(TICK * NANOSECONDS) > tick:
-                    tick = time // int(TICK * NANOSECONDS)
-                    self._tell(time)
-                self._channels[connection.topic].publish(bytes(data))
+                self._publish_clock(time)
+                self._topic_publishers[connection.topic].publish(bytes(data))
                 self.published += 1
-        for publisher in self._channels.values():
+        for publisher in self._topic_publishers.values():
             publisher.wait_for_all_acked()
 
-    def _sleep_until(self, due: float, stop: Callable[[], bool]) -> None:
+    def _sleep_until_due(self, time: int, stop: Callable[[], bool]) -> None:
+        """Sleep until the bag's ``time`` [ns] is due at the chosen rate."""
+        if self._start is None:
+            self._start = monotonic(), time
+        if self._options.rate == 0.0:
+            return
+        started, first = self._start
+        due = started + (time - first) / NANOSECONDS / self._options.rate
         while (left := due - monotonic()) > 0.0 and not stop():
-            sleep(min(left, NAP))
+            sleep(min(left, LONGEST_SLEEP))
+        self.latest = max(self.latest, monotonic() - due)
 
-    def _tell(self, time: int) -> None:
+    def _publish_clock(self, time: int) -> None:
+        if self._clock_publisher is None or time // CLOCK_PERIOD <= self._clock_tick:
+            return
+        self._clock_tick = time // CLOCK_PERIOD
         message = Clock()
         message.clock.sec, message.clock.nanosec = divmod(time, NANOSECONDS)
-        assert self._ticker is not None
-        self._ticker.publish(message)
+        self._clock_publisher.publish(message)
 
-    def _wait(self, stop: Callable[[], bool]) -> None:
-        """Return once every topic has a reader."""
-        deadline = monotonic() + PATIENCE
+    def _wait_for_subscribers(self, stop: Callable[[], bool]) -> None:
+        """Return when every topic has a subscriber."""
+        deadline = monotonic() + SUBSCRIBER_TIMEOUT
+        publishers = self._topic_publishers.values()
         while not stop():
-            alone = [
-                p.topic_name for p in self._channels.values() if not p.get_subscription_count()
-            ]
-            if not alone:
+            missing = [p.topic_name for p in publishers if not p.get_subscription_count()]
+            if not missing:
                 return
             if monotonic() > deadline:
-                raise UserError(f"nobody reads {', '.join(alone)} (waited {PATIENCE:g} s)")
+                raise UserError(
+                    f"no subscriber on {', '.join(missing)} (waited {SUBSCRIBER_TIMEOUT:g} s)"
+                )
             sleep(0.02)
 
 
-def _full(topic: str) -> str:
+def _absolute(topic: str) -> str:
     return "/" + topic.strip("/")
 
 
-def _message_class(kind: str) -> Any:
-    package, _, rest = kind.partition("/")
+def _message_class(type_name: str) -> Any:
+    """The class of a message type; None if it is not installed."""
+    package, _, rest = type_name.partition("/")
     try:
         return getattr(importlib.import_module(f"{package}.msg"), rest.rpartition("/")[2], None)
     except ImportError:

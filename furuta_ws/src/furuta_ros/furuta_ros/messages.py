@@ -16,9 +16,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds  # noqa: F401 - for nodes
 from furuta_ros.topics import JOINTS
-
-NANOSECONDS = 1_000_000_000
 
 
 class RefusedError(ValueError):
@@ -69,12 +68,6 @@ def read_joints(
         raise RefusedError("needs the arm's effort, the torque applied since the last message [V]")
     x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot
     x[EFFORT] = arm_effort
-
-
-def stamp_nanoseconds(message: JointState) -> int:
-    """The message's time stamp [ns]."""
-    stamp = message.header.stamp
-    return int(stamp.sec * NANOSECONDS + stamp.nanosec)
 
 
 class JointWriter:

@@ -13,7 +13,9 @@ from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, UInt64MultiArray
 
-JOINTS = ["arm", "pendulum"]
+from furuta_model import topic_names
+
+JOINTS = list(topic_names.JOINTS)
 
 QOS = QoSProfile(
     depth=10,
@@ -34,14 +36,14 @@ class Topic(NamedTuple):
     type: Any
 
 
-MEASUREMENT = Topic("measurement", JointState)
-JOINT_STATES = Topic("joint_states", JointState)
-FRICTION_ESTIMATE = Topic("friction_estimate", Float64)
-COMMAND = Topic("command", Float64)
-GROUND_TRUTH = Topic("ground_truth", JointState)
+MEASUREMENT = Topic(topic_names.MEASUREMENT, JointState)
+JOINT_STATES = Topic(topic_names.JOINT_STATES, JointState)
+FRICTION_ESTIMATE = Topic(topic_names.FRICTION_ESTIMATE, Float64)
+COMMAND = Topic(topic_names.COMMAND, Float64)
+GROUND_TRUTH = Topic(topic_names.GROUND_TRUTH, JointState)
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
 # How late samples of real time were, once a second, as two rows of counts: the latency from
 # measurement to command and the lateness of the measurement. A label says how wide a bin is.
-TIMING = Topic("timing", UInt64MultiArray)
+TIMING = Topic(topic_names.TIMING, UInt64MultiArray)

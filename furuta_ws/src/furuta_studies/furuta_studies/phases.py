@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_model.parameters import ParameterError
-
-if TYPE_CHECKING:  # Evaluation must not load the libraries that read bags.
-    from furuta_recordings.bags.recorded_run import RecordedRun
+from furuta_recordings.bags.recorded_run import RecordedRun
 
 # The phases: the three compensations of the paper, then LuGre with tuned parameters.
 TUNED = "tuned"

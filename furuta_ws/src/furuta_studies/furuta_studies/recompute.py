@@ -12,14 +12,20 @@ from furuta_analysis.simulation.recomputation import Recomputed, recompute
 from furuta_graph.settings import Settings, load_settings, loop, merge_settings, read_file
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_model.topic_names import (
+    COMMAND,
+    FRICTION_ESTIMATE,
+    JOINT_STATES,
+    MEASUREMENT,
+    PARAMETER_EVENTS,
+)
 from furuta_recordings.bags.bag import Bag, last_part, refuse_too_long, signals
-from furuta_recordings.recorder_node import PARAMETER_EVENTS, PARAMETERS_FILE
-from furuta_ros.messages import NANOSECONDS, stamp_nanoseconds
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_studies.recorded_loop import RecordedLoop
 
 # Name of the topic on which parameter changes are recorded.
-CHANGES = PARAMETER_EVENTS.name.strip("/")
+CHANGES = PARAMETER_EVENTS.strip("/")
 
 
 def read_recorded_loop(bag: Path) -> RecordedLoop:
@@ -32,7 +38,7 @@ def read_recorded_loop(bag: Path) -> RecordedLoop:
             message = reader.deserialize(data, connection.msgtype)
             messages.add(last_part(connection.topic), message)
     if not messages.samples:
-        raise ParameterError(f"{bag}: no message on {MEASUREMENT.name}, nothing to recompute")
+        raise ParameterError(f"{bag}: no message on {MEASUREMENT}, nothing to recompute")
     return messages.as_loop()
 
 
@@ -43,9 +49,9 @@ class _GraphMessages:
         self.samples: dict[int, int] = {}  # numbers of the samples by the stamp [ns]
         self._measured = array("d")
         self._estimated, self._estimated_at = array("d"), array("q")
-        self._floats = {FRICTION_ESTIMATE.name: array("d"), COMMAND.name: array("d")}
+        self._floats = {FRICTION_ESTIMATE: array("d"), COMMAND: array("d")}
         self._changes: list[tuple[int, str, dict[str, Any]]] = []
-        self.topics = {MEASUREMENT.name, JOINT_STATES.name, CHANGES, *self._floats}
+        self.topics = {MEASUREMENT, JOINT_STATES, CHANGES, *self._floats}
 
     def add(self, topic: str, message: Any) -> None:
         """Add a message of ``topic``; repeated measurements are ignored."""
@@ -54,7 +60,7 @@ class _GraphMessages:
             self._changes.append((len(self.samples), message.node.strip("/"), given))
         elif topic in self._floats:
             self._floats[topic].append(message.data)
-        elif topic == JOINT_STATES.name:
+        elif topic == JOINT_STATES:
             self._estimated_at.append(stamp_nanoseconds(message))
             self._estimated.extend(signals(message))
         elif (stamp := stamp_nanoseconds(message)) not in self.samples:

@@ -6,43 +6,31 @@ from pathlib import Path
 from typing import Any
 
 import click
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 
+from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
+from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.recovery import recover as mend
-from furuta_recordings.recorder_node import PARAMETERS_FILE
-from furuta_recordings.replay_node import ReplayNode, ReplayOptions
-from furuta_ros.messages import NANOSECONDS
-from furuta_ros.spinning import StopSignal
-from furuta_studies.recompute import recompute_bag
-from furuta_studies.recorded_loop import compare
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
 
 BAG = click.argument("bag", type=click.Path(path_type=Path))
 
 
 @click.group()
 def command() -> None:
-    """Recorded bags: what is in them, mending, replaying, computing again."""
+    """Show, recover, replay and recompute recorded bags."""
 
 
 @command.command()
 @BAG
 @json_option
 def info(bag: Path, as_json: bool) -> None:
-    """What is in BAG: topics, types, messages, time."""
-    with Bag(bag) as reader:
-        result: dict[str, Any] = {
-            "messages": reader.message_count,
-            "start_s": reader.start / NANOSECONDS if reader.message_count else None,
-            "duration_s": reader.seconds if reader.message_count else 0.0,
-            "topics": {
-                c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in reader.connections
-            },
-            "parameters": str(bag / PARAMETERS_FILE) if (bag / PARAMETERS_FILE).is_file() else None,
-        }
+    """Show what BAG contains: topics, types, messages, times."""
+    with Bag(bag) as content:
+        result = _info(content)
+    parameters = bag / PARAMETERS_FILE
+    result["parameters"] = str(parameters) if parameters.is_file() else None
     if as_json:
         print_json(result)
         return
@@ -53,15 +41,26 @@ def info(bag: Path, as_json: bool) -> None:
         print(f"parameters: {result['parameters']}")
 
 
+def _info(bag: Bag) -> dict[str, Any]:
+    return {
+        "messages": bag.message_count,
+        "start_s": bag.start / NANOSECONDS if bag.message_count else None,
+        "duration_s": bag.seconds if bag.message_count else 0.0,
+        "topics": {c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in bag.connections},
+    }
+
+
 @command.command()
 @BAG
-@click.option("--out", type=click.Path(path_type=Path), help="New bag (default: BAG_recovered).")
+@click.option("--out", type=click.Path(path_type=Path), help="New bag; default: BAG_recovered.")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Read what can be read of BAG into a new bag; BAG itself stays as it is."""
+    """Copy what is readable of BAG into a new bag; BAG itself is not changed."""
+    from furuta_recordings.bags.recovery import recover as recover_bag
+
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
-    result: dict[str, Any] = mend(bag, out or bag.with_name(f"{bag.stem}_recovered"))
+    result: dict[str, Any] = recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered"))
     if as_json:
         print_json(result)
         return
@@ -70,33 +69,60 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
         print(f"problem: {problem}")
 
 
+class Remapping(click.ParamType):
+    """A pair of topics FROM:=TO."""
+
+    name = "remapping"
+
+    def convert(
+        self, value: str, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, str]:
+        """The two topics."""
+        old, separator, new = value.partition(":=")
+        if not (old and separator and new) or ":=" in new:
+            self.fail(f"{value!r} is not FROM:=TO", param, ctx)
+        return old, new
+
+
 @command.command()
 @BAG
-@click.option("--rate", default=1.0, show_default=True, help="Speed; 0: as fast as possible.")
-@click.option("--topic", "topics", multiple=True, help="Only this topic; repeatable.")
-@click.option("--remap", multiple=True, metavar="FROM:=TO", help="Under another name; repeatable.")
+@click.option(
+    "--rate",
+    type=FiniteRange(0.0, 1e6),
+    default=1.0,
+    show_default=True,
+    help="Speed relative to the recording; 0: as fast as possible.",
+)
+@click.option("--topic", "topics", multiple=True, help="Replay only this topic; repeatable.")
+@click.option(
+    "--remap",
+    multiple=True,
+    type=Remapping(),
+    metavar="FROM:=TO",
+    help="Publish a topic under another name; repeatable.",
+)
 @click.option("--clock", is_flag=True, help="Publish the bag's time on /clock.")
-@click.option("--wait", is_flag=True, help="Wait until every topic has a reader.")
+@click.option("--wait", is_flag=True, help="Wait until every topic has a subscriber.")
 @json_option
 def replay(
     bag: Path,
     rate: float,
     topics: tuple[str, ...],
-    remap: tuple[str, ...],
+    remap: tuple[tuple[str, str], ...],
     clock: bool,
     wait: bool,
     as_json: bool,
 ) -> None:
-    """Publish what is in BAG, with its own timing."""
-    if not 0.0 <= rate <= 1e6:
-        raise ParameterError(f"--rate must be 0 to 1e6, given {rate:g}")
-    pairs = [tuple(each.split(":=")) for each in remap]
-    if any(len(pair) != 2 or not all(pair) for pair in pairs):
-        raise ParameterError(f"--remap must be FROM:=TO, given {', '.join(remap)}")
+    """Publish the messages of BAG with their original timing."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+    from furuta_ros.spinning import StopSignal
+
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        names = tuple((a, b) for a, b in pairs)
-        node = ReplayNode(bag, ReplayOptions(rate, topics, names, clock, wait))
+        node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
         node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
@@ -110,7 +136,12 @@ def replay(
 
 @command.command()
 @BAG
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw both.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.png",
+    help="Plot recorded and recomputed series.",
+)
 @model_options
 @json_option
 def recompute(
@@ -120,11 +151,14 @@ def recompute(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Feed BAG's measurements through estimator, observer and controller again, and compare.
+    """Recompute estimates and commands from BAG's measurements and compare them with BAG.
 
-    With the parameters recorded in it, or with others: what would this tuning have commanded?
-    The measurements stay as they were; the pendulum does not answer.
+    Uses the recorded parameters, or others given by --params and --set: what would this tuning
+    have commanded? The measurements stay as recorded, so the pendulum does not react.
     """
+    from furuta_studies.recompute import recompute_bag
+    from furuta_studies.recorded_loop import compare
+
     recorded, recomputed = recompute_bag(bag, files, assignments)
     result = compare(recorded, recomputed)
     if out is not None:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
 import yaml
 
+from furuta_cli.number_types import FiniteRange, NonZero
 from furuta_cli.options import json_option, print_json
-from furuta_identification.fitting.fit import identify
+from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
-from furuta_identification.preparation.consistency import ANGLES
-from furuta_identification.preparation.pieces import pieces
-from furuta_identification.preparation.preparation import ZEROS, Options
-from furuta_identification.uncertainty.quality import Followed, follow, held_out
-from furuta_model.parameters import ParameterError
+from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
+from furuta_identification.preparation.options import ANGLE_UNITS, ZEROS, Options
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import split_into_runs
 
-# Fit over the first seconds, beside that over the whole.
+# Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
 
 
@@ -29,45 +28,56 @@ FIRST_SECONDS = 3.0
 @click.argument(
     "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH..."
 )
-@click.option("--arm", help="Joint that is the arm.")
-@click.option("--pendulum", help="Joint that is the pendulum.")
-@click.option("--command", "command_name", help="Topic or column of the command; or: effort.")
-@click.option("--states", help="Topic of the joints' states.")
+@click.option("--arm", help="Name of the arm's joint.")
+@click.option("--pendulum", help="Name of the pendulum's joint.")
+@click.option(
+    "--command",
+    "command_name",
+    help="Topic or column of the command, or `effort` for the arm's effort.",
+)
+@click.option("--states", help="Topic of the joint states.")
 @click.option(
     "--zero",
     type=click.Choice(ZEROS),
     default="auto",
     show_default=True,
-    help="Where the pendulum's angle is 0.",
+    help="Position in which the pendulum's angle is 0.",
 )
 @click.option(
     "--angles",
-    type=click.Choice(ANGLES),
+    type=click.Choice(ANGLE_UNITS),
     default="auto",
     show_default=True,
     help="Unit of the angles.",
 )
 @click.option(
     "--command-scale",
-    type=float,
+    type=NonZero(),
     default=1.0,
+    show_default=True,
     metavar="V",
-    help="Volts that 1 of the command is; default: 1.",
+    help="Voltage that a command of 1 stands for [V].",
 )
-@click.option("--window", type=float, help="Stretch that is run freely [s]; default: all, or 0.5.")
+@click.option(
+    "--window",
+    type=FiniteRange(0.05, 1e4),
+    help="Length of the segments that are simulated [s]; default: the whole recording, or 0.5 for "
+    "a balanced pendulum.",
+)
 @click.option(
     "--validate",
+    "validation_paths",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="PATH",
-    help="Recording to try the model on that it is not fitted to; repeatable.",
+    help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw residuals.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Plot residuals.")
 @click.option(
     "--write",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
-    help="Parameter file for the nodes.",
+    help="Write a parameter file for the nodes.",
 )
 @json_option
 def command(
@@ -80,43 +90,27 @@ def command(
     angles: str,
     command_scale: float,
     window: float | None,
-    validate: tuple[Path, ...],
+    validation_paths: tuple[Path, ...],
     out: Path | None,
     write: Path | None,
     as_json: bool,
 ) -> None:
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
-    Several recordings of one rig are fitted together. What the data cannot tell is said instead
-    of a number.
+    Several recordings of one rig are fitted together. Parameters that the data do not determine are
+    withheld, with the reason.
     """
-    if window is not None and not 0.05 <= window <= 1e4:
-        raise ParameterError(f"--window must be 0.05 to 10000 s, given {window:g}")
     mapping = Mapping(arm, pendulum, command_name, states)
-    if not np.isfinite(command_scale) or command_scale == 0.0:
-        raise ParameterError(
-            f"--command-scale must be a number other than 0, given {command_scale:g}"
-        )
     options = Options(zero, window, angles, command_scale)
-    recordings, findings = _read_all(paths, mapping)
-    model = identify(recordings, options)
-    followed = [follow(model, each) for each in model.recordings]
-    tried, more = _read_all(validate, mapping)
-    findings += more
-    others = []
-    for recording in tried:
-        for piece in pieces(recording)[0]:
-            other, more = held_out(model, piece, options)
-            others.append(other)
-            findings += more
-    result = _result(model, followed, others, findings)
+    identified = _identify(paths, validation_paths, mapping, options)
+    result = _result(identified)
     if out is not None:
         from furuta_figures.residual import draw_residuals
 
-        draw_residuals(followed, others, out)
+        draw_residuals(identified.fitted, identified.held_out, out)
         result["figure"] = str(out)
     if write is not None:
-        write.write_text(_parameter_file(model, result))
+        write.write_text(_parameter_file(identified.model, result))
         result["parameter_file"] = str(write)
     if as_json:
         print_json(result)
@@ -124,8 +118,37 @@ def command(
         _print(result)
 
 
+class Identified(NamedTuple):
+    """A model, its predictions of fitted and of held-out recordings, and findings of reading."""
+
+    model: Model
+    fitted: list[Prediction]
+    held_out: list[Prediction]
+    findings: list[str]
+
+
+def _identify(
+    paths: tuple[Path, ...],
+    validation_paths: tuple[Path, ...],
+    mapping: Mapping,
+    options: Options,
+) -> Identified:
+    recordings, findings = _read_all(paths, mapping)
+    model = identify(recordings, options)
+    fitted = [predict_prepared(model, each) for each in model.recordings]
+    others, more = _read_all(validation_paths, mapping)
+    findings += more
+    held_out = []
+    for recording in others:
+        for run in split_into_runs(recording)[0]:
+            prediction, more = validate(model, run, options)
+            held_out.append(prediction)
+            findings += more
+    return Identified(model, fitted, held_out, findings)
+
+
 def _read_all(paths: tuple[Path, ...], mapping: Mapping) -> tuple[list[Recording], list[str]]:
-    """The recordings, each with a name of its own, and what was taken for what."""
+    """The recordings, each with a unique name, and how their content was interpreted."""
     recordings, findings = [], []
     for path in paths:
         recording, found = read(path, mapping)
@@ -135,51 +158,51 @@ def _read_all(paths: tuple[Path, ...], mapping: Mapping) -> tuple[list[Recording
     return recordings, findings
 
 
-def _result(
-    model: Model, followed: list[Followed], others: list[Followed], findings: list[str]
-) -> dict[str, Any]:
-    result = summary(model)
-    result["findings"] = findings + result["findings"]
-    result["fit"] = {each.recording.name: _fits(each) for each in followed}
-    result["held_out"] = {each.recording.name: _fits(each) for each in others}
-    result["regression"] = {
-        name: value
-        for name, value in model.regression._asdict().items()
-        if name != "standard_errors"
-    }
+def _result(identified: Identified) -> dict[str, Any]:
+    result = summary(identified.model)
+    result["findings"] = identified.findings + result["findings"]
+    result["fit"] = {each.recording.name: _fits(each) for each in identified.fitted}
+    result["held_out"] = {each.recording.name: _fits(each) for each in identified.held_out}
+    regression = identified.model.regression._asdict()
+    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
     return result
 
 
-def _fits(each: Followed) -> dict[str, float]:
-    fits = {name.replace(" ", "_"): value for name, value in each.fits().items()}
-    first = each.fits(FIRST_SECONDS)["pendulum angle"]
+def _fits(prediction: Prediction) -> dict[str, float]:
+    fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
+    first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
     return {**fits, "pendulum_angle_first_3_s": first}
 
 
 def _parameter_file(model: Model, result: dict[str, Any]) -> str:
-    said = [
-        f"# {name}: not told by the data: {why}" for name, why in result["undetermined"].items()
+    lines = ["# Identified; load with --params."]
+    lines += [
+        f"# {name}: not determined by the data: {reason}"
+        for name, reason in result["undetermined"].items()
     ]
-    head = ["# Identified; load with --params.", *said]
-    return "\n".join(head) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
+    return "\n".join(lines) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
 
 
 def _print(result: dict[str, Any]) -> None:
+    _print_values(result)
+    for name, reason in result["undetermined"].items():
+        print(f"{name:26} not determined by the data: {reason}")
+    for kind in ("fit", "held_out"):
+        for recording, fits in result[kind].items():
+            known = {name: value for name, value in fits.items() if not np.isnan(value)}
+            text = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
+            print(f"{kind.replace('_', '-')} {recording}: {text}")
+    for finding in result["findings"]:
+        print(f"found: {finding}")
+    for name in ("figure", "parameter_file"):
+        if name in result:
+            print(f"{name.replace('_', ' ')}: {result[name]}")
+
+
+def _print_values(result: dict[str, Any]) -> None:
     errors = result["standard_errors"]
     for group in (result, result["lugre"], result["setup"]):
         for name, value in group.items():
             if isinstance(value, (float, np.floating)) and name in errors:
                 error = errors[name]
                 print(f"{name:26} {value:12.6g}" + (f"  ± {error:.2g}" if error else ""))
-    for name, why in result["undetermined"].items():
-        print(f"{name:26} not told by the data: {why}")
-    for kind in ("fit", "held_out"):
-        for recording, fits in result[kind].items():
-            known = {n: v for n, v in fits.items() if not np.isnan(v)}
-            said = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
-            print(f"{kind.replace('_', '-')} {recording}: {said}")
-    for finding in result["findings"]:
-        print(f"found: {finding}")
-    for name in ("figure", "parameter_file"):
-        if name in result:
-            print(f"{name.replace('_', ' ')}: {result[name]}")

@@ -1,68 +1,74 @@
-"""Fit of a pendulum that was balanced upright: short stretches, with the bristle's friction."""
+"""Fits a pendulum that was balanced upright: short segments, with the friction of the bristle."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import NEAR, optimise
-from furuta_identification.preparation.preparation import Options
+from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise
+from furuta_identification.preparation.options import Options
 from furuta_identification.regression.momentum import MomentumFit
-from furuta_identification.shooting.unknowns import BODY, LUGRE, Guess
-from furuta_identification.uncertainty.sensing import noise_of
-from furuta_identification.uncertainty.uncertainty import uncertainty
+from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.unknowns import BODY, LUGRE
+from furuta_identification.uncertainty.covariance import covariance_and_information
+from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
-# Stretch [s] that is short against the unstable pole, and one long against noise.
-SHORT = 0.5
-# Arm travel [rad] from which a tilted base shows.
-TRAVEL = 1.0
-# A lag longer than this many samples is one; a shorter one may be the sampling itself.
-LAGGING = 3.0
+# Length of a segment [s]: short compared with the unstable pole, long compared with noise.
+SEGMENT = 0.5
+# Arm travel [rad] from which the effect of a tilted base is visible.
+SMALLEST_TRAVEL = 1.0
+# Sampling itself can look like a lag of so many samples; a longer one is fitted.
+SAMPLES_OF_LAG = 3.0
+# Standard errors, and sampling intervals, from which a delay is significant.
+DELAY_ERRORS, DELAY_SAMPLES = 3.0, 0.5
 
 
 def fit_balanced(
     recordings: list[Recording],
-    guess: Guess,
+    start: ParameterValues,
     regression: MomentumFit,
     findings: list[str],
     options: Options,
 ) -> Model:
-    """Fit stretches, the states at their starts unknown."""
-    window = options.window or SHORT
+    """Fit segments whose initial states are unknown, growing in length and number of unknowns."""
+    window = options.window or SEGMENT
     scale = np.median([noise_of(each) for each in recordings], axis=0)
+    names, values = _first_unknowns(recordings, start)
+    values = optimise(recordings, names, values, 0.2 * window, scale, tolerance=COARSE).values
+    names += LUGRE
+    values = optimise(recordings, names, values, 0.5 * window, scale, tolerance=COARSE).values
+    names.append("delay")
+    optimum = optimise(recordings, names, values, window, scale, tolerance=COARSE)
+    values = optimum.values
+    if _delay_is_negligible(optimum, recordings[0].interval):
+        milliseconds = values["delay"] * 1e3
+        findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
+        names.remove("delay")
+        values = values.changed(["delay"], [0.0])
+    optimum = optimise(recordings, names, values, window, scale)
+    certainty = covariance_and_information(optimum.shooting, optimum.vector, {})
+    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
+
+
+def _first_unknowns(
+    recordings: list[Recording], start: ParameterValues
+) -> tuple[list[str], ParameterValues]:
+    """Unknowns of the first fit and their values; lag and tilt only where they are visible."""
     names = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
-    if guess["lag"] > LAGGING * recordings[0].interval:
+    if start["lag"] > SAMPLES_OF_LAG * recordings[0].interval:
         names.append("lag")
     else:
-        guess = guess.changed(["lag"], [0.0])
-    if all(np.ptp(each.measured[:, PHI]) > TRAVEL for each in recordings):
+        start = start.changed(["lag"], [0.0])
+    if all(np.ptp(each.measured[:, PHI]) > SMALLEST_TRAVEL for each in recordings):
         names += ["tilt_x", "tilt_y"]
-    guess = optimise(recordings, names, guess, 0.2 * window, scale, tolerance=NEAR).guess
-    names += LUGRE
-    guess = optimise(recordings, names, guess, 0.5 * window, scale, tolerance=NEAR).guess
-    names.append("delay")
-    fitted = optimise(recordings, names, guess, window, scale, tolerance=NEAR)
-    delay, error = (
-        fitted.guess["delay"],
-        np.sqrt(uncertainty(fitted.shooting, fitted.vector, {})[0][-1, -1]),
-    )
-    guess = fitted.guess
-    if abs(delay) < max(3.0 * error, 0.5 * recordings[0].interval):
-        findings.append(f"no delay of the command: {delay * 1e3:.3f} ms, taken for none")
-        names.remove("delay")
-        guess = guess.changed(["delay"], [0.0])
-    fitted = optimise(recordings, names, guess, window, scale)
-    covariance, information = uncertainty(fitted.shooting, fitted.vector, {})
-    return Model(
-        fitted.guess,
-        names,
-        covariance,
-        information,
-        window,
-        scale,
-        regression,
-        recordings,
-        findings,
-    )
+    return names, start
+
+
+def _delay_is_negligible(optimum: Optimum, interval: float) -> bool:
+    """Whether the delay, the last unknown, is within its error or the sampling ``interval`` [s]."""
+    covariance, _ = covariance_and_information(optimum.shooting, optimum.vector, {})
+    error = np.sqrt(covariance[-1, -1])
+    smallest = max(DELAY_ERRORS * error, DELAY_SAMPLES * interval)
+    return bool(abs(optimum.values["delay"]) < smallest)

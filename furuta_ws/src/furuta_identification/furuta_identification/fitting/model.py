@@ -1,4 +1,4 @@
-"""What a fit found."""
+"""The result of a fit."""
 
 from __future__ import annotations
 
@@ -7,21 +7,24 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_identification.regression.momentum import MomentumFit
-from furuta_identification.shooting.unknowns import Guess
+from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_recordings.recording import Recording
 
 
 class Model(NamedTuple):
     """A fitted model.
 
-    ``names`` the unknowns fitted, ``covariance`` of their vector, ``information`` the data's own
-    part of its inverse; ``window`` [s] infinite for free runs; ``regression`` the first step;
-    ``command_negated`` whether a positive command turns the arm in its negative direction,
-    ``shift`` [s] by which the recordings' commands were moved before the rest of their delay was
+    ``names`` are the fitted unknowns, then those that had to be assumed; ``covariance`` is that of
+    their vector, ``information`` the data's part of its inverse. ``window`` [s] is infinite for
+    free runs, ``scale`` (4,) the residual of each channel that counts as one, ``regression`` the
+    first estimate.
+
+    ``command_negated`` is True if a positive command turns the arm in its negative direction.
+    ``command_delay`` [s] was applied to the recordings' commands before the rest of the delay was
     fitted.
     """
 
-    guess: Guess
+    values: ParameterValues
     names: list[str]
     covariance: np.ndarray
     information: np.ndarray
@@ -31,4 +34,4 @@ class Model(NamedTuple):
     recordings: list[Recording]
     findings: list[str]
     command_negated: bool = False
-    shift: float = 0.0
+    command_delay: float = 0.0

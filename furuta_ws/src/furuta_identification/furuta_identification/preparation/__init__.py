@@ -1,1 +1,1 @@
-"""Recordings brought to one set of units, signs and zeros."""
+"""Recordings brought to the same units, signs and zeros."""

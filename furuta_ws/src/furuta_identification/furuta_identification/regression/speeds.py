@@ -1,4 +1,4 @@
-"""Speeds beside the slopes of the angles: their lag, their scale, and what stands in for them."""
+"""Compares measured speeds with the slopes of the angles: lag, scale, replacement."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from furuta_recordings.recording import Recording
 
 
 def speed_lag(recording: Recording) -> float:
-    """How far measured arm speeds lag behind measured angles [s]; 0 where either is missing."""
+    """How far measured arm speeds lag behind measured angles [s]; 0 if either is missing."""
     found = _speed_as_slope(recording, PHI, PHI_DOT)
     return 0.0 if found is None else float(np.clip(found[1] / (found[0] or 1.0), 0.0, 0.05))
 
 
 def slope_factor(recording: Recording, angle: int, speed: int) -> float | None:
-    """How many times the measured ``speed`` the ``angle``'s slope is; None without motion."""
+    """The slope of the channel ``angle`` over the channel ``speed``; None without motion."""
     found = _speed_as_slope(recording, angle, speed)
     return None if found is None else float(found[0])
 
@@ -33,7 +33,7 @@ def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray 
 
 
 def with_speeds(recording: Recording, lag: float) -> Recording:
-    """The recording with speeds brought forward by ``lag`` [s] and made up where there are none."""
+    """The recording with speeds ``lag`` [s] earlier; missing speeds are slopes of the angles."""
     time, measured = recording.time, recording.measured.copy()
     for angle, speed in ((PHI, PHI_DOT), (THETA, THETA_DOT)):
         if np.all(np.isfinite(measured[:, speed])):

@@ -1,1 +1,1 @@
-"""The model simulated against a recording, in segments."""
+"""The model simulated along a recording, in segments."""

@@ -1,4 +1,4 @@
-"""What the model says of a recording: stretches of it, each run freely from its initial state."""
+"""Simulates the model along a recording, in segments that each start from a given state."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from furuta_model.compiled import compiled
 from furuta_model.state import BRISTLE, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA_DOT
 from furuta_recordings.recording import Recording
 
-# Beyond this speed [rad/s] a run has left every rig.
-LOST = 1e4
-# Part of a step that differences of large times may be off by.
+# Speed [rad/s] that no rig reaches: beyond it a simulation has diverged.
+DIVERGED = 1e4
+# Rounding error of differences between large times, as a part of a step.
 ROUNDING = 1e-3
 
 
@@ -32,8 +32,8 @@ def predict(
 ) -> np.ndarray:
     """Outputs (n, 4) at the recording's times, from ``initial`` (s, 5) at each of ``starts`` (s,).
 
-    The command acts ``delay`` [s] after its time; speeds come through a tracking loop, two equal
-    poles, that lets them lag by ``lag`` [s].
+    The command acts ``delay`` [s] after its time. Speeds pass a tracking loop with two equal poles,
+    which makes them lag by ``lag`` [s].
     """
     predicted = np.empty((len(recording.time), RIGID_STATES))
     _predict(
@@ -63,16 +63,16 @@ def _predict(
     predicted: np.ndarray,
 ) -> None:
     x = np.empty(PLANT_STATES)
-    following = 0  # index of the next command
+    upcoming = 0  # index of the next command
     for segment in range(len(bounds) - 1):
         first, end = bounds[segment], bounds[segment + 1]
         x[:] = initial[segment]
-        while following < len(command) and command_time[following] <= time[first]:
-            following += 1
-        u = command[following - 1] if following > 0 else 0.0
+        while upcoming < len(command) and command_time[upcoming] <= time[first]:
+            upcoming += 1
+        u = command[upcoming - 1] if upcoming > 0 else 0.0
         torque = u - model.arm.sigma0 * x[BRISTLE] - model.arm.viscous * x[PHI_DOT]
         rates = model_accelerations(x[0], x[1], x[2], x[3], torque, model)
-        # Speeds as the tracking loop has them after a long time at these accelerations.
+        # States of the tracking loop after a long time at these accelerations.
         arm1, arm2 = x[PHI_DOT] - 0.5 * lag * rates[0], x[PHI_DOT] - lag * rates[0]
         pendulum1, pendulum2 = x[THETA_DOT] - 0.5 * lag * rates[1], x[THETA_DOT] - lag * rates[1]
         for k in range(first, end):
@@ -83,8 +83,8 @@ def _predict(
             now = time[k]
             while now < time[k + 1]:
                 then = time[k + 1]
-                if following < len(command) and command_time[following] < then:
-                    then = command_time[following]
+                if upcoming < len(command) and command_time[upcoming] < then:
+                    then = command_time[upcoming]
                 if then > now:
                     v, w = x[PHI_DOT], x[THETA_DOT]
                     steps = max(1, ceil((then - now) / step - ROUNDING))
@@ -94,11 +94,11 @@ def _predict(
                         pendulum1, pendulum2, w, x[THETA_DOT], then - now, lag
                     )
                 now = then
-                while following < len(command) and command_time[following] <= now:
-                    u = command[following]
-                    following += 1
-            if not abs(x[PHI_DOT]) + abs(x[THETA_DOT]) < LOST:
-                predicted[k + 1 : end] = LOST
+                while upcoming < len(command) and command_time[upcoming] <= now:
+                    u = command[upcoming]
+                    upcoming += 1
+            if not abs(x[PHI_DOT]) + abs(x[THETA_DOT]) < DIVERGED:
+                predicted[k + 1 : end] = DIVERGED
                 break
 
 
@@ -106,11 +106,11 @@ def _predict(
 def _track(
     first: float, second: float, before: float, now: float, dt: float, lag: float
 ) -> tuple[float, float]:
-    """The tracking loop's two states after a speed has gone from ``before`` to ``now``."""
+    """The tracking loop's two states after the speed has changed from ``before`` to ``now``."""
     if lag <= 0.0:
         return now, now
     a = 2.0 * dt / lag
     decay = exp(-a)
     slope = (1.0 - decay) / a
-    risen = now + (first - before) * decay - (now - before) * slope
-    return risen, risen + (second - first) * decay - (risen - first) * slope
+    first_now = now + (first - before) * decay - (now - before) * slope
+    return first_now, first_now + (second - first) * decay - (first_now - first) * slope

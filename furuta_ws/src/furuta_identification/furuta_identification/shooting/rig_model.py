@@ -1,14 +1,14 @@
-r"""The model that is fitted: (1) with friction on both joints, a tilted base, a rippling torque.
+r"""The model that is fitted: (1) with friction in both joints, a tilted base and torque ripple.
 
-With the base tilted by small angles, up is n = (t_x, t_y, 1) seen from the base, and the
-potential is
+If the base is tilted by small angles, the vertical is n = (t_x, t_y, 1) in coordinates of the
+base, and the potential is
 
 .. math::
     V = δ(\cosθ + \sinθ(t_y\cosφ - t_x\sinφ))
 
-The motor's torque is u + Σ aₖ cos kφ + bₖ sin kφ; order 1 is an arm out of balance on that base,
-higher ones are the motor's own. The arm's friction is LuGre's; the pendulum's joint, which nothing
-holds at rest, has c₂θ̇ + f₂ tanh(θ̇/w₀).
+The motor's torque is u + Σ aₖ cos kφ + bₖ sin kφ. Order 1 is an unbalanced arm on the tilted
+base, higher orders are torque ripple of the motor. The arm has LuGre friction. The pendulum's
+joint, which never sticks, has c₂θ̇ + f₂ tanh(θ̇/w₀).
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from furuta_model.integration import LARGEST_STEP, substeps_for
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
-# Pendulum speed [rad/s] at which the Coulomb friction of its joint has all but its full level.
+# Pendulum speed w₀ [rad/s] over which its joint's Coulomb friction changes its sign.
 JOINT_SPEED = 0.05
-# Longest integration step [s]: a hundredth of the shortest motion of interest.
+# Longest integration step [s]: a hundredth of the fastest motion of interest.
 LONGEST_STEP = 1e-3
-# Shortest one [s]: a model that would need a shorter one is far from any rig.
+# Shortest step [s]: a model that needs a shorter one does not describe a real rig.
 SHORTEST_STEP = 3e-5
 NO_RIPPLE = np.zeros((0, 3))
 
 
 class RigModel(NamedTuple):
-    """What a recording is compared with.
+    """Parameters of the model.
 
     ``ripple`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque.
     """
@@ -65,7 +65,7 @@ def model_accelerations(
         order, a, b = m.ripple[k]
         torque += a * cos(order * phi) + b * sin(order * phi)
     v_dot, w_dot = accelerations(v, theta, w, torque, m.body)
-    # The joint's torque acts through the inverse inertia matrix, which (1) has none of.
+    # (1) has no torque on the joint; it acts through the inverse of the inertia matrix.
     s, c = sin(theta), cos(theta)
     inertia = m.body.alpha + m.body.beta * s * s
     coupling = m.body.gamma * c
@@ -102,6 +102,6 @@ def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
 
 
 def longest_step(m: RigModel) -> float:
-    """Integration step [s] that resolves the stuck arm on its bristle."""
+    """Integration step [s] that resolves the vibration of a stuck arm on its bristle."""
     resolved = 0.01 / substeps_for(0.01, m.body, m.arm)
     return min(LONGEST_STEP, max(resolved, SHORTEST_STEP))

@@ -1,1 +1,1 @@
-"""Standard errors, and how well a model predicts."""
+"""Standard errors of the fitted parameters."""

@@ -1,1 +1,1 @@
-"""Bag files: written, read and repaired, without ROS."""
+"""Bag files: written, read and recovered, without ROS."""

@@ -1,4 +1,4 @@
-"""Reading bags of any origin."""
+"""Reads bags of any origin."""
 
 from __future__ import annotations
 
@@ -14,27 +14,28 @@ from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-from furuta_ros.messages import NANOSECONDS
+from furuta_model.time_stamps import NANOSECONDS
 
-# Messages of one topic that are read into memory at most: a quarter of an hour at 1 kHz.
-LONGEST = 1_000_000
+# Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
+MOST_IN_MEMORY = 1_000_000
 
 
 class Bag:
-    """A bag of any origin, to be read in a ``with``; says in one line what is wrong with it.
+    """A bag of any origin, opened by ``with``; every problem with it is a one-line error.
 
-    ``connections`` are its topics with types and counts, ``start`` its first time [ns].
+    ``connections`` are its topics with types and counts, ``start`` its first time [ns], ``seconds``
+    its duration [s].
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
         if not path.exists():
             raise ParameterError(f"no bag {path}")
-        with self._reading():
+        with self._one_line_errors():
             self._reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
 
     def __enter__(self) -> Bag:
-        with self._reading():
+        with self._one_line_errors():
             self._reader.open()
             self.connections: list[Connection] = self._reader.connections
             self.message_count: int = self._reader.message_count
@@ -51,39 +52,39 @@ class Bag:
         """Messages of ``connections``, by default of all, with their times [ns]."""
         chosen = self.connections if connections is None else list(connections)
         if chosen:
-            with self._reading():
+            with self._one_line_errors():
                 yield from self._reader.messages(chosen)
 
-    def deserialize(self, data: bytes, kind: str) -> Any:
-        """A message from its content."""
-        with self._reading():
-            return self._reader.deserialize(data, kind)
+    def deserialize(self, data: bytes, type_name: str) -> Any:
+        """A message from its serialized content."""
+        with self._one_line_errors():
+            return self._reader.deserialize(data, type_name)
 
     @contextmanager
-    def _reading(self) -> Iterator[None]:
-        """Whatever is raised by reading a bag that is none, or not a whole one."""
+    def _one_line_errors(self) -> Iterator[None]:
+        """Turn whatever the reader raises on a damaged bag into one :class:`ParameterError`."""
         try:
             yield
         except Exception as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ParameterError(
-                f"{self._path} is no readable bag: {reason} "
-                "(`furuta bag recover` mends what it can)"
+                f"{self._path} is not a readable bag: {reason} "
+                "(`furuta bag recover` copies what is still readable into a new bag)"
             ) from None
 
 
 def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
-    """Refuse what would not fit into memory, before any of it is read."""
+    """Refuse topics that do not fit into memory, before any message is read."""
     for each in connections:
-        if each.msgcount > LONGEST:
+        if each.msgcount > MOST_IN_MEMORY:
             raise ParameterError(
-                f"{path}: {each.msgcount} messages on {each.topic}, at most {LONGEST} can be "
-                "computed with at a time; record shorter ones"
+                f"{path}: {each.msgcount} messages on {each.topic}, at most {MOST_IN_MEMORY} fit "
+                "into memory; record shorter bags"
             )
 
 
 def signals(message: Any) -> list[float]:
-    """Angles, speeds and the arm's effort in joint states of the graph, NaN if there is none."""
+    """Angles, speeds and the arm's effort in the graph's joint states; NaN without an effort."""
     x = [0.0] * SIGNALS
     x[PHI], x[THETA] = message.position
     x[PHI_DOT], x[THETA_DOT] = message.velocity

@@ -1,4 +1,4 @@
-"""A bag that survives: rosbag2 directory with MCAP files that are complete at every moment."""
+"""Writes a rosbag2 directory whose MCAP files are complete at every moment."""
 
 from __future__ import annotations
 
@@ -6,76 +6,81 @@ import shutil
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.mcap_file import Kind, McapFile
-from furuta_recordings.bags.metadata import Part, write_metadata
+from furuta_recordings.bags.mcap_file import McapFile
+from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.metadata import BagFile, write_metadata
 
-# Bytes that wait at most: a chunk that is damaged is lost whole.
+# Largest chunk [bytes]: a damaged chunk is lost as a whole.
 LARGEST_CHUNK = 2**18
 
 
 class BagWriter:
-    """Writes messages into ``path``, which must not exist.
+    """Writes messages into the bag ``path``, which must not exist yet.
 
-    The bag is made under another name and appears whole; ``parameters`` (file name: text) are
-    laid beside its data and into it.
+    The bag is created under a temporary name and renamed when it is complete. ``parameters`` (file
+    name: text) are stored beside the data and in it.
     """
 
-    def __init__(self, path: Path, kinds: list[Kind], parameters: dict[str, str]) -> None:
+    def __init__(self, path: Path, topics: list[BagTopic], parameters: dict[str, str]) -> None:
         if path.exists():
-            raise ParameterError(f"{path} exists already; name another directory for the bag")
+            raise ParameterError(f"{path} already exists; name another directory for the bag")
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.path, self._kinds = path, kinds
+        self.path, self._topics = path, topics
         self._metadata = {name: {"text": text} for name, text in parameters.items()}
-        self._done: list[Part] = []
-        self._counts = [0] * len(kinds)
+        self._finished_files: list[BagFile] = []
+        self._finished_counts = [0] * len(topics)
         new = path.with_name(f".{path.name}.new")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         for name, text in parameters.items():
             (new / name).write_text(text)
-        self._file = McapFile(new / self._name, kinds, self._metadata)
-        write_metadata(new, kinds, self._counts, [self._part])
+        self._file = McapFile(new / self._file_name, topics, self._metadata)
+        self._update_metadata(new)
         new.rename(path)
 
-    def add(self, kind: int, time: int, data: bytes) -> None:
-        """Take a message of one of the kinds (index), received at ``time`` [ns]."""
-        self._file.add(kind, time, data)
-        if self._file.waiting > LARGEST_CHUNK:
+    def add(self, topic: int, time: int, data: bytes) -> None:
+        """Take a message of one of the topics (index), received at ``time`` [ns]."""
+        self._file.add(topic, time, data)
+        if self._file.pending_bytes > LARGEST_CHUNK:
             self.flush()
 
     def flush(self) -> None:
-        """Make all that was taken last beyond this process's end."""
+        """Write all messages taken so far, so that they survive the end of this process."""
         self._file.flush()
-        self._note()
+        self._update_metadata(self.path)
         if self._file.full:
-            self._next()
+            self._start_next_file()
 
     def close(self) -> None:
         """Finish the bag."""
         self._file.close()
-        self._note()
+        self._update_metadata(self.path)
 
     @property
-    def waiting(self) -> int:
-        """Bytes that do not last yet."""
-        return self._file.waiting
+    def pending_bytes(self) -> int:
+        """Size of the messages that are not on the disk yet [bytes]."""
+        return self._file.pending_bytes
 
     @property
-    def _name(self) -> str:
-        return f"{self.path.name}_{len(self._done)}.mcap"
+    def _file_name(self) -> str:
+        return f"{self.path.name}_{len(self._finished_files)}.mcap"
 
     @property
-    def _part(self) -> Part:
+    def _current_file(self) -> BagFile:
         file = self._file
-        return Part(self._name, sum(file.counts), file.start, file.end)
+        return BagFile(self._file_name, sum(file.counts), file.start, file.end)
 
-    def _note(self) -> None:
-        counts = [a + b for a, b in zip(self._counts, self._file.counts, strict=True)]
-        write_metadata(self.path, self._kinds, counts, [*self._done, self._part])
+    @property
+    def _counts(self) -> list[int]:
+        return [a + b for a, b in zip(self._finished_counts, self._file.counts, strict=True)]
 
-    def _next(self) -> None:
+    def _update_metadata(self, directory: Path) -> None:
+        files = [*self._finished_files, self._current_file]
+        write_metadata(directory, self._topics, self._counts, files)
+
+    def _start_next_file(self) -> None:
         self._file.close()
-        self._counts = [a + b for a, b in zip(self._counts, self._file.counts, strict=True)]
-        self._done.append(self._part)
-        self._file = McapFile(self.path / self._name, self._kinds, self._metadata)
-        self._note()
+        self._finished_counts = self._counts
+        self._finished_files.append(self._current_file)
+        self._file = McapFile(self.path / self._file_name, self._topics, self._metadata)
+        self._update_metadata(self.path)

@@ -1,4 +1,4 @@
-"""Recordings of any origin for identification: bags, CSV tables, and files of ``simulate``."""
+"""Readers of recordings: bags, CSV tables, and files of ``furuta simulate``; without ROS."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Mapping", "read"]
 
 
 def read(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
-    """A recording, its angles as recorded, and in words what was taken for what."""
+    """A recording with its angles as recorded, and notes on how its content was interpreted."""
     if not path.exists():
         raise ParameterError(f"no recording {path}")
     if path.suffix == ".npz":

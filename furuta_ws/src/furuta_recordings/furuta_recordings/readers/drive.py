@@ -1,4 +1,4 @@
-"""The command as the drive's converter makes it: what the rig got, not what was asked for."""
+"""Applies the drive's converter to a command: limits and quantises it as the drive does."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from furuta_sim.plant import drive
 def through_drive(
     recording: Recording, actuator: Actuator, source: str
 ) -> tuple[Recording, list[str]]:
-    """The recording with the drive's steps in its command; ``source`` knows the drive."""
+    """The recording with the converted command; ``source`` says where the drive is described."""
     command = np.array([drive(float(u), actuator) for u in recording.command])
     return recording._replace(command=command), [
-        f"{recording.name}: command as the drive's converter makes it, {actuator.bits} bits of "
-        f"±{actuator.voltage_range:g} V (says {source})"
+        f"{recording.name}: command rounded to the drive's {actuator.bits} bits of "
+        f"±{actuator.voltage_range:g} V (according to {source})"
     ]

@@ -1,4 +1,4 @@
-"""What the names in a recording mean."""
+"""Which names in a recording are the arm, the pendulum and the command."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from furuta_model.parameters import ParameterError
+from furuta_model.topic_names import JOINTS
 
-# What a command is called where the user names none.
+# Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")
 
 
 class Mapping(NamedTuple):
-    """What the user says of names: joints, topic of the states, topic or column of the command."""
+    """Names given by the user: joints, topic of the states, topic or column of the command."""
 
     arm: str | None = None
     pendulum: str | None = None
@@ -21,21 +22,21 @@ class Mapping(NamedTuple):
 
 
 def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], list[str]]:
-    """The names of arm and pendulum among those there are."""
+    """Which of the joints ``names`` are arm and pendulum; and a note if that was guessed."""
     given = (mapping.arm, mapping.pendulum)
     for name in given:
         if name is not None and name not in names:
             raise ParameterError(f"{path}: no joint {name}; it has {', '.join(names) or 'none'}")
     if given[0] and given[1]:
         return (given[0], given[1]), []
-    if "arm" in names and "pendulum" in names and given == (None, None):
-        return ("arm", "pendulum"), []
-    rest = [name for name in names if name not in given]
+    if set(JOINTS) <= set(names) and given == (None, None):
+        return JOINTS, []
     if len(names) != 2:
         raise ParameterError(
-            f"{path}: say which joint is which with --arm and --pendulum; it has "
+            f"{path}: name the joints with --arm and --pendulum; it has "
             + (", ".join(names) or "none")
         )
+    rest = [name for name in names if name not in given]
     arm = given[0] or rest.pop(0)
     pendulum = given[1] or rest.pop(0)
-    return (arm, pendulum), [f"{path.name}: {arm} taken for the arm, {pendulum} for the pendulum"]
+    return (arm, pendulum), [f"{path.name}: assumed {arm} to be the arm, {pendulum} the pendulum"]

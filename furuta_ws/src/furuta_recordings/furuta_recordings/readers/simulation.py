@@ -1,4 +1,4 @@
-"""Recordings of ``furuta simulate --out``."""
+"""Reads files of ``furuta simulate --out``."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from furuta_sim.parameters import Actuator
 
 
 def read_simulation(path: Path) -> tuple[Recording, list[str]]:
-    """A recording from the simulation's series."""
+    """A recording from the series of a simulation."""
     try:
         with np.load(path) as file:
             series = {name: file[name] for name in file.files}
             time, measured, command = series["time"], series["estimate"], series["command"]
     except (KeyError, ValueError, OSError):
-        raise ParameterError(f"{path} is no file of `furuta simulate --out`") from None
+        raise ParameterError(f"{path} is not a file of `furuta simulate --out`") from None
     measured = np.array(measured[:, :RIGID_STATES])
     recording = Recording(path.name, time, measured, time, command)
     if "drive" in series:
-        high, bits = series["drive"]
-        return through_drive(recording, Actuator(float(high), int(bits)), "the file")
+        voltage_range, bits = series["drive"]
+        actuator = Actuator(float(voltage_range), int(bits))
+        return through_drive(recording, actuator, "the file")
     return recording, []

@@ -1,93 +1,65 @@
-"""Recordings from CSV tables of any origin."""
+"""Reads recordings from CSV tables of any origin."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.readers.csv_columns import csv_columns
 from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
 from furuta_recordings.recording import Recording
 
+# Usual names of columns.
 TIMES = ("__time", "time", "timestamp", "t", "time_s")
+ANGLES = ("position", "angle", "pos")
 SPEEDS = ("velocity", "speed", "dot", "vel")
+
+Columns = dict[str, np.ndarray]
 
 
 def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
-    """A recording from a CSV table, a column a series."""
-    columns = _columns(path)
-    names = _table_joints(columns)
-    if not names:
-        names = [n for n in (mapping.arm, mapping.pendulum) if n in columns]
-    (arm, pendulum), findings = joints_of(path, names or list(columns), mapping)
-    series: list[str | None] = [
-        _angle(path, columns, arm),
-        _speed(columns, arm),
-        _angle(path, columns, pendulum),
-        _speed(columns, pendulum),
-    ]
-    angles = [name for name in (series[0], series[2]) if name]
-    stamped = [name for name in columns if name.lower().endswith(("header/stamp", "stamp"))]
+    """A recording from a CSV table with one column per series.
+
+    Rows without time or angle belong to the command alone.
+    """
+    columns = csv_columns(path)
+    (arm, pendulum), notes = _joints(path, columns, mapping)
+    angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
+    speeds = [_column_of(columns, joint, SPEEDS) for joint in (arm, pendulum)]
     clock = _clock(path, columns)
-    states_clock = stamped[0] if stamped else clock
-    rows = np.isfinite(columns[states_clock])
-    for name in angles:
-        rows &= np.isfinite(columns[name])
-    time = columns[states_clock][rows]
-    if not len(time):
+    stamps = next((name for name in columns if name.lower().endswith("stamp")), clock)
+    rows = np.all([np.isfinite(columns[name]) for name in (stamps, *angles)], axis=0)
+    if not np.any(rows):
         raise ParameterError(f"{path}: no row with time and both angles")
-    measured = np.full((len(time), 4), np.nan)
-    for channel, column in enumerate(series):
-        if column:
-            measured[:, channel] = columns[column][rows]
+    time = columns[stamps][rows]
+    series = (angles[0], speeds[0], angles[1], speeds[1])
+    missing = np.full(len(time), np.nan)
+    measured = np.array([columns[name][rows] if name else missing for name in series]).T
     command = _command_column(path, columns, mapping)
     given = np.isfinite(columns[command]) & np.isfinite(columns[clock])
-    findings.append(f"{path.name}: command from column {command}, times from {states_clock}")
+    notes.append(f"{path.name}: command from column {command}, times from {stamps}")
     start = time[0]
+    command_time = columns[clock][given] - start
     return Recording(
-        path.name, time - start, measured, columns[clock][given] - start, columns[command][given]
-    ), findings
+        path.name,
+        time - start,
+        np.ascontiguousarray(measured),
+        command_time,
+        columns[command][given],
+    ), notes
 
 
-def _columns(path: Path) -> dict[str, np.ndarray]:
-    """Every column as numbers (n,), NaN where a cell is empty."""
-    try:
-        with path.open(newline="") as file:
-            sample = file.read(4096)
-            file.seek(0)
-            try:
-                dialect: Any = csv.Sniffer().sniff(sample.splitlines()[0], ",;\t")
-            except (csv.Error, IndexError):
-                dialect = csv.excel
-            reader = csv.reader(file, dialect)
-            header = [name.strip() for name in next(reader, [])]
-            rows = [row for row in reader if row]
-    except (OSError, UnicodeDecodeError) as error:
-        raise ParameterError(
-            f"cannot read {path}: {getattr(error, 'strerror', None) or 'not a text file'}"
-        ) from None
-    if not header or not rows:
-        raise ParameterError(f"{path}: no table in it")
-    return {
-        name: np.array([_cell(path, row, k) for row in rows])
-        for k, name in enumerate(header)
-        if name
-    }
+def _joints(path: Path, columns: Columns, mapping: Mapping) -> tuple[tuple[str, str], list[str]]:
+    """Names of arm and pendulum: from columns such as NAME/position, or columns themselves."""
+    names = _joint_names(columns)
+    if not names:
+        names = [name for name in (mapping.arm, mapping.pendulum) if name in columns]
+    return joints_of(path, names or list(columns), mapping)
 
 
-def _cell(path: Path, row: list[str], place: int) -> float:
-    text = row[place].strip() if place < len(row) else ""
-    try:
-        return float(text) if text else float("nan")
-    except ValueError:
-        return float("nan")
-
-
-def _table_joints(columns: Iterable[str]) -> list[str]:
+def _joint_names(columns: Columns) -> list[str]:
     """Joint names in columns such as /joint_states/NAME/position."""
     names = []
     for column in columns:
@@ -97,8 +69,8 @@ def _table_joints(columns: Iterable[str]) -> list[str]:
     return names
 
 
-def _angle(path: Path, columns: dict[str, np.ndarray], joint: str) -> str:
-    found = _of_joint(columns, joint, ("position", "angle", "pos"))
+def _angle(path: Path, columns: Columns, joint: str) -> str:
+    found = _column_of(columns, joint, ANGLES)
     if found is None and joint in columns:
         found = joint
     if found is None:
@@ -108,21 +80,17 @@ def _angle(path: Path, columns: dict[str, np.ndarray], joint: str) -> str:
     return found
 
 
-def _speed(columns: dict[str, np.ndarray], joint: str) -> str | None:
-    return _of_joint(columns, joint, SPEEDS)
-
-
-def _of_joint(columns: Iterable[str], joint: str, endings: tuple[str, ...]) -> str | None:
+def _column_of(columns: Columns, joint: str, endings: tuple[str, ...]) -> str | None:
+    """The first column named after the joint and one of the endings."""
+    tails = [f"{joint}{separator}{ending}" for separator in "/._" for ending in endings]
     for column in columns:
-        for separator in ("/", ".", "_"):
-            for ending in endings:
-                tail = f"{joint}{separator}{ending}"
-                if column == tail or column.endswith(("/" + tail, "." + tail)):
-                    return column
+        for tail in tails:
+            if column == tail or column.endswith(("/" + tail, "." + tail)):
+                return column
     return None
 
 
-def _clock(path: Path, columns: dict[str, np.ndarray]) -> str:
+def _clock(path: Path, columns: Columns) -> str:
     for name in columns:
         if name.lower() in TIMES or name.lower().startswith(("time [", "time(", "t [")):
             return name
@@ -131,22 +99,22 @@ def _clock(path: Path, columns: dict[str, np.ndarray]) -> str:
     )
 
 
-def _command_column(path: Path, columns: dict[str, np.ndarray], mapping: Mapping) -> str:
-    wanted = mapping.command
+def _command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
+    """The column that the user named, exactly or in part; otherwise one with a usual name."""
+    wanted = (mapping.command or "").strip("/")
+    values = [name for name in columns if not name.endswith("offset")]
     if wanted:
-        exact = [name for name in columns if name.strip("/") == wanted.strip("/")]
-        within = [name for name in columns if wanted.strip("/") in name and "data" in name]
-        found = exact or [name for name in within if not name.endswith("offset")]
+        exact = [name for name in columns if name.strip("/") == wanted]
+        found = exact or [name for name in values if wanted in name and "data" in name]
     else:
-        found = [
-            name
-            for name in columns
-            if any(part in COMMANDS for part in name.replace(".", "/").split("/"))
-            and not name.endswith("offset")
-        ]
+        found = [name for name in values if _is_usual_command(name)]
     if not found:
         raise ParameterError(
-            f"{path}: no command {wanted or ''}".rstrip()
+            f"{path}: no command {mapping.command or ''}".rstrip()
             + f"; name its column with --command; it has {', '.join(columns)}"
         )
     return found[0]
+
+
+def _is_usual_command(column: str) -> bool:
+    return any(part in COMMANDS for part in column.replace(".", "/").split("/"))

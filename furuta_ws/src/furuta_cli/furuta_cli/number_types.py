@@ -1,0 +1,36 @@
+"""Types of numeric options that click's own ranges do not cover."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+
+class FiniteRange(click.FloatRange):
+    """A range of finite numbers: unlike click's own it rejects NaN."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+
+class NonZero(FiniteRange):
+    """A finite number other than 0."""
+
+    name = "nonzero number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number."""
+        number = super().convert(value, param, ctx)
+        if number == 0.0:
+            self.fail("must not be 0.", param, ctx)
+        return number

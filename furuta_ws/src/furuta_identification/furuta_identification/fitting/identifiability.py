@@ -1,0 +1,63 @@
+"""Which unknown parameters the data determine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_identification.fitting.model import Model
+from furuta_identification.fitting.optimisation import Optimum
+from furuta_identification.shooting.shooting import Shooting
+from furuta_identification.shooting.unknowns import BY_NAME, LOGARITHMIC, LUGRE, prior
+
+# Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
+# to a fit, and of one that is reported.
+LARGEST_PART_TO_FIT = 0.3
+LARGEST_PART_TO_REPORT = 0.7
+# Largest standard error of a logarithm, that is the largest relative one, that is reported.
+LARGEST_RELATIVE_ERROR = 0.5
+ASSUMED = "the arm turns in one direction only: a smaller command would have the same effect"
+NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
+REASONS = {
+    "asymmetry": "the arm hardly slides, or slides in one direction only",
+    "alpha1": "no slow sliding and no slow reversals in the data",
+    "stribeck_velocity": "no slow sliding and no slow reversals in the data",
+    "sigma0": "no motion of the stuck arm that the sensors resolve",
+    "sigma1": "no motion of the stuck arm that the sensors resolve",
+}
+
+
+def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
+    """Those of the unknowns ``names`` that the data determine better than their priors."""
+    both = [*optimum.shooting.names, *names]
+    wider = Shooting(optimum.shooting.parts, both, optimum.values)
+    slopes = wider.slopes(optimum.values.vector(both))
+    _, spread = prior(both)
+    variances = np.diag(np.linalg.pinv(slopes.T @ slopes + np.diag(1.0 / spread**2)))
+    errors = np.sqrt(np.maximum(variances, 0.0))
+    small = {n for n, e, s in zip(both, errors, spread, strict=True) if e < LARGEST_PART_TO_FIT * s}
+    return [name for name in names if name in small]
+
+
+def undetermined(model: Model) -> dict[str, str]:
+    """Unknowns that the data do not determine, each with the reason."""
+    reasons = {}
+    for name in BY_NAME:
+        if name in model.names:
+            reason = _reason(model, name)
+            if reason is not None:
+                reasons[name] = reason
+        elif name in LUGRE or name == "asymmetry":
+            reasons[name] = REASONS[name]
+    return reasons
+
+
+def _reason(model: Model, name: str) -> str | None:
+    """Why the data do not determine a fitted or assumed unknown; None if they do."""
+    index = model.names.index(name)
+    if model.information[index, index] == 0.0:
+        return ASSUMED
+    error, spread = float(np.sqrt(model.covariance[index, index])), BY_NAME[name].spread
+    like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
+    if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
+        return REASONS.get(name, NOT_SEPARABLE)
+    return None

@@ -1,0 +1,80 @@
+"""Coarse fits that lead near the optimum: in growing segments, then of all recordings together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_identification.fitting.optimisation import (
+    COARSE,
+    Optimum,
+    misfit,
+    optimise,
+    residual_scale,
+)
+from furuta_identification.fitting.validation import worst_pendulum_fit
+from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.segments import cut_into_segments
+from furuta_identification.shooting.shooting import Shooting
+from furuta_recordings.recording import Recording
+
+# Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
+# must be. The next schedule is used if the one before does not reach GOOD_FIT.
+SEGMENT_SCHEDULES = ((0.5, 1.5, np.inf), (0.3, 0.6, 1.2, 2.4, np.inf), (0.5, np.inf))
+# Fit of the pendulum's angle [%] that needs no other schedule.
+GOOD_FIT = 95.0
+# Number of recordings whose own fits are starts of the common fit.
+MOST_STARTS = 2
+
+
+def fit_growing_segments(
+    recording: Recording,
+    names: list[str],
+    start: ParameterValues,
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """Fit one recording in ever longer segments; of several schedules the best result."""
+    reached: list[tuple[float, Optimum]] = []
+    for schedule in SEGMENT_SCHEDULES:
+        values, size = start, scale
+        for length in schedule:
+            optimum = optimise(
+                [recording],
+                names,
+                values,
+                min(length, window),
+                size,
+                robust=True,
+                tolerance=COARSE,
+            )
+            values, size = optimum.values, residual_scale(optimum)
+        reached.append((float(np.sum((size / scale) ** 2)), optimum))
+        if worst_pendulum_fit(optimum) > GOOD_FIT:
+            break
+    return min(reached, key=lambda each: each[0])[1]
+
+
+def fit_together(
+    recordings: list[Recording],
+    names: list[str],
+    own_fits: list[Optimum],
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """The best common fit of all recordings, started from the fits of single recordings.
+
+    Each recording alone leads near the common optimum. A common fit from a worse start can end in
+    a local optimum.
+    """
+    if len(recordings) == 1:
+        return own_fits[0]
+
+    def common_misfit(fit: Optimum) -> float:
+        parts = [cut_into_segments(each, window, scale, fit.values) for each in recordings]
+        return misfit(Shooting(parts, names, fit.values), fit.vector)
+
+    reached = [
+        optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
+        for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
+    ]
+    return min(reached, key=lambda each: misfit(each.shooting, each.vector))

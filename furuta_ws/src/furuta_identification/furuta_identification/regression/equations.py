@@ -1,0 +1,133 @@
+r"""The equations of arm and pendulum in momenta, as linear regressions.
+
+Lagrange's equations of (1) are linear in the model's coefficients. Multiplied by a bump ψ(t) that
+is zero, with its slope, at both ends of a window, and integrated by parts, they need no second
+derivative of noisy data:
+
+.. math::
+    -\intψ̇\,p_φ = \intψ\,(u - F), \qquad
+    -\intψ̇\,p_θ - \intψ\,∂T/∂θ = \intψ\,(δ\sinθ - F_θ)
+
+with momenta p_φ = (α + β sin²θ)φ̇ + γ cosθ θ̇ and p_θ = βθ̇ + γ cosθ φ̇. Each window is one row.
+The pendulum's equation, divided by δ, gives the ratios β/δ and γ/δ and the pendulum's zero. The
+arm's equation gives the rest in volts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_identification.regression.windows import FEWEST_WINDOWS, WINDOW, Windows
+from furuta_model.parameters import ParameterError
+from furuta_recordings.recording import Recording
+
+# Arm speed [rad/s] below which friction is not determined by the speed, and the largest part of a
+# window that may be so slow.
+SLOW = 0.05
+LARGEST_SLOW_PART = 0.05
+
+
+class Regression(NamedTuple):
+    """Coefficients (k,), their standard errors (k,), and the unexplained part, 0 to 1."""
+
+    coefficients: np.ndarray
+    errors: np.ndarray
+    misfit: float
+
+
+def ratios(recording: Recording) -> np.ndarray:
+    """(β/δ, γ/δ) [s²/rad…] by the pendulum's equation; their signs show the angles' orientation."""
+    return pendulum_equation(recording, Windows(recording.time)).coefficients[:2]
+
+
+def pendulum_misfit(recording: Recording) -> float:
+    """Part of the pendulum's equation that no coefficients explain, 0 to 1."""
+    return pendulum_equation(recording, Windows(recording.time)).misfit
+
+
+def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
+    """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
+    windows = Windows(recording.time)
+    beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
+    return np.array(
+        [
+            arm_equation(recording.with_delayed_command(delay), windows, beta, gamma).misfit
+            for delay in delays
+        ]
+    )
+
+
+def pendulum_equation(recording: Recording, windows: Windows) -> Regression:
+    """β/δ, γ/δ, the joint's viscous/δ and Coulomb/δ friction, then zero and tilt."""
+    phi, v, theta, w = recording.measured.T
+    s, c = np.sin(theta), np.cos(theta)
+    columns = [
+        -windows.slope(w) - windows.mean(s * c * v * v),
+        -windows.slope(c * v) + windows.mean(s * v * w),
+        windows.mean(w),
+        windows.mean(np.sign(w)),
+        -windows.mean(c),
+    ]
+    if np.ptp(phi) > 1.0:
+        columns += [-windows.mean(c * np.sin(phi)), windows.mean(c * np.cos(phi))]
+    return _regress(np.array(columns).T, windows.mean(s))
+
+
+def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> Regression:
+    """α, δ, viscous friction, Coulomb level forward and backward, with β and γ in units of δ.
+
+    Windows in which the arm rests do not count. If the arm always turned in one direction, its
+    Coulomb friction cannot be distinguished from a smaller voltage and is assumed to be zero.
+    """
+    _, v, theta, w = recording.measured.T
+    s, c = np.sin(theta), np.cos(theta)
+    forward, backward, moving = _directions(v, windows)
+    columns = [
+        -windows.slope(v),
+        -windows.slope(beta * s * s * v + gamma * c * w),
+        windows.mean(v),
+        forward,
+        -backward,
+    ]
+    # A command that holds over a sample counts half at either end of it.
+    earlier = recording.commanded_at(recording.time - recording.interval)
+    u = windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
+    if np.sum(moving) < FEWEST_WINDOWS:
+        raise ParameterError(
+            f"the arm moves in {np.sum(moving)} of {len(u)} windows of {WINDOW:g} s, which is too "
+            "few for a fit; record a motion in which it does not rest"
+        )
+    return _regress(np.array(columns).T[moving], u[moving])
+
+
+def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How much of each window the arm turns forward and backward, and whether it keeps moving."""
+    forward, backward = windows.mean(1.0 * (v > SLOW)), windows.mean(1.0 * (v < -SLOW))
+    whole = windows.mean(np.ones(len(v)))
+    moving = forward + backward > (1.0 - LARGEST_SLOW_PART) * whole
+    rarer = min(np.sum(forward[moving]), np.sum(backward[moving]))
+    if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
+        return np.zeros_like(forward), np.zeros_like(backward), moving
+    return forward, backward, moving
+
+
+def _regress(x: np.ndarray, y: np.ndarray) -> Regression:
+    """Fit y (n,) = x (n, k) · coefficients.
+
+    Windows overlap by half, which doubles the variance. A coefficient whose column is zero stays
+    zero, and its standard error is infinite.
+    """
+    scale = np.linalg.norm(x, axis=0)
+    used = scale > 0.0
+    coefficients, errors = np.zeros(len(scale)), np.full(len(scale), np.inf)
+    x, scale = x[:, used] / scale[used], scale[used]
+    solution, _, _, _ = np.linalg.lstsq(x, y, rcond=1e-6)
+    residual = y - x @ solution
+    variance = 2.0 * residual @ residual / max(1, len(y) - len(scale))
+    coefficients[used] = solution / scale
+    errors[used] = np.sqrt(variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))) / scale
+    size = float(np.linalg.norm(y))
+    misfit = float(np.linalg.norm(residual)) / size if size else 1.0
+    return Regression(coefficients, errors, misfit)

@@ -1,0 +1,17 @@
+"""Names of the graph's topics and joints as plain data, for programs without ROS.
+
+The types and the quality of service of the topics are in ``furuta_ros.topics``.
+"""
+
+from typing import Final
+
+JOINTS: Final = ("arm", "pendulum")
+
+MEASUREMENT: Final = "measurement"
+JOINT_STATES: Final = "joint_states"
+FRICTION_ESTIMATE: Final = "friction_estimate"
+COMMAND: Final = "command"
+GROUND_TRUTH: Final = "ground_truth"
+TIMING: Final = "timing"
+# Of every ROS 2 node: each change of a parameter.
+PARAMETER_EVENTS: Final = "/parameter_events"

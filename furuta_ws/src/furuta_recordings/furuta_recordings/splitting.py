@@ -1,0 +1,75 @@
+"""Splits a log that pauses, or that contains several runs one after the other."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from furuta_model.parameters import ParameterError
+from furuta_recordings.recording import Recording
+
+# Time [s] without a sample, or step back in time, that separates two runs: the motion before does
+# not determine the motion after.
+PAUSE = 0.5
+# Shortest run [s] and fewest samples worth a fit.
+SHORTEST_RUN = 1.5
+FEWEST_SAMPLES = 100
+
+
+def split_into_runs(recording: Recording) -> tuple[list[Recording], list[str]]:
+    """The runs in a recording, usually only itself; and what was found."""
+    steps = np.diff(recording.time)
+    cuts = np.flatnonzero((steps > PAUSE) | (steps < -PAUSE)) + 1
+    if not len(cuts):
+        return [recording], []
+    runs = _runs(recording, cuts)
+    usable = [run for run in runs if _is_usable(run)]
+    finding = (
+        f"{recording.name}: pauses or restarts {len(cuts)} times: {len(usable)} of {len(runs)} "
+        f"runs used, those of at least {SHORTEST_RUN:g} s with a command"
+    )
+    if not usable:
+        raise ParameterError(finding)
+    return usable, [finding]
+
+
+def _runs(recording: Recording, cuts: np.ndarray) -> list[Recording]:
+    """The recording's parts between the cuts, commands included."""
+    bounds = [0, *(int(cut) for cut in cuts), len(recording.time)]
+    samples = [slice(*pair) for pair in itertools.pairwise(bounds)]
+    commands = [slice(*pair) for pair in itertools.pairwise(_command_bounds(recording, cuts))]
+    return [
+        recording._replace(
+            name=f"{recording.name} ({number})",
+            time=recording.time[rows],
+            measured=recording.measured[rows],
+            command_time=recording.command_time[own],
+            command=recording.command[own],
+        )
+        for number, (rows, own) in enumerate(zip(samples, commands, strict=True), 1)
+    ]
+
+
+def _is_usable(run: Recording) -> bool:
+    long_enough = len(run.time) >= FEWEST_SAMPLES and np.ptp(run.time) >= SHORTEST_RUN
+    return bool(long_enough and len(run.command))
+
+
+def _command_bounds(recording: Recording, cuts: np.ndarray) -> list[int]:
+    """Where the commands of each run start, and the end.
+
+    Commands are in the order of the log, as samples are, so they are cut at the same places.
+    """
+    time, command_time = recording.time, recording.command_time
+    bounds = [0]
+    for cut in cuts:
+        before, after = time[cut - 1], time[cut]
+        rest = command_time[bounds[-1] :]
+        if after > before:
+            # The command before a pause may belong to another run: none is carried over.
+            beyond = np.flatnonzero(rest > after)
+        else:
+            beyond = np.flatnonzero(np.diff(rest, prepend=rest[:1]) < -PAUSE)
+        bounds.append(bounds[-1] + int(beyond[0]) if len(beyond) else len(command_time))
+    return [*bounds, len(command_time)]
