@@ -25,16 +25,20 @@ class FurutaNode(Node, Generic[Group]):
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         super().__init__(name, parameter_overrides=list(overrides))
         self.refused = 0
-        self._declared = NodeParameters(self, group, self.parameters_changed)
-        self.parameters_changed(self.parameters)
+        self._declared = NodeParameters(self, group)
 
     @property
     def parameters(self) -> Group:
         """The parameters in force."""
         return self._declared.current
 
-    def parameters_changed(self, parameters: Group) -> None:
-        """Derive from the parameters what the samples need; called at start and at a change."""
+    def watch_parameters(self, apply: Callable[[Group], None]) -> None:
+        """Call ``apply`` with the parameters now, and again after every change.
+
+        A node's constructor calls it once the attributes that ``apply`` needs are there.
+        """
+        self._declared.on_change(apply)
+        apply(self.parameters)
 
     def publish_on(self, topic: Topic) -> Publisher:
         """A publisher on a topic of the graph."""

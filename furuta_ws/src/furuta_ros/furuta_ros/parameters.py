@@ -32,18 +32,16 @@ _TYPES = {
 class NodeParameters(Generic[Group]):
     """A node's parameters as one immutable tuple, ``current``.
 
-    Each change is checked whole before any of it is kept; then ``current`` is replaced and
-    ``changed`` called with it. Callbacks of a node do not overlap, so that happens between two
-    samples. Values given at start are held to the same rules, and a name that the node does not
-    know is refused, for a misspelt parameter would otherwise be lost in silence.
+    A change is validated as a whole. If it is valid, ``current`` is replaced and the functions
+    given to :meth:`on_change` are called with it. Callbacks of a node do not overlap, so this
+    happens between two samples. Values given at start are validated in the same way. An unknown
+    name is an error: a misspelt parameter would otherwise be ignored silently.
     """
 
-    def __init__(
-        self, node: Node, group: type[Group], changed: Callable[[Group], None] | None = None
-    ) -> None:
+    def __init__(self, node: Node, group: type[Group]) -> None:
         self._node = node
         self._group = group
-        self._changed = changed
+        self._on_change: list[Callable[[Group], None]] = []
         self._names = {each.name for each in declared(group)}
         self._refuse_unknown(node)
         for each in declared(group):
@@ -52,6 +50,10 @@ class NodeParameters(Generic[Group]):
         self._next = self.current
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._keep)
+
+    def on_change(self, apply: Callable[[Group], None]) -> None:
+        """Call ``apply`` with the new parameters after every change."""
+        self._on_change.append(apply)
 
     def _refuse_unknown(self, node: Node) -> None:
         known = self._names | {"use_sim_time", "start_type_description_service"}
@@ -89,8 +91,8 @@ class NodeParameters(Generic[Group]):
     def _keep(self, parameters: list[Parameter]) -> None:
         if any(each.name in self._names for each in parameters):
             self.current = self._next
-            if self._changed:
-                self._changed(self.current)
+            for apply in self._on_change:
+                apply(self.current)
 
 
 def _descriptor(each: Declared) -> ParameterDescriptor:
