@@ -31,19 +31,18 @@ def _own_domain() -> Any:
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 _DOMAIN_LOCK = _own_domain()
 
-import rclpy  # noqa: E402 - the domain is read when rclpy starts
-from rclpy.signals import SignalHandlerOptions  # noqa: E402
+# The domain is read when ROS starts.
 from testbench import Bench  # noqa: E402
 
-from furuta_graph.settings import NODES, Settings  # noqa: E402
+from furuta_graph.settings import Settings, default_settings  # noqa: E402
+from furuta_ros.context import ros_context  # noqa: E402
 
 
 @pytest.fixture
 def ros() -> Iterator[None]:
     """ROS from start to end of a test."""
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    yield
-    rclpy.try_shutdown()
+    with ros_context():
+        yield
 
 
 @pytest.fixture
@@ -57,4 +56,4 @@ def bench(ros: None) -> Iterator[Bench]:
 @pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
-    return {node: {} for node in NODES}
+    return default_settings()

@@ -43,6 +43,12 @@ class Bench:
         self.spin(lambda: publisher.get_subscription_count() > 0)
         return publisher
 
+    def wait_for_publisher(self, topic: Topic) -> None:
+        """Spin until the probe's subscription to a topic is matched with a publisher."""
+        name = self.probe.resolve_topic_name(topic.name)
+        mine = [each for each in self.probe.subscriptions if each.topic_name == name]
+        self.spin(lambda: all(each.get_publisher_count() > 0 for each in mine))
+
     @property
     def executor(self) -> Executor:
         """The executor of all nodes; none is added after its first use."""

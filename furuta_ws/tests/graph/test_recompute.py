@@ -9,7 +9,7 @@ import pytest
 from rclpy.node import Node
 
 from furuta_figures.difference import draw_difference
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
 from furuta_graph.settings import load_settings

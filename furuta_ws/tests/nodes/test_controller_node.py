@@ -10,9 +10,10 @@ from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
 from furuta_control.controller_node import ControllerNode
-from furuta_graph.parameter_client import ParameterClient, ServiceError
+from furuta_graph.parameter_client import ParameterClient
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
+from furuta_ros.services import ServiceError
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
 
 X = (0.1, -0.2, 0.03, 0.04)

@@ -8,30 +8,19 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import Bench
 
-from furuta_control.controller_node import ControllerNode
-from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.parameter_client import ParameterClient, ServiceError
-from furuta_graph.settings import NODES
-from furuta_hw.bridge_node import HardwareBridgeNode
+from furuta_graph.description import NODES
+from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.plant_node import PlantNode
-
-CLASSES: dict[str, Any] = {
-    "plant": PlantNode,
-    "estimator": EstimatorNode,
-    "friction_observer": FrictionObserverNode,
-    "controller": ControllerNode,
-    "hardware_bridge": HardwareBridgeNode,
-}
+from furuta_ros.services import ServiceError
 
 
 @pytest.mark.parametrize("name", NODES)
 def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     """Each has its meaning, unit and range in its descriptor, and its default as value."""
-    bench.add(CLASSES[name]())
+    bench.add(NODES[name].load_class()())
     client = ParameterClient(bench.probe, bench.executor)
-    expected = {each.name: each for each in declared(NODES[name])}
+    expected = {each.name: each for each in declared(NODES[name].parameters)}
     assert set(expected) <= set(client.names(name))
     values = client.get(name, list(expected))
     for descriptor in client.describe(name, list(expected)):

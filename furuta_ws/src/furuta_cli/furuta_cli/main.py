@@ -1,4 +1,4 @@
-"""The command line ``furuta``: verbs, each in a module of its own, imported when it is used."""
+"""The command line ``furuta``: a verb is a module of ``verbs`` and a line in ``VERBS``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from furuta_ros.errors import UserError
 
 VERBS = {
     "demo": "The paper's experiments through the real node graph.",
-    "run": "The graph until Ctrl-C, in one process or in one per node.",
+    "run": "Run the graph until Ctrl-C, in one process or in one per node.",
     "simulate": "The same loop without ROS.",
     "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
     "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
@@ -33,7 +33,7 @@ VERBS = {
 
 
 class Verbs(click.Group):
-    """Loads a verb's module only when that verb is wanted."""
+    """The group of all verbs; imports a verb's module only when that verb is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All verbs."""
@@ -48,7 +48,7 @@ class Verbs(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Help of all verbs without loading them."""
+        """List all verbs without importing them."""
         with formatter.section("Verbs"):
             formatter.write_dl(list(VERBS.items()))
 
@@ -60,11 +60,20 @@ def furuta() -> None:
 
 def main() -> None:
     """Entry point of the executable ``furuta``."""
+    run_command(furuta, "furuta")
+
+
+def run_command(command: click.Command, name: str) -> None:
+    """Run a command with the arguments of the process, and end the process.
+
+    Its exit status is 0 (done), 1 (failed, with one line on standard error) or 2 (wrong usage).
+    """
     try:
-        furuta(prog_name="furuta")
+        command(prog_name=name)
     except (ParameterError, UserError) as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        print(f"error: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        file = f"{error.filename}: " if error.filename else ""
+        print(f"error: {file}{error.strerror}", file=sys.stderr)
         sys.exit(1)

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 from furuta_control.excitation import ExcitationParameters
 from furuta_model.linear import DesiredPoles
-from furuta_model.parameters import INLINE, About, ParameterError
+from furuta_model.parameters import INLINE, About, EarlierName, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 
@@ -26,11 +26,23 @@ class EstimatorParameters(NamedTuple):
     sensors: Sensors = Sensors()
     friction_process_noise: Annotated[
         float,
-        About("kalman: how far friction walks in a second, grows as √t", "V/√s", 1e-3, 1e3),
+        About(
+            "kalman: how far friction walks in a second, grows as √t",
+            "V/√s",
+            1e-3,
+            1e3,
+            earlier_names=(EarlierName("friction_spread"),),
+        ),
     ] = 0.3
     pendulum_process_noise: Annotated[
         float,
-        About("kalman: how far the pendulum's speed walks from the model", "rad/s/√s", 1e-3, 1e3),
+        About(
+            "kalman: how far the pendulum's speed walks from the model",
+            "rad/s/√s",
+            1e-3,
+            1e3,
+            earlier_names=(EarlierName("pendulum_spread"),),
+        ),
     ] = 0.1
     filter_bandwidth: Annotated[
         float, About("natural frequency of the potentiometer's filter", "rad/s", 0.1, 1e5)

@@ -1,8 +1,8 @@
 """The graph's contract: topic names, types and quality of service, in one place.
 
-Names are relative, so that a namespace or a remapping moves a whole graph. Every sample matters
-to the loop, so topics are reliable; a depth of a few samples lets a slow reader see the newest
-ones without holding anybody up.
+Names are relative, so that a namespace or a remapping moves a whole graph. The loop needs every
+sample, so topics are reliable. With a depth of a few samples a slow subscriber gets the newest
+ones and does not block the publisher.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ QOS = QoSProfile(
 
 
 def deep(depth: int) -> QoSProfile:
-    """The same for a subscriber that may lag behind by ``depth`` messages without losing any."""
+    """The same quality of service with a queue of ``depth`` messages, for a slow subscriber."""
     return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
 
 
@@ -42,6 +42,6 @@ GROUND_TRUTH = Topic("ground_truth", JointState)
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
-# How late samples of real time were, once a second, as two rows of counts: the latency from
-# measurement to command and the lateness of the measurement. A label says how wide a bin is.
+# Histograms of how late samples were in real time, once a second, as two rows of counts: latency
+# from measurement to command and lateness of the measurement. A label gives the width of a bin.
 TIMING = Topic("timing", UInt64MultiArray)

@@ -17,12 +17,11 @@ from rclpy.node import Node
 
 from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_friction.parameters import ObserverParameters
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
-from furuta_graph.running_graph import Estimates, RunningLoop
 from furuta_graph.settings import Settings
-from furuta_model.parameters import ParameterError
+from furuta_graph.tuning_client import EstimateBuffer, TuningClient
 from furuta_recordings.bags.recorded_run import RecordedRun
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_studies.tuning.report import parameters
@@ -44,14 +43,14 @@ class Phase(NamedTuple):
     wall_seconds: float
 
 
-class PausingLoop(RunningLoop):
+class PausingLoop(TuningClient):
     """A graph in lock-step that stands still while nobody watches.
 
     So the sample at which a parameter changes is known, and the tuning repeatable.
     """
 
     def __init__(
-        self, graph: SimulatedGraph, client: ParameterClient, estimates: Estimates
+        self, graph: SimulatedGraph, client: ParameterClient, estimates: EstimateBuffer
     ) -> None:
         super().__init__(client, estimates, graph.executor)
         self._graph = graph
@@ -69,7 +68,7 @@ class PausingLoop(RunningLoop):
 def tune_graph(settings: Settings, plan: Plan, report: Report) -> TuningResult:
     """Tune a graph with ``settings``, in lock-step and with nobody else near."""
     node = Node("furuta_demo")
-    estimates = Estimates(node)
+    estimates = EstimateBuffer(node)
     graph = SimulatedGraph(_in_lockstep(settings), [node])
     try:
         rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)
@@ -137,9 +136,3 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
             }
         )
     return rows
-
-
-def check_seconds(seconds: float) -> None:
-    """Refuse a phase too short to hold a limit cycle (2.4 s) after its transients."""
-    if not 5.0 <= seconds <= 3600.0:
-        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")

@@ -10,7 +10,8 @@ import numpy as np
 from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_control.controller import state_feedback
-from furuta_graph.settings import load_settings, loop, parameters_named
+from furuta_graph.parameter_names import parameters_named
+from furuta_graph.settings import load_settings, loop
 from furuta_model.friction_laws import LAWS, FrictionLaw
 from furuta_model.parameters import ParameterError
 

@@ -9,7 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_analysis.simulation.recomputation import Recomputed, recompute
-from furuta_graph.settings import Settings, load_settings, loop, merge_settings, read_file
+from furuta_graph.settings import (
+    Settings,
+    load_settings,
+    loop,
+    merge_settings,
+    read_file,
+    with_current_parameter_names,
+)
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 from furuta_recordings.bags.bag import Bag, last_part, refuse_too_long, signals
@@ -103,7 +110,8 @@ def recomputed(
     parameters = [(0, loop(merge_settings(base, own)))]
     for sample, node, given in session.changes:
         if node in base:
-            base = merge_settings(base, _only(base, node, given))
+            current = with_current_parameter_names(node, given)
+            base = merge_settings(base, _only(base, node, current))
             parameters.append((sample, loop(merge_settings(base, own))))
     return session, recompute(session.measurement, parameters)
 

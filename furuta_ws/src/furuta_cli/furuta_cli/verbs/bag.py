@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import click
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import FiniteRange, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.recovery import recover as mend
+from furuta_recordings.bags.recovery import recover as recover_bag
 from furuta_recordings.recorder_node import PARAMETERS_FILE
 from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+from furuta_ros.context import ros_context
 from furuta_ros.messages import NANOSECONDS
 from furuta_ros.spinning import StopSignal
 from furuta_studies.recompute import compare, recomputed
@@ -24,14 +23,14 @@ BAG = click.argument("bag", type=click.Path(path_type=Path))
 
 @click.group()
 def command() -> None:
-    """Recorded bags: what is in them, mending, replaying, computing again."""
+    """Recorded bags: info, recover, replay, recompute."""
 
 
 @command.command()
 @BAG
 @json_option
 def info(bag: Path, as_json: bool) -> None:
-    """What is in BAG: topics, types, messages, time."""
+    """Print the contents of BAG: topics, types, messages, time."""
     with Bag(bag) as reader:
         result: dict[str, Any] = {
             "messages": reader.message_count,
@@ -57,10 +56,10 @@ def info(bag: Path, as_json: bool) -> None:
 @click.option("--out", type=click.Path(path_type=Path), help="New bag (default: BAG_recovered).")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Read what can be read of BAG into a new bag; BAG itself stays as it is."""
+    """Copy the readable part of BAG into a new bag; BAG itself is not changed."""
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
-    result: dict[str, Any] = mend(bag, out or bag.with_name(f"{bag.stem}_recovered"))
+    result: dict[str, Any] = recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered"))
     if as_json:
         print_json(result)
         return
@@ -71,11 +70,17 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
 
 @command.command()
 @BAG
-@click.option("--rate", default=1.0, show_default=True, help="Speed; 0: as fast as possible.")
+@click.option(
+    "--rate",
+    type=FiniteRange(0, 1e6),
+    default=1.0,
+    show_default=True,
+    help="Speed; 0: as fast as possible.",
+)
 @click.option("--topic", "topics", multiple=True, help="Only this topic; repeatable.")
-@click.option("--remap", multiple=True, metavar="FROM:=TO", help="Under another name; repeatable.")
+@click.option("--remap", multiple=True, metavar="FROM:=TO", help="Rename a topic; repeatable.")
 @click.option("--clock", is_flag=True, help="Publish the bag's time on /clock.")
-@click.option("--wait", is_flag=True, help="Wait until every topic has a reader.")
+@click.option("--wait", is_flag=True, help="Wait until every topic has a subscriber.")
 @json_option
 def replay(
     bag: Path,
@@ -86,21 +91,16 @@ def replay(
     wait: bool,
     as_json: bool,
 ) -> None:
-    """Publish what is in BAG, with its own timing."""
-    if not 0.0 <= rate <= 1e6:
-        raise ParameterError(f"--rate must be 0 to 1e6, given {rate:g}")
+    """Publish the messages of BAG with their recorded timing."""
     pairs = [tuple(each.split(":=")) for each in remap]
     if any(len(pair) != 2 or not all(pair) for pair in pairs):
         raise ParameterError(f"--remap must be FROM:=TO, given {', '.join(remap)}")
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
+    with ros_context():
         names = tuple((a, b) for a, b in pairs)
         node = ReplayNode(bag, ReplayOptions(rate, topics, names, clock, wait))
         node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
-    finally:
-        rclpy.try_shutdown()
     if as_json:
         print_json(result)
     else:
@@ -119,10 +119,10 @@ def recompute(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Feed BAG's measurements through estimator, observer and controller again, and compare.
+    """Run estimator, observer and controller again on the measurements of BAG, and compare.
 
     With the parameters recorded in it, or with others: what would this tuning have commanded?
-    The measurements stay as they were; the pendulum does not answer.
+    The measurements remain as recorded: the pendulum does not react to the new commands.
     """
     session, again = recomputed(bag, files, assignments)
     result = compare(session, again)

@@ -24,11 +24,12 @@ from furuta_graph.settings import load_settings, loop
 from furuta_studies.ideal_loop import LoopOptions
 
 NEVER = (
-    "No L and no K satisfies the condition with an error made of the arm angle alone: G then has "
-    "the zero √(δ/β) in the right half plane, which is the pendulum's own."
+    "No L and no K satisfies the condition with an error of the arm angle alone: G then has the "
+    "zero √(δ/β) in the right half plane, which is a property of the pendulum."
 )
 INEXACT = (
-    "The condition presumes a true model; here the nodes' model or friction is not the plant's."
+    "The condition assumes an exact model; here the nodes' model or friction differs from the "
+    "plant's."
 )
 
 
@@ -74,7 +75,7 @@ def command(
 
 
 def _exact(made: Loop) -> bool:
-    """Whether observer and controller know the plant as it is."""
+    """Whether observer and controller have the plant's own model and friction."""
     known = made.observer.friction == made.plant.friction
     return known and made.controller.model == made.plant.model
 

@@ -8,35 +8,40 @@ from pathlib import Path
 from typing import Any
 
 import click
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
 from furuta_figures.demo import draw
 from furuta_graph.settings import load_settings
 from furuta_recordings.bags.recorded_run import read_recorded_run
-from furuta_studies.demo import COMPENSATIONS, check_seconds, evaluate, run_demo, tune_graph
+from furuta_ros.context import ros_context
+from furuta_studies.demo import COMPENSATIONS, evaluate, run_demo, tune_graph
 from furuta_studies.tuning.report import parameters
 from furuta_studies.tuning.tuning import Plan
 
-# Of the tuning that comes first.
+# Of the tuning at the beginning.
 PLAN = Plan()
 
 
 @click.command()
-@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time per compensation.")
+@click.option(
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=40.0,
+    show_default=True,
+    help="Pendulum time per compensation.",
+)
 @click.option(
     "--out",
     "directory",
     default="output/demo",
     show_default=True,
     type=click.Path(path_type=Path),
-    help="Directory for figure, bag and summary.json; the contents of an earlier demo go.",
+    help="Directory for figure, bag and summary.json; replaces those of an earlier demo.",
 )
 @model_options
 @json_option
@@ -49,10 +54,9 @@ def command(
 ) -> None:
     """Run no, Coulomb, LuGre and tuned LuGre compensation through the real node graph.
 
-    The graph runs in lock-step in one process and is recorded; the compensator is tuned, and
-    compensations are switched, by the parameter services.
+    The graph runs in lock-step in one process and is recorded. The compensator is tuned, and
+    compensations are switched, through the parameter services.
     """
-    check_seconds(seconds)
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
     (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
@@ -66,22 +70,14 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        with Progress(console=console, transient=True) as bar:
-            tuning = bar.add_task("tuning", total=PLAN.seconds)
-            tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
-            bar.update(tuning, completed=PLAN.seconds)
-            task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
-            phases = run_demo(
-                settings,
-                tuned.after.observer,
-                seconds,
-                bag,
-                lambda t: bar.update(task, completed=t),
-            )
-    finally:
-        rclpy.try_shutdown()
+    with ros_context(), Progress(console=console, transient=True) as bar:
+        tuning = bar.add_task("tuning", total=PLAN.seconds)
+        tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
+        bar.update(tuning, completed=PLAN.seconds)
+        task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
+        phases = run_demo(
+            settings, tuned.after.observer, seconds, bag, lambda t: bar.update(task, completed=t)
+        )
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
@@ -95,12 +91,12 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 
 def _clear(bag: Path) -> None:
-    """Remove the bag of an earlier demo, and nothing that is not one."""
+    """Remove the bag of an earlier demo; raise an error if the directory holds anything else."""
     if not bag.exists():
         return
     for file in bag.iterdir():
         if file.suffix not in (".mcap", ".yaml"):
-            raise click.ClickException(f"{bag} holds {file.name}, which is not of a bag")
+            raise click.ClickException(f"{bag} holds {file.name}, which is not part of a bag")
     for file in bag.iterdir():
         file.unlink()
     bag.rmdir()

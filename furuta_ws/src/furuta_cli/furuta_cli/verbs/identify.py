@@ -9,7 +9,7 @@ import click
 import numpy as np
 import yaml
 
-from furuta_cli.options import json_option, print_json
+from furuta_cli.options import FiniteRange, json_option, print_json
 from furuta_identification.fitting.fit import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
@@ -17,7 +17,6 @@ from furuta_identification.preparation.consistency import ANGLES
 from furuta_identification.preparation.pieces import pieces
 from furuta_identification.preparation.preparation import ZEROS, Options
 from furuta_identification.uncertainty.quality import Followed, follow, held_out
-from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 
@@ -49,18 +48,22 @@ FIRST_SECONDS = 3.0
 )
 @click.option(
     "--command-scale",
-    type=float,
+    type=FiniteRange(),
     default=1.0,
     metavar="V",
-    help="Volts that 1 of the command is; default: 1.",
+    help="Volts per unit of the command; default: 1.",
 )
-@click.option("--window", type=float, help="Stretch that is run freely [s]; default: all, or 0.5.")
+@click.option(
+    "--window",
+    type=FiniteRange(0.05, 1e4),
+    help="Length of a free simulation [s]; default: the whole recording, or 0.5.",
+)
 @click.option(
     "--validate",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="PATH",
-    help="Recording to try the model on that it is not fitted to; repeatable.",
+    help="Recording for validation, not used for the fit; repeatable.",
 )
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw residuals.")
 @click.option(
@@ -87,16 +90,12 @@ def command(
 ) -> None:
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
-    Several recordings of one rig are fitted together. What the data cannot tell is said instead
-    of a number.
+    Several recordings of one rig are fitted together. Parameters that the data do not determine
+    are reported with the reason instead of a number.
     """
-    if window is not None and not 0.05 <= window <= 1e4:
-        raise ParameterError(f"--window must be 0.05 to 10000 s, given {window:g}")
     mapping = Mapping(arm, pendulum, command_name, states)
-    if not np.isfinite(command_scale) or command_scale == 0.0:
-        raise ParameterError(
-            f"--command-scale must be a number other than 0, given {command_scale:g}"
-        )
+    if command_scale == 0.0:
+        raise click.UsageError("--command-scale must not be 0")
     options = Options(zero, window, angles, command_scale)
     recordings, findings = _read_all(paths, mapping)
     model = identify(recordings, options)
@@ -125,7 +124,7 @@ def command(
 
 
 def _read_all(paths: tuple[Path, ...], mapping: Mapping) -> tuple[list[Recording], list[str]]:
-    """The recordings, each with a name of its own, and what was taken for what."""
+    """The recordings, each with a unique name, and how their columns were interpreted."""
     recordings, findings = [], []
     for path in paths:
         recording, found = read(path, mapping)
@@ -157,10 +156,11 @@ def _fits(each: Followed) -> dict[str, float]:
 
 
 def _parameter_file(model: Model, result: dict[str, Any]) -> str:
-    said = [
-        f"# {name}: not told by the data: {why}" for name, why in result["undetermined"].items()
+    missing = [
+        f"# {name}: not determined by the data: {why}"
+        for name, why in result["undetermined"].items()
     ]
-    head = ["# Identified; load with --params.", *said]
+    head = ["# Identified; load with --params.", *missing]
     return "\n".join(head) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
 
 
@@ -172,12 +172,12 @@ def _print(result: dict[str, Any]) -> None:
                 error = errors[name]
                 print(f"{name:26} {value:12.6g}" + (f"  ± {error:.2g}" if error else ""))
     for name, why in result["undetermined"].items():
-        print(f"{name:26} not told by the data: {why}")
+        print(f"{name:26} not determined by the data: {why}")
     for kind in ("fit", "held_out"):
         for recording, fits in result[kind].items():
             known = {n: v for n, v in fits.items() if not np.isnan(v)}
-            said = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
-            print(f"{kind.replace('_', '-')} {recording}: {said}")
+            listed = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
+            print(f"{kind.replace('_', '-')} {recording}: {listed}")
     for finding in result["findings"]:
         print(f"found: {finding}")
     for name in ("figure", "parameter_file"):

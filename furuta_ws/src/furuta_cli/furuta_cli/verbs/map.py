@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from furuta_cli.options import ideal_options, json_option, model_options, print_
 from furuta_model.parameters import ParameterError
 from furuta_studies.feedback_map import StudyPoint, study
 from furuta_studies.ideal_loop import LoopOptions, parse_range
+from furuta_studies.sweep import write_table
 
 COUNT = 20
 
@@ -23,7 +23,7 @@ COUNT = 20
 @click.argument("ranges", nargs=2, metavar="NAME=LOW:HIGH[:COUNT] NAME=LOW:HIGH[:COUNT]")
 @ideal_options
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
-@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Keep the rows.")
+@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Save the rows.")
 @model_options
 @json_option
 def command(
@@ -50,10 +50,7 @@ def command(
     found = list(track(points, "mapping", total=total, console=console, transient=True))
     rows = [_row(first, second, point) for point in found]
     if data is not None:
-        with data.open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0].keys())
-            writer.writeheader()
-            writer.writerows(rows)
+        write_table(rows, data)
     if out is not None:
         from furuta_figures.cycle import draw_map
 

@@ -11,11 +11,11 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep import Journal, Result, Study, run_here, write_table
-from furuta_studies.sweep_points import METHODS, parse_axis
+from furuta_studies.sweep_points import METHODS, MOST_POINTS, parse_axis
 
 COUNT = 10
 
@@ -23,11 +23,27 @@ COUNT = 10
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
 @click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True)
-@click.option("--points", default=256, show_default=True, help="Runs, where it is not a grid.")
 @click.option(
-    "--seed", default=0, show_default=True, help="Of the points; plant.seed is the rig's."
+    "--points",
+    type=click.IntRange(1, MOST_POINTS),
+    default=256,
+    show_default=True,
+    help="Number of runs (random and sobol).",
 )
-@click.option("--seconds", default=60.0, show_default=True, help="Pendulum time of a run.")
+@click.option(
+    "--seed",
+    type=SEED,
+    default=0,
+    show_default=True,
+    help="Seed of the points; that of the noise is the parameter plant.seed.",
+)
+@click.option(
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=60.0,
+    show_default=True,
+    help="Pendulum time of a run.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE.csv", default=Path("output/sweep.csv"),
@@ -51,13 +67,9 @@ def command(
 ) -> None:
     """Simulate the loop over any parameters, as in friction_observer.alpha0=0.1:0.3:50 seed=0:9.
 
-    Every run is that of furuta simulate. A sweep that was interrupted goes on where it was when
-    it is called again with the same arguments.
+    Every run equals that of furuta simulate. An interrupted sweep resumes when it is called again
+    with the same arguments.
     """
-    if not 0 < seconds <= 1e6:
-        raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
-    if seed < 0:
-        raise ParameterError(f"--seed must be at least 0, given {seed}")
     if out.suffix != ".csv":
         raise ParameterError(f"--out must be a .csv file, given {out}")
     if out.exists():

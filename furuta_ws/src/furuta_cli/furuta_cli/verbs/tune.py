@@ -5,17 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-import rclpy
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import (
+    SIMULATED_SECONDS,
+    FiniteRange,
+    json_option,
+    model_options,
+    namespace_option,
+    print_json,
+)
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.running_graph import Estimates, RunningLoop, TuningInterruptedError
 from furuta_graph.settings import load_settings, loop
+from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
+from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
 from furuta_studies.tuning.report import described, parameters, write_parameter_file
@@ -31,20 +37,22 @@ from furuta_studies.tuning.tuning import (
 )
 
 DEFAULT = Plan()
+GUARD = FiniteRange(0, min_open=True)
 
 
 @click.command()
 @click.option(
     "--running",
     is_flag=True,
-    help="Tune the running graph by its parameter services (default: a simulation).",
+    help="Tune the running graph through its parameter services (default: a simulation).",
 )
+@namespace_option
 @click.option(
     "--fit",
     multiple=True,
     type=click.Choice(FITTED),
     default=DEFAULT.fit,
-    help="Read this parameter off the friction seen; repeatable (default: all that can be).",
+    help="Fit this parameter to the observed friction; repeatable (default: all that can be).",
 )
 @click.option(
     "--search",
@@ -52,17 +60,25 @@ DEFAULT = Plan()
     type=click.Choice(SEARCHABLE),
     default=DEFAULT.search,
     show_default=True,
-    help="Then try this parameter out; repeatable.",
+    help="Then search for the best value of this parameter; repeatable.",
 )
-@click.option("--seconds", default=DEFAULT.seconds, show_default=True, help="Most pendulum time.")
+@click.option(
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=DEFAULT.seconds,
+    show_default=True,
+    help="Longest pendulum time.",
+)
 @click.option(
     "--arm-guard",
+    type=GUARD,
     default=DEFAULT.arm_guard,
     show_default=True,
     help="Largest peak-to-peak excursion of the arm [rad].",
 )
 @click.option(
     "--pendulum-guard",
+    type=GUARD,
     default=DEFAULT.pendulum_guard,
     show_default=True,
     help="Largest angle of the pendulum [rad].",
@@ -71,12 +87,13 @@ DEFAULT = Plan()
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
-    help="Keep the parameters in a parameter file.",
+    help="Save the parameters as a parameter file.",
 )
 @model_options
 @json_option
 def command(
     running: bool,
+    namespace: str,
     fit: tuple[str, ...],
     search: tuple[str, ...],
     seconds: float,
@@ -87,28 +104,30 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find the LuGre compensator's parameters that leave the smallest limit cycle.
+    """Find the LuGre compensator's parameters with the smallest remaining limit cycle.
 
-    The pendulum first swings without compensation while the friction's parameters are read off
-    what the estimator sees; then those named by --search are tried out. On a running graph the
-    best ones stay in force; if the motion leaves the guard, or at Ctrl-C, the earlier ones are
-    put back.
+    The pendulum first swings without compensation, and the friction parameters are fitted to the
+    friction that the estimator observes. Then a search improves those named by --search. A running
+    graph keeps the best ones; if the motion exceeds a guard, or at Ctrl-C, the earlier ones are
+    restored.
     """
     plan = Plan(fit, search, seconds, arm_guard, pendulum_guard)
     try:
         plan.check()
         if running:
             if files or assignments:
-                raise ParameterError("--running goes with neither --params nor --set")
-            tuned = _tune_running(plan, quiet=as_json)
+                raise ParameterError("--running cannot be combined with --params or --set")
+            tuned = _tune_running(plan, namespace, quiet=as_json)
         else:
+            if namespace:
+                raise ParameterError("--namespace needs --running")
             tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
     except GuardError as error:
-        raise UserError(f"stopped, the earlier parameters are in force again: {error}") from None
+        raise UserError(f"stopped, the earlier parameters are restored: {error}") from None
     except ValueError as error:
         raise UserError(str(error)) from None
     except TuningInterruptedError:
-        raise UserError("interrupted, the earlier parameters are in force again") from None
+        raise UserError("interrupted, the earlier parameters are restored") from None
     if out is not None:
         write_parameter_file(tuned.after.observer, out)
     if as_json:
@@ -124,15 +143,13 @@ def _tune_simulated(
     return tune(SimulatedLoop(made), made.observer, made.estimator, plan, _reporter(quiet))
 
 
-def _tune_running(plan: Plan, quiet: bool) -> TuningResult:
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
+def _tune_running(plan: Plan, namespace: str, quiet: bool) -> TuningResult:
+    with ros_context(namespace=namespace):
         node = Node("furuta_tune")
         executor = executor_of([node])
-        rig = RunningLoop(ParameterClient(node, executor), Estimates(node), executor, StopSignal())
-        return tune(rig, rig.observer, rig.estimator, plan, _reporter(quiet))
-    finally:
-        rclpy.try_shutdown()
+        parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
+        client = TuningClient(parameter_client, estimates, executor, StopSignal())
+        return tune(client, client.observer, client.estimator, plan, _reporter(quiet))
 
 
 def _reporter(quiet: bool) -> Report:
