@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 DOMAINS = range(1, 100)
 
@@ -34,6 +35,7 @@ _DOMAIN_LOCK = _own_domain()
 # The domain is read when ROS starts.
 from testbench import Bench  # noqa: E402
 
+from furuta_graph.rigs import rig_directory  # noqa: E402
 from furuta_graph.settings import Settings, default_settings  # noqa: E402
 from furuta_ros.context import ros_context  # noqa: E402
 
@@ -51,6 +53,17 @@ def bench(ros: None) -> Iterator[Bench]:
     bench = Bench()
     yield bench
     bench.close()
+
+
+@pytest.fixture
+def other_rig(tmp_path: Path) -> Path:
+    """A rig file with another model, other limits and another sample time than the paper's."""
+    content = yaml.safe_load((rig_directory() / "qube_servo_2.yaml").read_text())
+    content["line"]["sample_time"] = 0.002
+    content["limits"]["voltage"] = 5.0
+    file = tmp_path / "other_rig.yaml"
+    file.write_text(yaml.safe_dump(content))
+    return file
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from paused_graph import PausedGraph
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
@@ -18,7 +19,7 @@ from furuta_graph.description import graph_nodes
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings import load_settings, loop
 from furuta_ros.services import ServiceError
-from furuta_ros.topics import GROUND_TRUTH, QOS, TOPICS
+from furuta_ros.topics import GROUND_TRUTH, TOPICS
 
 SAMPLES = 1500
 NODE_NAMES = [node.name for node in graph_nodes()]
@@ -26,32 +27,12 @@ NODE_NAMES = [node.name for node in graph_nodes()]
 
 def test_separate_processes_are_the_same_loop(bench: Bench, processes: Any) -> None:
     """In lock-step, four processes give the offline loop's run to the last bit."""
-    truths = bench.collect(GROUND_TRUTH)
+    graph = PausedGraph(bench)
     for name in NODE_NAMES:
         extra = ("clock:=lockstep", "run_until:=0.0") if name == "plant" else ()
         processes.node(name, *extra, *(("compensation:=lugre",) if "observer" in name else ()))
-    run_without_gaps(bench, truths, SAMPLES)
     expected = simulate(loop(load_settings([], ["compensation=lugre"])), SAMPLES * 0.001)
-    np.testing.assert_array_equal(states(truths), expected.state)
-
-
-def run_without_gaps(bench: Bench, truths: list[Any], samples: int) -> None:
-    """Let a paused plant run, and wait for all of its samples.
-
-    It runs for as many samples at a time as its publisher keeps, so that none can be lost.
-    """
-    bench.wait_for_publisher(GROUND_TRUTH)
-    client = ParameterClient(bench.probe, bench.executor)
-    for end in range(QOS.depth, samples + 1, QOS.depth):
-        client.set("plant", run_until=end * 0.001)
-        bench.spin(lambda end=end: len(truths) >= end, timeout=60.0)
-
-
-def states(truths: list[Any]) -> np.ndarray:
-    """The true states (n, 4) of consecutive samples, beginning with the first."""
-    stamps = [t.header.stamp.sec * 1000 + t.header.stamp.nanosec / 1e6 for t in truths]
-    assert stamps == list(range(len(truths)))
-    return np.array([(t.position[0], t.velocity[0], t.position[1], t.velocity[1]) for t in truths])
+    np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
 
 
 def test_parameters_from_outside(bench: Bench, processes: Any) -> None:

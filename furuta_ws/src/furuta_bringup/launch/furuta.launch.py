@@ -39,7 +39,7 @@ def _node(process, **options) -> Node:
         package=process.package,
         executable=process.executable,
         name=process.name,
-        namespace=process.namespace,
+        namespace=process.namespace or None,
         output="screen",
         ros_arguments=process.parameter_arguments,
         **options,
