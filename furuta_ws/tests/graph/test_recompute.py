@@ -14,21 +14,26 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
 from furuta_graph.settings import load_settings
 from furuta_recordings.recorder_node import RecorderNode
+from furuta_ros.context import ros_context
 from furuta_studies.recompute import compare, recomputed
 
 
 @pytest.fixture
 def bag(ros: None, tmp_path: Path) -> Path:
-    """Two seconds without compensation, then one with LuGre."""
+    return record(tmp_path)
+
+
+def record(tmp_path: Path) -> Path:
+    """Record two seconds without compensation, then one with LuGre."""
     settings = load_settings(
         [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
     )
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     node = Node("node")
-    record = partial(
+    recorder = partial(
         RecorderNode, tmp_path / "bag", stamped=True, parameters=settings_file(settings)
     )
-    graph = SimulatedGraph(settings, [node], record)
+    graph = SimulatedGraph(settings, [node], recorder)
     client = ParameterClient(node, graph.executor)
     client.set("plant", run_until=2.0)
     graph.run_until(2.0)
@@ -45,6 +50,15 @@ def test_bit_identical_with_what_was_recorded(bag: Path) -> None:
     assert result["samples"] == 3000
     assert result["identical"]
     assert result["command"]["compared"] == 3000
+
+
+def test_bit_identical_in_a_namespace(tmp_path: Path) -> None:
+    """Topics and changes of parameters are found under the namespace of the recorded graph."""
+    with ros_context(namespace="/left"):
+        bag = record(tmp_path)
+    result = compare(*recomputed(bag, (), ()))
+    assert result["command"]["compared"] == 3000
+    assert result["identical"]
 
 
 def test_another_tuning_differs_where_it_acts(bag: Path, tmp_path: Path) -> None:

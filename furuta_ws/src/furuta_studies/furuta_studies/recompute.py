@@ -49,12 +49,17 @@ def read_recorded_loop(bag: Path) -> RecordedLoop:
         wanted = {MEASUREMENT.name, JOINT_STATES.name, *floats, PARAMETER_EVENTS.name.strip("/")}
         chosen = [c for c in reader.connections if last_part(c.topic) in wanted]
         refuse_too_long(bag, chosen)
+        namespaces = {
+            c.topic.rpartition("/")[0] for c in chosen if last_part(c.topic) == MEASUREMENT.name
+        }
         for connection, _, data in reader.messages(chosen):
             name = last_part(connection.topic)
             message: Any = reader.deserialize(data, connection.msgtype)
             if name == PARAMETER_EVENTS.name.strip("/"):
+                namespace, _, node = message.node.rpartition("/")
                 given = {each.name: _value(each.value) for each in message.changed_parameters}
-                changes.append((len(samples), message.node.strip("/"), given))
+                if namespace in namespaces:  # not a change of another graph
+                    changes.append((len(samples), node, given))
             elif name in floats:
                 floats[name].append(message.data)
             else:
