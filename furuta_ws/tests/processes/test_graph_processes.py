@@ -17,6 +17,7 @@ from testbench import Bench
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.description import graph_nodes
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.processes import executable
 from furuta_graph.settings import load_settings, loop
 from furuta_ros.services import ServiceError
 from furuta_ros.topics import GROUND_TRUTH, TOPICS
@@ -82,6 +83,19 @@ def test_node_ends_cleanly(processes: Any, name: str) -> None:
         _, err = process.communicate(timeout=30.0)
         assert process.returncode == 0, err
         assert "Traceback" not in err
+
+
+def test_composed_executable(processes: Any) -> None:
+    """``ros2 run furuta_bringup graph`` is the graph in one process, with the options of run."""
+    for arguments, status, text in (
+        (("--lockstep", "--seconds", "0.2"), 0, "200 samples"),
+        (("--set", "compensation=adaptive", "--set", "method=lowpass"), 1, "error: compensation"),
+        (("--seconds", "0"), 2, "Usage: graph"),
+    ):
+        process = processes.start(executable("furuta_bringup", "graph"), *arguments)
+        out, err = process.communicate(timeout=60.0)
+        assert process.returncode == status
+        assert text in out + err
 
 
 def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from launch import LaunchContext, LaunchDescription
 
 # Arguments and their descriptions; all are empty by default.
 ARGUMENTS = {
-    "clock": "realtime or lockstep; empty: as the parameter files say",
+    "clock": "realtime or lockstep; empty: that of the parameter files",
     "params_file": "parameter file; takes precedence over the rig and the installed files",
     "port": "serial port of a rig that replaces the simulated plant; it is armed by hand",
     "rig": "name or file of the rig, for every node; empty: the paper's rig",

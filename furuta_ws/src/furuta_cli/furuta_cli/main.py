@@ -21,7 +21,7 @@ VERBS = {
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",
-    "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
+    "nyquist": "Nyquist plot from friction to the arm's speed, and its crossings (Fig. 4).",
     "describing-function": "Limit cycles that the describing function of friction predicts.",
     "convergence": "Whether the friction observer meets the passivity condition for convergence.",
     "identify": "Models from recordings: bags, CSV tables, simulations.",

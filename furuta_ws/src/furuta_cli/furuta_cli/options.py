@@ -93,7 +93,7 @@ json_option = click.option(
 
 
 def print_json(result: dict[str, Any]) -> None:
-    """Print one JSON object on standard output; NaN, which JSON lacks, becomes null."""
+    """Print one JSON object on standard output; NaN becomes null."""
     print(json.dumps(_finite(result)))
 
 

@@ -112,7 +112,7 @@ def _wait_until_matched(nodes: list[Node]) -> None:
 
     In lock-step a message that does not reach a subscriber would stop the run.
     """
-    wanted = {
+    required = {
         publisher: sum(
             subscription.topic_name == publisher.topic_name
             for node in nodes
@@ -122,7 +122,7 @@ def _wait_until_matched(nodes: list[Node]) -> None:
         for publisher in node.publishers
     }
     deadline = monotonic() + DISCOVERY_TIMEOUT
-    while any(each.get_subscription_count() < count for each, count in wanted.items()):
+    while any(each.get_subscription_count() < count for each, count in required.items()):
         if monotonic() > deadline:
             raise UserError("the nodes of this process did not discover each other")
         sleep(0.005)

@@ -71,11 +71,11 @@ class TuningClient:
 
     def apply(self, observer: ObserverParameters) -> None:
         """Set the parameters that differ, all or none, and drop earlier estimates."""
-        wanted = values(observer)
-        changes = {name: each for name, each in wanted.items() if each != self._applied[name]}
+        new = values(observer)
+        changes = {name: each for name, each in new.items() if each != self._applied[name]}
         if changes:
             self.client.set_all("friction_observer", changes)
-            self._applied = wanted
+            self._applied = new
         self._waiting.clear()
 
     def watch(self, seconds: float) -> np.ndarray:
