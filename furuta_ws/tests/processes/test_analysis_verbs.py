@@ -112,7 +112,7 @@ def test_convergence_takes_feedback_and_parameters(furuta: Any) -> None:
     assert result["static_gain"] == pytest.approx(-8.0)
     assert result["friction_passive"] is True
     assert result["exact_model"] is False
-    assert "not the plant's" in result["reason"]
+    assert "differs from the plant's" in result["reason"]
 
 
 @pytest.mark.parametrize("verb", ["nyquist", "describing-function"])
@@ -147,7 +147,7 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tupl
     [
         (["nyquist", "--feedback", "nan", "1", "1", "1"], "four finite numbers"),
         (["describing-function", "--feedback", "1", "inf", "1", "1"], "four finite numbers"),
-        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "its own feedbacks"),
+        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "cannot be combined"),
         (["describing-function", "--set", "sigma0=-1"], "sigma0 must be"),
         (["convergence", "--feedback", "1", "1", "1", "nan"], "four finite numbers"),
         (["convergence", "--set", "observer_gain=1e9"], "observer_gain must be"),
