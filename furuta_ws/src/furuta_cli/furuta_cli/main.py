@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import logging
 import sys
 
 import click
@@ -68,6 +69,7 @@ def run_command(command: click.Command, name: str) -> None:
 
     Its exit status is 0 (done), 1 (failed, with one line on standard error) or 2 (wrong usage).
     """
+    logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
         command(prog_name=name)
     except (ParameterError, UserError) as error:
