@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import Float64
 
 from furuta_ros.messages import JointWriter
-from furuta_ros.spinning import executor_of, settle_memory
+from furuta_ros.spinning import executor_of, freeze_startup_objects
 from furuta_ros.topics import (
     COMMAND,
     FRICTION_ESTIMATE,
@@ -53,7 +53,7 @@ class BareChain:
         )
         _subscribe(plant, COMMAND, self._on_command)
         self.executor = executor_of(self.nodes)
-        settle_memory()
+        freeze_startup_objects()
 
     @property
     def matched(self) -> bool:

@@ -18,8 +18,8 @@ from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_graph.composed import SimulatedGraph
-from furuta_graph.settings import NODES, Settings
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings import Settings, default_settings
 from furuta_ros.spinning import spin_until
 
 ROUNDS = 7
@@ -185,7 +185,7 @@ def _bare_chain() -> BareChain:
 
 
 def _settings(clock: str) -> Settings:
-    settings: Settings = {node: {} for node in NODES}
+    settings = default_settings()
     settings["plant"]["clock"] = clock
     settings["plant"]["run_until"] = 0.0 if clock == "realtime" else 1e9
     return settings

@@ -22,7 +22,7 @@ import numpy as np
 import rclpy
 
 from furuta_analysis.simulation.closed_loop import simulate
-from furuta_graph.composed import HardwareGraph
+from furuta_graph.composed_graph import HardwareGraph
 from furuta_graph.processes import executable
 from furuta_graph.settings import load_settings, loop
 from furuta_hw.emulator.monitor import ask

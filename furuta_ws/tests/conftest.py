@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 DOMAINS = range(1, 100)
 
@@ -31,19 +32,19 @@ def _own_domain() -> Any:
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 _DOMAIN_LOCK = _own_domain()
 
-import rclpy  # noqa: E402 - the domain is read when rclpy starts
-from rclpy.signals import SignalHandlerOptions  # noqa: E402
+# The domain is read when ROS starts.
 from testbench import Bench  # noqa: E402
 
-from furuta_graph.settings import NODES, Settings  # noqa: E402
+from furuta_graph.rigs import rig_directory  # noqa: E402
+from furuta_graph.settings import Settings, default_settings  # noqa: E402
+from furuta_ros.context import ros_context  # noqa: E402
 
 
 @pytest.fixture
 def ros() -> Iterator[None]:
     """ROS from start to end of a test."""
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    yield
-    rclpy.try_shutdown()
+    with ros_context():
+        yield
 
 
 @pytest.fixture
@@ -55,6 +56,17 @@ def bench(ros: None) -> Iterator[Bench]:
 
 
 @pytest.fixture
+def other_rig(tmp_path: Path) -> Path:
+    """A rig file with another model, other limits and another sample time than the paper's."""
+    content = yaml.safe_load((rig_directory() / "qube_servo_2.yaml").read_text())
+    content["line"]["sample_time"] = 0.002
+    content["limits"]["voltage"] = 5.0
+    file = tmp_path / "other_rig.yaml"
+    file.write_text(yaml.safe_dump(content))
+    return file
+
+
+@pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
-    return {node: {} for node in NODES}
+    return default_settings()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from time import monotonic
 from typing import Any
@@ -43,6 +44,12 @@ class Bench:
         self.spin(lambda: publisher.get_subscription_count() > 0)
         return publisher
 
+    def wait_for_publisher(self, topic: Topic) -> None:
+        """Spin until the probe's subscription to a topic is matched with a publisher."""
+        name = self.probe.resolve_topic_name(topic.name)
+        mine = [each for each in self.probe.subscriptions if each.topic_name == name]
+        self.spin(lambda: all(each.get_publisher_count() > 0 for each in mine))
+
     @property
     def executor(self) -> Executor:
         """The executor of all nodes; none is added after its first use."""
@@ -56,6 +63,35 @@ class Bench:
         while not until():
             assert monotonic() < deadline, "the awaited condition did not come true"
             self.executor.spin_once(timeout_sec=0.05)
+
+    def count_handled(self, node: Any) -> Counter[str]:
+        """Counts the messages that the callbacks of a node have handled, by topic name."""
+        handled: Counter[str] = Counter()
+
+        def counted(name: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+            def call(message: Any) -> None:
+                callback(message)
+                handled[name] += 1
+
+            return call
+
+        for each in node.subscriptions:
+            each.callback = counted(each.topic_name.strip("/"), each.callback)
+        return handled
+
+    def count_published(self, node: Any, topic: Topic) -> Counter[str]:
+        """Counts the messages that a node has published on a topic, under the topic's name."""
+        published: Counter[str] = Counter()
+        name = node.resolve_topic_name(topic.name)
+        (publisher,) = (each for each in node.publishers if each.topic_name == name)
+        publish = publisher.publish
+
+        def counted(message: Any) -> None:
+            published[topic.name] += 1
+            publish(message)
+
+        publisher.publish = counted
+        return published
 
     def settle(self, seconds: float = 0.3) -> None:
         """Spin long enough that a message that should not come would have come."""

@@ -23,6 +23,7 @@ setup(
     entry_points={
         "console_scripts": [
             "furuta = furuta_cli.main:main",
+            "graph = furuta_bringup.graph:main",
         ]
     },
     zip_safe=False,

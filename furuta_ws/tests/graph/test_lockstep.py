@@ -11,7 +11,7 @@ from rosbags.highlevel import AnyReader
 
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import measure_oscillation
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings import Settings, load_settings, loop
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode

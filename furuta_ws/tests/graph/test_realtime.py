@@ -9,7 +9,7 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import QOS, TIMING
@@ -51,7 +51,7 @@ def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None
     graph = SimulatedGraph(settings)
     plant = graph.plant
     spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
-    graph.executor.remove_node(graph.controller)
+    graph.executor.remove_node(graph.node("controller"))
     spin_until(graph.executor, lambda: plant.pacing.timing_counts.timeouts > 0)
     spin_until(graph.executor, lambda: abs(plant.x[2]) > 1.0)
     graph.close()
@@ -63,9 +63,9 @@ def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> N
     # Longer than a machine stalls, shorter than this test: only a silent controller exceeds it.
     settings["plant"]["command_timeout"] = 1.0
     graph = SimulatedGraph(settings)
-    plant, controller = graph.plant, graph.controller
+    plant, controller = graph.plant, graph.node("controller")
     spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
-    graph.executor.remove_node(graph.friction_observer)
+    graph.executor.remove_node(graph.node("friction_observer"))
     before = plant.sample
     spin_until(graph.executor, lambda: plant.sample > before + 2000)
     theta, timeouts = plant.x[2], plant.pacing.timing_counts.timeouts

@@ -9,27 +9,32 @@ import pytest
 from rclpy.node import Node
 
 from furuta_figures.recomputation import draw_recomputation
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
 from furuta_graph.settings import load_settings
 from furuta_recordings.recorder_node import RecorderNode
+from furuta_ros.context import ros_context
 from furuta_studies.recompute import recompute_bag
 from furuta_studies.recorded_loop import compare
 
 
 @pytest.fixture
 def bag(ros: None, tmp_path: Path) -> Path:
-    """Two seconds without compensation, then one with LuGre."""
+    return record(tmp_path)
+
+
+def record(tmp_path: Path) -> Path:
+    """Record two seconds without compensation, then one with LuGre."""
     settings = load_settings(
         [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
     )
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     node = Node("node")
-    record = partial(
+    recorder = partial(
         RecorderNode, tmp_path / "bag", stamped=True, parameters=settings_file(settings)
     )
-    graph = SimulatedGraph(settings, [node], record)
+    graph = SimulatedGraph(settings, [node], recorder)
     client = ParameterClient(node, graph.executor)
     client.set("plant", run_until=2.0)
     graph.run_until(2.0)
@@ -46,6 +51,15 @@ def test_recomputation_equals_recording(bag: Path) -> None:
     assert result["samples"] == 3000
     assert result["identical"]
     assert result["command"]["compared"] == 3000
+
+
+def test_bit_identical_in_a_namespace(tmp_path: Path) -> None:
+    """Topics and changes of parameters are found under the namespace of the recorded graph."""
+    with ros_context(namespace="/left"):
+        bag = record(tmp_path)
+    result = compare(*recompute_bag(bag, (), ()))
+    assert result["command"]["compared"] == 3000
+    assert result["identical"]
 
 
 def test_another_tuning_changes_estimate_and_command(bag: Path, tmp_path: Path) -> None:

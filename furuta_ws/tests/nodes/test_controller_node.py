@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import nan
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
 from furuta_control.controller_node import ControllerNode
-from furuta_graph.parameter_client import ParameterClient, ServiceError
+from furuta_graph.parameter_client import ParameterClient
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES
+from furuta_ros.services import ServiceError
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, Topic
 
 X = (0.1, -0.2, 0.03, 0.04)
 FEEDBACK = -float(place_poles(FurutaPendulum(), DesiredPoles()) @ np.array(X))
@@ -27,27 +29,31 @@ class Loop:
         self.bench = bench
         self.node = bench.add(ControllerNode())
         self.commands = bench.collect(COMMAND)
+        self._handled = bench.count_handled(self.node)
+        self._published = bench.count_published(self.node, COMMAND)
         self._states = bench.publisher(JOINT_STATES)
         self._estimates = bench.publisher(FRICTION_ESTIMATE)
-        self._sent = 0
+        self._expected = 0
 
     def state(self, milliseconds: int, x: tuple[float, float, float, float] = X) -> None:
-        """Send a state."""
-        self._states.publish(joint_state(x, milliseconds * MS))
-        self.bench.spin(lambda: self.node._stamp == milliseconds * MS)
+        """Send a state and wait until the node has handled it."""
+        self._send(self._states, JOINT_STATES, joint_state(x, milliseconds * MS))
 
     def estimate(self, value: float) -> None:
-        """Send a friction estimate."""
-        self._estimates.publish(Float64(data=value))
-        self.bench.settle(0.1)
+        """Send a friction estimate and wait until the node has handled it."""
+        self._send(self._estimates, FRICTION_ESTIMATE, Float64(data=value))
+
+    def _send(self, publisher: Any, topic: Topic, message: Any) -> None:
+        wanted = self._handled[topic.name] + 1
+        publisher.publish(message)
+        self.bench.spin(lambda: self._handled[topic.name] == wanted)
 
     def expect(self, *values: float) -> None:
-        """The commands since the last call."""
-        wanted = self._sent + len(values)
-        self.bench.spin(lambda: len(self.commands) >= wanted)
-        self.bench.settle(0.1)
-        assert [c.data for c in self.commands[self._sent :]] == pytest.approx(list(values))
-        self._sent = wanted
+        """The node has published exactly these commands since the last call."""
+        published = self._published[COMMAND.name]
+        self.bench.spin(lambda: len(self.commands) == published)
+        assert [c.data for c in self.commands[self._expected :]] == pytest.approx(list(values))
+        self._expected = published
 
 
 @pytest.fixture
@@ -92,7 +98,7 @@ def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
     loop.estimate(0.2)
     loop.state(31)
     loop.estimate(0.4)
-    assert loop.commands[-1].data == pytest.approx(FEEDBACK + 0.4)
+    loop.expect(FEEDBACK + 0.2, FEEDBACK + 0.4)
 
 
 def test_old_estimate_becomes_zero(loop: Loop) -> None:
@@ -107,9 +113,9 @@ def test_old_estimate_becomes_zero(loop: Loop) -> None:
 
 def test_refuses_nonsense_and_goes_on(loop: Loop) -> None:
     """NaN in either input is counted, named and without effect."""
-    loop._states.publish(joint_state((nan, 0.0, 0.0, 0.0), MS))
+    loop.state(1, (nan, 0.0, 0.0, 0.0))
     loop.estimate(nan)
-    loop.bench.spin(lambda: loop.node.refused == 2)
+    assert loop.node.refused == 2
     loop.state(2)
     loop.estimate(0.0)
     loop.expect(FEEDBACK)

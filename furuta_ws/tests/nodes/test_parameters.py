@@ -8,30 +8,20 @@ import pytest
 from rclpy.parameter import Parameter
 from testbench import Bench
 
-from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.parameter_client import ParameterClient, ServiceError
-from furuta_graph.settings import NODES
-from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_graph.description import NODES
+from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.plant_node import PlantNode
-
-CLASSES: dict[str, Any] = {
-    "plant": PlantNode,
-    "estimator": EstimatorNode,
-    "friction_observer": FrictionObserverNode,
-    "controller": ControllerNode,
-    "hardware_bridge": HardwareBridgeNode,
-}
+from furuta_ros.services import ServiceError
 
 
 @pytest.mark.parametrize("name", NODES)
 def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     """Each has its meaning, unit and range in its descriptor, and its default as value."""
-    bench.add(CLASSES[name]())
+    bench.add(NODES[name].load_class()())
     client = ParameterClient(bench.probe, bench.executor)
-    expected = {each.name: each for each in declared(NODES[name])}
+    expected = {each.name: each for each in declared(NODES[name].parameters)}
     assert set(expected) <= set(client.names(name))
     values = client.get(name, list(expected))
     for descriptor in client.describe(name, list(expected)):
@@ -86,3 +76,49 @@ def test_bad_start_values_are_refused(ros: None, overrides: list[Any], reason: s
     assert isinstance(caught.value, (ParameterError, ValueError)) or "Parameter" in repr(
         type(caught.value)
     )
+
+
+def test_earlier_names_on_a_running_node(bench: Bench) -> None:
+    """The parameter services accept them; the change is that of today's parameter."""
+    node = bench.add(EstimatorNode())
+    client = ParameterClient(bench.probe, bench.executor)
+    client.set("estimator", friction_spread=0.7, filter_damping=0.8)
+    assert node.parameters.friction_process_noise == 0.7
+    assert node.parameters.filter_damping == 0.8
+    assert client.get("estimator", ["friction_process_noise"]) == {"friction_process_noise": 0.7}
+    with pytest.raises(ServiceError, match="friction_process_noise"):
+        client.set("estimator", friction_spread=-1.0, filter_damping=0.9)
+    assert node.parameters.filter_damping == 0.8
+    assert not node.has_parameter("friction_spread")
+
+
+def test_earlier_names_from_the_node_itself(ros: None) -> None:
+    """Both functions of the node that set parameters accept them."""
+    node = EstimatorNode()
+    (result,) = node.set_parameters([Parameter("pendulum_spread", value=0.2)])
+    assert result.successful
+    assert node.parameters.pendulum_process_noise == 0.2
+    assert node.set_parameters_atomically([Parameter("pendulum_spread", value=1)]).successful
+    assert node.parameters.pendulum_process_noise == 1.0
+    node.destroy_node()
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ([Parameter("friction_spread", value=0.7)], 0.7),
+        ([Parameter("friction_spread", value=2)], 2.0),
+        (
+            [
+                Parameter("friction_spread", value=0.7),
+                Parameter("friction_process_noise", value=0.9),
+            ],
+            0.9,
+        ),
+    ],
+)
+def test_earlier_names_at_the_start(ros: None, overrides: list[Any], expected: float) -> None:
+    """A node starts with a parameter by its earlier name; today's name takes precedence."""
+    node = EstimatorNode(overrides)
+    assert node.parameters.friction_process_noise == expected
+    node.destroy_node()

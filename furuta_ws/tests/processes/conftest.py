@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta_graph.processes import HARDWARE, PACKAGES, executable
+from furuta_graph.description import NODES
+from furuta_graph.processes import executable
 from furuta_hw.emulator.monitor import ask
 
 TIMEOUT = 120.0
@@ -32,8 +33,9 @@ class Processes:
     def node(self, name: str, *arguments: str) -> subprocess.Popen[str]:
         """Start a node by its executable with ROS arguments ``name:=value``."""
         ros = [part for argument in arguments for part in ("-p", argument)]
-        package = (PACKAGES | HARDWARE)[name]
-        return self.start(executable(package, name), *(["--ros-args", *ros] if ros else []))
+        about = NODES[name]
+        command = executable(about.package, about.executable)
+        return self.start(command, *(["--ros-args", *ros] if ros else []))
 
     def furuta(self, *arguments: str | Path) -> subprocess.Popen[str]:
         """Start a verb of the command line."""

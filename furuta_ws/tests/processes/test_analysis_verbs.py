@@ -147,7 +147,7 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tupl
     [
         (["nyquist", "--feedback", "nan", "1", "1", "1"], "four finite numbers"),
         (["describing-function", "--feedback", "1", "inf", "1", "1"], "four finite numbers"),
-        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "its own feedbacks"),
+        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "cannot be combined"),
         (["describing-function", "--set", "sigma0=-1"], "sigma0 must be"),
         (["convergence", "--feedback", "1", "1", "1", "nan"], "four finite numbers"),
         (["convergence", "--set", "observer_gain=1e9"], "observer_gain must be"),

@@ -23,7 +23,7 @@ from furuta_analysis.simulation.closed_loop import simulate
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.processes import HARDWARE
+from furuta_graph.description import HARDWARE_BRIDGE, graph_nodes
 from furuta_graph.settings import load_settings, loop
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.rig.rig import Rig
@@ -183,10 +183,10 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
     """Under load: 0 V within the watchdog's time after every kill, and the loop recovers."""
     rig = emulate()
     start = {
-        name: (f"port:={rig.port}", "autostart:=active") if name == "hardware_bridge" else ()
-        for name in HARDWARE
+        name: (f"port:={rig.port}", "autostart:=active") if name == HARDWARE_BRIDGE else ()
+        for name, *_ in graph_nodes(HARDWARE_BRIDGE)
     }
-    running = {name: processes.node(name, *start[name]) for name in HARDWARE}
+    running = {name: processes.node(name, *start[name]) for name in start}
     node = Experimenter(bench, rig)
     with load():
         for _ in range(ROUNDS):

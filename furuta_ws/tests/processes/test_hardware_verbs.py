@@ -81,7 +81,7 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
         (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
         (["hw", "friction", "--port", "mock", "--travel", "0.2"], "arm range must be at least"),
         (["hw", "emulate", "--fault", "gremlin=1"], "no fault gremlin"),
-        (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "keeps its own time"),
+        (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "has its own clock"),
         (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
     ],
 )

@@ -50,7 +50,7 @@ def test_a_core_that_is_not_there_is_refused_aloud(furuta: Any) -> None:
     [
         (["--cores", "one"], "--cores must be numbers"),
         (["--lockstep", "--timing", "a.csv"], "lock-step"),
-        (["--processes", "--priority", "10"], "--processes goes with neither"),
+        (["--processes", "--priority", "10"], "--processes cannot be combined"),
     ],
 )
 def test_what_does_not_go_together(furuta: Any, arguments: list[str], reason: str) -> None:

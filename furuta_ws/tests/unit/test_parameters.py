@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from furuta_control.control import ControllerParameters
-from furuta_graph.settings import NODES
+from furuta_graph.description import NODES
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import (
     INLINE,
@@ -22,7 +22,7 @@ from furuta_model.parameters import (
 )
 from furuta_sim.parameters import PlantParameters
 
-ALL = [(node, each) for node, group in NODES.items() for each in declared(group)]
+ALL = [(node, each) for node, about in NODES.items() for each in declared(about.parameters)]
 NUMBERS = [(node, each) for node, each in ALL if each.kind in (float, int)]
 
 
@@ -56,8 +56,9 @@ def test_names_of_nested_groups() -> None:
 @pytest.mark.parametrize("node", NODES)
 def test_defaults_are_allowed(node: str) -> None:
     """Built from nothing, a group is its defaults, and each default is a value it may have."""
-    assert build(NODES[node], {}) == NODES[node]()
-    assert build(NODES[node], values(NODES[node]())) == NODES[node]()
+    group: Any = NODES[node].parameters
+    assert build(group, {}) == group()
+    assert build(group, values(group())) == group()
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -66,7 +67,7 @@ def test_round_trip(node: str) -> None:
     rng = np.random.default_rng(6)
     for _ in range(20):
         given: dict[str, Any] = {}
-        for each in declared(NODES[node]):
+        for each in declared(NODES[node].parameters):
             low, high = max(each.about.low, -1e3), min(each.about.high, 1e3)
             if each.name.startswith("model.") or each.name.endswith(("_angle", "sample_time")):
                 continue  # not free of each other
@@ -80,7 +81,7 @@ def test_round_trip(node: str) -> None:
                 given[each.name] = str(rng.choice(each.about.choices))
             elif each.kind is list:
                 given[each.name] = list(rng.normal(size=4))
-        kept = values(build(NODES[node], given))
+        kept = values(build(NODES[node].parameters, given))
         assert {name: kept[name] for name in given} == given
 
 
@@ -94,7 +95,7 @@ def test_range_is_held(node: str, each: Declared) -> None:
         assert each.checked(each.kind(limit)) == limit
         outside = each.kind(limit + outward * max(1, abs(limit) / 2))
         with pytest.raises(ParameterError) as refusal:
-            build(NODES[node], {each.name: outside})
+            build(NODES[node].parameters, {each.name: outside})
         message = str(refusal.value)
         assert message.startswith(f"{each.name} must be ")
         assert message.endswith(f"given {outside:g}")
@@ -107,7 +108,7 @@ def test_range_is_held(node: str, each: Declared) -> None:
 def test_no_number(node: str, each: Declared, wrong: Any) -> None:
     """NaN, infinities, truth values, text and nothing are no numbers, and the message says so."""
     with pytest.raises(ParameterError, match=rf"^{each.name} must be (finite|a number|an integer)"):
-        build(NODES[node], {each.name: wrong})
+        build(NODES[node].parameters, {each.name: wrong})
 
 
 def test_whole_numbers() -> None:
@@ -130,10 +131,10 @@ def test_truth_values(given: Any) -> None:
 def test_choices(node: str, each: Declared) -> None:
     """Each choice is taken; another word is refused with the list of choices."""
     for choice in each.about.choices:
-        assert values(build(NODES[node], {each.name: choice}))[each.name] == choice
+        assert values(build(NODES[node].parameters, {each.name: choice}))[each.name] == choice
     listed = f"{each.name} must be one of {', '.join(each.about.choices)}, given 'other'"
     with pytest.raises(ParameterError, match=listed):
-        build(NODES[node], {each.name: "other"})
+        build(NODES[node].parameters, {each.name: "other"})
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ from typing import Annotated, Any, NamedTuple
 import pytest
 import yaml
 
+from furuta_graph.description import NODES, NodeDescription
 from furuta_graph.parameter_files import describe, parameter_file, parameter_table
-from furuta_graph.settings import NODES, load_settings, loop, read_file
+from furuta_graph.settings import default_settings, load_settings, loop, read_file
 from furuta_model.parameters import About, ParameterError, declared
 
 
@@ -27,7 +28,7 @@ def file(tmp_path: Path) -> Any:
 
 def test_nothing_said() -> None:
     """Without files and assignments nothing is set and the loop has its defaults."""
-    assert load_settings([], []) == {node: {} for node in NODES}
+    assert load_settings([], []) == default_settings()
     assert loop(load_settings([], [])).plant.friction.parameters.sigma0 == 80.0
 
 
@@ -35,9 +36,9 @@ def test_nothing_said() -> None:
 def test_default_files_say_the_defaults(file: Any, node: str) -> None:
     """The generated file holds every parameter, each with its default's value and type."""
     found = read_file(file(parameter_file(node)))[node]
-    assert found == {each.name: each.default for each in declared(NODES[node])}
-    assert [type(found[each.name]) for each in declared(NODES[node])] == [
-        type(each.default) for each in declared(NODES[node])
+    assert found == {each.name: each.default for each in declared(NODES[node].parameters)}
+    assert [type(found[each.name]) for each in declared(NODES[node].parameters)] == [
+        type(each.default) for each in declared(NODES[node].parameters)
     ]
 
 
@@ -50,7 +51,7 @@ class Tiny(NamedTuple):
 
 def test_small_and_large_defaults(file: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Numbers with an exponent are written so that they are read as numbers."""
-    monkeypatch.setitem(NODES, "tiny", Tiny)
+    monkeypatch.setitem(NODES, "tiny", NodeDescription("tiny", "p", "e", Tiny, "m:C"))
     assert read_file(file(parameter_file("tiny")))["tiny"] == {"small": 1e-5, "large": -2e22}
 
 
@@ -58,7 +59,7 @@ def test_small_and_large_defaults(file: Any, monkeypatch: pytest.MonkeyPatch) ->
 def test_tables_have_every_parameter(node: str) -> None:
     """The documentation's table has one row each, with unit and meaning."""
     rows = parameter_table(node).splitlines()[4:]
-    for each, row in zip(declared(NODES[node]), rows, strict=True):
+    for each, row in zip(declared(NODES[node].parameters), rows, strict=True):
         assert row.startswith(f"| `{each.name}` |")
         assert each.about.meaning in row
         assert each.about.unit in row
@@ -165,7 +166,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 )
 def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
     """A name means that parameter wherever it occurs; with the node before it, one."""
-    assert load_settings([], [assignment]) == {node: {} for node in NODES} | expected
+    assert load_settings([], [assignment]) == default_settings() | expected
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,10 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from ament_index_python.resources import get_resources
 
+from furuta_graph.description import NODES
 from furuta_graph.parameter_files import parameter_file, parameter_table
 from furuta_graph.processes import executable
-from furuta_graph.settings import NODES, read_file
+from furuta_graph.settings import read_file
 from furuta_model.parameters import declared
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,13 +39,10 @@ LAYERS = [
     {"furuta_bringup"},
 ]
 EXECUTABLES = [
-    ("furuta_sim", "plant"),
-    ("furuta_control", "estimator"),
-    ("furuta_control", "controller"),
-    ("furuta_friction", "friction_observer"),
-    ("furuta_hw", "hardware_bridge"),
+    *((node.package, node.executable) for node in NODES.values()),
     ("furuta_hw", "rig_emulator"),
     ("furuta_bringup", "furuta"),
+    ("furuta_bringup", "graph"),
 ]
 # Modules that know ROS; every other module of the workspace is pure.
 ROS_MODULES = {
@@ -176,7 +174,7 @@ def test_manifest_lists_what_is_imported(package: str) -> None:
     own = {*sys.stdlib_module_names, *OPTIONAL, package}
     foreign = {name for name in used if name not in own}
     wanted = {keys.get(name, name) for name in foreign}
-    if package == "furuta_bringup":  # which starts the executables of others
+    if package == "furuta_bringup":  # its launch file starts executables of other packages
         wanted |= {"ros2launch", "furuta_cli", *(name for name, _ in EXECUTABLES)} - {package}
     assert wanted == declared_keys
 
@@ -231,7 +229,7 @@ def test_parameter_files_are_the_declarations(node: str) -> None:
     installed = Path(get_package_share_directory("furuta_bringup")) / "config" / file.name
     assert installed.read_text() == file.read_text()
     given = read_file(file)[node]
-    assert given == {each.name: each.default for each in declared(NODES[node])}
+    assert given == {each.name: each.default for each in declared(NODES[node].parameters)}
 
 
 def test_parameter_documentation_is_the_declarations() -> None:
@@ -240,21 +238,10 @@ def test_parameter_documentation_is_the_declarations() -> None:
     assert text.endswith("\n".join(parameter_table(node) for node in NODES))
 
 
-def test_launch_file_starts_what_is_installed() -> None:
-    """The launch file parses, and every node in it is an executable of its package."""
-    file = Path(get_package_share_directory("furuta_bringup")) / "launch" / "furuta.launch.py"
-    tree = ast.parse(file.read_text())
-    assert any(
-        isinstance(node, ast.FunctionDef) and node.name == "generate_launch_description"
-        for node in tree.body
-    )
-    (nodes,) = (
-        ast.literal_eval(node.value)
-        for node in tree.body
-        if isinstance(node, ast.Assign) and node.targets[0].id == "NODES"
-    )
-    for name, package in nodes.items():
-        assert executable(package, name)
+def test_description_of_the_graph_imports_no_ros() -> None:
+    """Whoever only reads names and parameters does not load rclpy."""
+    code = "import sys, furuta_graph.description; sys.exit('rclpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @pytest.mark.parametrize(

@@ -1,1 +1,1 @@
-"""The whole graph: composed or launched, recorded, demonstrated, driven from the command line."""
+"""Launch file, configuration and executables of the whole graph."""

@@ -1,84 +1,55 @@
-"""The graph, one process per node.
+"""The graph, one process per node, as ``furuta run --processes`` starts it.
 
 ros2 launch furuta_bringup furuta.launch.py clock:=lockstep params_file:=mine.yaml
 ros2 launch furuta_bringup furuta.launch.py port:=/dev/ttyACM0 rig:=/path/to/rig.yaml
+ros2 launch furuta_bringup furuta.launch.py namespace:=left
 """
 
-from pathlib import Path
-
-from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from furuta_graph.launching import launched_processes
 from launch import LaunchContext, LaunchDescription
 
-NODES = {
-    "plant": "furuta_sim",
-    "estimator": "furuta_control",
-    "friction_observer": "furuta_friction",
-    "controller": "furuta_control",
-    "hardware_bridge": "furuta_hw",
+# Arguments and their descriptions; all are empty by default.
+ARGUMENTS = {
+    "clock": "realtime or lockstep; empty: that of the parameter files",
+    "params_file": "parameter file; takes precedence over the rig and the installed files",
+    "port": "serial port of a rig that replaces the simulated plant; it is armed by hand",
+    "rig": "name or file of the rig, for every node; empty: the paper's rig",
+    "namespace": "namespace of all nodes, to run several graphs side by side",
+    "without": "nodes to leave out, separated by commas, to run your own instead",
 }
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """All nodes with their parameter files; a file that is missing is the node's to refuse."""
-    config = Path(get_package_share_directory("furuta_bringup")) / "config"
-    extra = LaunchConfiguration("params_file").perform(context)
-    clock = LaunchConfiguration("clock").perform(context)
-    port = LaunchConfiguration("port").perform(context)
-    rig = LaunchConfiguration("rig").perform(context)
-    controlled, other = ("hardware_bridge", "plant") if port else ("plant", "hardware_bridge")
-    made = []
-    for name, package in NODES.items():
-        if name == other:
-            continue
-        arguments = ["--params-file", str(config / f"{name}.yaml")]
-        if extra:
-            arguments += ["--params-file", extra]
-        if clock and name == "plant":
-            arguments += ["-p", f"clock:={clock}"]
-        if name == "hardware_bridge":
-            arguments += ["-p", f"port:={port}", "-p", "autostart:=active"]
-            arguments += ["-p", f"rig:={rig}"] if rig else []
-        made.append(
-            Node(
-                package=package,
-                executable=name,
-                name=name,
-                output="screen",
-                ros_arguments=arguments,
-                # Without it there is nothing to control; the others can be started again.
-                on_exit=[Shutdown()] if name == controlled else None,
-            )
-        )
-    return made
+    """All nodes with their parameters; a wrong argument raises an error and starts none."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    controlled, *others = launched_processes(**given)
+    return [
+        # Without it there is nothing to control; the others can be started again.
+        _node(controlled, on_exit=[Shutdown()]),
+        *(_node(each) for each in others),
+    ]
+
+
+def _node(process, **options) -> Node:
+    return Node(
+        package=process.package,
+        executable=process.executable,
+        name=process.name,
+        namespace=process.namespace or None,
+        output="screen",
+        ros_arguments=process.parameter_arguments,
+        **options,
+    )
 
 
 def generate_launch_description() -> LaunchDescription:
     """Launch plant or bridge, estimator, friction observer and controller."""
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument(
-                "clock",
-                default_value="",
-                choices=["", "realtime", "lockstep"],
-                description="how the plant's time runs; empty: as the parameter files say",
-            ),
-            DeclareLaunchArgument(
-                "params_file",
-                default_value="",
-                description="parameter file laid over the defaults",
-            ),
-            DeclareLaunchArgument(
-                "port",
-                default_value="",
-                description="serial port of a rig, in the plant's place; it is armed by hand",
-            ),
-            DeclareLaunchArgument(
-                "rig", default_value="", description="path of the rig file; empty: the paper's rig"
-            ),
-            OpaqueFunction(function=nodes),
-        ]
+    arguments = (
+        DeclareLaunchArgument(name, default_value="", description=description)
+        for name, description in ARGUMENTS.items()
     )
+    return LaunchDescription([*arguments, OpaqueFunction(function=nodes)])

@@ -1,8 +1,9 @@
-"""The command line ``furuta``: verbs, each in a module of its own, imported when it is used."""
+"""The command line ``furuta``: a verb is a module of ``verbs`` and a line in ``VERBS``."""
 
 from __future__ import annotations
 
 import importlib
+import logging
 import sys
 
 import click
@@ -12,7 +13,7 @@ from furuta_ros.errors import UserError
 
 VERBS = {
     "demo": "The paper's experiments through the real node graph.",
-    "run": "The graph until Ctrl-C, in one process or in one per node.",
+    "run": "Run the graph until Ctrl-C, in one process or in one per node.",
     "simulate": "The same loop without ROS.",
     "experiment": "The paper's Figs 5 to 9 without ROS, measured beside predicted.",
     "tune": "Find the compensator's parameters that leave the smallest limit cycle.",
@@ -21,7 +22,7 @@ VERBS = {
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "The exact periodic motion, and branches of it.",
     "map": "Which feedbacks give a limit cycle: a map over two parameters.",
-    "nyquist": "Nyquist plot of the loop that friction sees, and its crossings (Fig. 4).",
+    "nyquist": "Nyquist plot from friction to the arm's speed, and its crossings (Fig. 4).",
     "describing-function": "Limit cycles that the describing function of friction predicts.",
     "convergence": "Whether the friction observer meets the passivity condition for convergence.",
     "identify": "Models from recordings: bags, CSV tables, simulations.",
@@ -33,7 +34,7 @@ VERBS = {
 
 
 class Verbs(click.Group):
-    """Loads a verb's module only when that verb is wanted."""
+    """The group of all verbs; imports a verb's module only when that verb is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All verbs."""
@@ -48,7 +49,7 @@ class Verbs(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Help of all verbs without loading them."""
+        """List all verbs without importing them."""
         with formatter.section("Verbs"):
             formatter.write_dl(list(VERBS.items()))
 
@@ -60,11 +61,21 @@ def furuta() -> None:
 
 def main() -> None:
     """Entry point of the executable ``furuta``."""
+    run_command(furuta, "furuta")
+
+
+def run_command(command: click.Command, name: str) -> None:
+    """Run a command with the arguments of the process, and end the process.
+
+    Its exit status is 0 (done), 1 (failed, with one line on standard error) or 2 (wrong usage).
+    """
+    logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
-        furuta(prog_name="furuta")
+        command(prog_name=name)
     except (ParameterError, UserError) as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
     except OSError as error:
-        print(f"error: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        file = f"{error.filename}: " if error.filename else ""
+        print(f"error: {file}{error.strerror}", file=sys.stderr)
         sys.exit(1)

@@ -1,4 +1,4 @@
-"""Options that verbs share, and their output."""
+"""Options that several verbs have, and their output."""
 
 from __future__ import annotations
 
@@ -10,9 +10,18 @@ from typing import Any, TypeVar
 
 import click
 
+from furuta_cli.number_types import FiniteRange
+from furuta_graph.graph_plan import full_namespace
 from furuta_model.friction.laws import LAWS
+from furuta_model.parameters import ParameterError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+# Pendulum time [s] of a simulation, and of one that is measured after its transients.
+SIMULATED_SECONDS = FiniteRange(0, 1e6, min_open=True)
+MEASURED_SECONDS = FiniteRange(5, 3600)
+SEED = click.IntRange(0, 2**62)
 
 
 def model_options(function: Function) -> Function:
@@ -35,7 +44,7 @@ def model_options(function: Function) -> Function:
 
 
 def ideal_options(function: Function) -> Function:
-    """``--law`` and ``--feedback`` of the verbs on the ideal loop."""
+    """``--law`` and ``--feedback`` of the verbs that analyse the ideal loop."""
     function = click.option(
         "--law", type=click.Choice(LAWS), default="lugre", show_default=True, help="Friction law."
     )(function)
@@ -50,13 +59,29 @@ feedback_option = click.option(
     help="u = l·x; default: the controller's gain.",
 )
 
+
+def _namespace(ctx: click.Context, param: click.Parameter, value: str) -> str:
+    try:
+        return full_namespace(value)
+    except ParameterError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+namespace_option = click.option(
+    "--namespace",
+    default="",
+    metavar="NAME",
+    callback=_namespace,
+    help="Namespace of the graph, to tell several graphs apart.",
+)
+
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
 )
 
 
 def print_json(result: dict[str, Any]) -> None:
-    """One JSON object on standard output; NaN, which JSON lacks, becomes null."""
+    """Print one JSON object on standard output; NaN becomes null."""
     print(json.dumps(_finite(result)))
 
 

@@ -1,15 +1,14 @@
-"""Compile everything once, so that the first run of a node or verb finds it in the cache."""
+"""Compiles all compiled functions once, so that the first run finds them in the cache."""
 
 from __future__ import annotations
-
-import rclpy
 
 from furuta_analysis.describing_functions.predicted_cycles import predict_cycles
 from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_graph.composed import SimulatedGraph
-from furuta_graph.settings import NODES
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings import default_settings
+from furuta_ros.context import ros_context
 from furuta_studies.analysis_options import AnalysisOptions
 from furuta_studies.feedback_map import predicted_peak_to_peak
 
@@ -19,6 +18,5 @@ if __name__ == "__main__":
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4)), loop.law)
-    rclpy.init()
-    SimulatedGraph({node: {} for node in NODES}).close()
-    rclpy.shutdown()
+    with ros_context():
+        SimulatedGraph(default_settings()).close()

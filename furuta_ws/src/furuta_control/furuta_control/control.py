@@ -25,7 +25,7 @@ from furuta_control.modes import balance
 from furuta_control.modes.balance import Balance
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.parameters import INLINE, About, ParameterError
+from furuta_model.parameters import INLINE, About, EarlierName, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
 # Name and meaning.
@@ -49,7 +49,16 @@ class ControllerParameters(NamedTuple):
     """Parameters of the node ``controller``."""
 
     enabled: Annotated[bool, About("drive the arm; 0 V where false")] = True
-    mode: Annotated[str, About(_MEANINGS, choices=tuple(MODES))] = "balance"
+    mode: Annotated[
+        str,
+        About(
+            _MEANINGS,
+            choices=tuple(MODES),
+            earlier_names=(
+                EarlierName("excitation.open_loop", ((True, "open_loop"), (False, "balance"))),
+            ),
+        ),
+    ] = "balance"
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
         tuple[float, ...],

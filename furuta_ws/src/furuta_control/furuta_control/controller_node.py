@@ -47,6 +47,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._command = Float64()
         self.missed_estimates = 0
         super().__init__("controller", ControllerParameters, overrides)
+        self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)

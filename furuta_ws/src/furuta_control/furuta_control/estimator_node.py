@@ -40,6 +40,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         self._last_stamp = -1
         self._odd_intervals = 0
         super().__init__("estimator", EstimatorParameters, overrides)
+        self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(JOINT_STATES)
         self.subscribe_to(MEASUREMENT, self._on_measurement)
 

@@ -39,6 +39,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self._estimate = Float64()
         self._last_stamp = -1
         super().__init__("friction_observer", ObserverParameters, overrides)
+        self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self._on_state)
 

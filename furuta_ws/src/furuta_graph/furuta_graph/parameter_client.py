@@ -1,4 +1,4 @@
-"""What a user does with ``ros2 param``: read and set parameters of running nodes."""
+"""A client of the parameter services of running nodes, as ``ros2 param`` is."""
 
 from __future__ import annotations
 
@@ -14,19 +14,16 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 
-from furuta_ros.errors import UserError
-
-# Longest wait for a node's parameter services or their answer [s].
-TIMEOUT = 5.0
-ATTEMPTS = 5
-
-
-class ServiceError(UserError):
-    """A node is not there, does not answer, or refuses."""
+from furuta_ros.services import ServiceError, call_service
 
 
 class ParameterClient:
-    """Uses the parameter services of other nodes through ``node``, spun by ``executor``."""
+    """Reads and sets parameters of other nodes.
+
+    ``node`` makes the requests and ``executor`` spins it. A name without a leading slash is in the
+    namespace of ``node``; ``/left/plant`` is the full name of a node in another one. Every method
+    raises :class:`ServiceError` if the other node is missing or rejects the request.
+    """
 
     def __init__(self, node: Node, executor: Executor) -> None:
         self._node = node
@@ -40,52 +37,38 @@ class ParameterClient:
     def set_all(self, node: str, values: dict[str, Any]) -> None:
         """Set parameters of one node by full name, all or none."""
         parameters = [Parameter(name, value=value) for name, value in values.items()]
-        answer: SetParametersAtomically.Response = self._answer(
+        response: SetParametersAtomically.Response = self._call(
             node, partial(self._client(node).set_parameters_atomically, parameters)
         )
-        if not answer.result.successful:
-            raise ServiceError(f"{node} refuses {', '.join(values)}: {answer.result.reason}")
+        if not response.result.successful:
+            raise ServiceError(f"{node} refuses {', '.join(values)}: {response.result.reason}")
 
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""
-        answer = self._answer(node, partial(self._client(node).get_parameters, names))
-        unset = [value.type == ParameterType.PARAMETER_NOT_SET for value in answer.values]
+        response = self._call(node, partial(self._client(node).get_parameters, names))
+        unset = [value.type == ParameterType.PARAMETER_NOT_SET for value in response.values]
         if any(unset) or len(unset) != len(names):
             known = set(self.names(node))
             raise ServiceError(
                 f"{node} has no parameter {', '.join(n for n in names if n not in known)}"
             )
-        values = (parameter_value_to_python(value) for value in answer.values)
+        values = (parameter_value_to_python(value) for value in response.values)
         return dict(zip(names, values, strict=True))
 
     def names(self, node: str) -> list[str]:
         """Names of all parameters of one node."""
-        return list(
-            self._answer(node, partial(self._client(node).list_parameters, [], 0)).result.names
-        )
+        response = self._call(node, partial(self._client(node).list_parameters, [], 0))
+        return list(response.result.names)
 
     def describe(self, node: str, names: list[str]) -> list[ParameterDescriptor]:
-        """Descriptors of parameters of one node."""
-        return list(
-            self._answer(node, partial(self._client(node).describe_parameters, names)).descriptors
-        )
+        """Descriptors of parameters of one node; empty if it does not have them all."""
+        response = self._call(node, partial(self._client(node).describe_parameters, names))
+        return list(response.descriptors)
 
     def _client(self, node: str) -> AsyncParameterClient:
         if node not in self._clients:
-            client = AsyncParameterClient(self._node, node)
-            if not client.wait_for_services(timeout_sec=TIMEOUT):
-                raise ServiceError(f"no node {node} answers (waited {TIMEOUT:g} s)")
-            self._clients[node] = client
+            self._clients[node] = AsyncParameterClient(self._node, node)
         return self._clients[node]
 
-    def _answer(self, node: str, ask: Callable[[], Future]) -> Any:
-        """Ask until there is an answer: the first one can pass before both sides are known.
-
-        Reading and setting twice is the same as once.
-        """
-        for _ in range(ATTEMPTS):
-            future = ask()
-            self._executor.spin_until_future_complete(future, timeout_sec=TIMEOUT / ATTEMPTS)
-            if future.done():
-                return future.result()
-        raise ServiceError(f"{node} did not answer within {TIMEOUT:g} s")
+    def _call(self, node: str, send: Callable[[], Future]) -> Any:
+        return call_service(self._executor, node, self._client(node).wait_for_services, send)

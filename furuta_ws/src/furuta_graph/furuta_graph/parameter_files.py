@@ -1,4 +1,4 @@
-"""Parameter files with every default, its unit, range and meaning, made from the declarations."""
+"""Parameter files and tables, generated from the declarations of the parameters."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import yaml
 
-from furuta_graph.settings import NODES, Settings
+from furuta_graph.description import NODES
+from furuta_graph.settings import Settings
 from furuta_model.parameters import Declared, build, declared, values
 
 
@@ -15,8 +16,8 @@ def settings_file(settings: Settings) -> str:
     """A ROS parameter file with every value of these settings, defaults included."""
     return yaml.safe_dump(
         {
-            node: {"ros__parameters": values(build(group, settings[node]))}
-            for node, group in NODES.items()
+            node: {"ros__parameters": values(build(each.parameters, settings[node]))}
+            for node, each in NODES.items()
         },
         sort_keys=False,
     )
@@ -29,7 +30,7 @@ def parameter_file(node: str) -> str:
             f"# Parameters of the node {node} with their defaults.",
             f"{node}:",
             "  ros__parameters:",
-            *_lines(NODES[node]),
+            *_lines(NODES[node].parameters),
             "",
         ]
     )
@@ -37,7 +38,7 @@ def parameter_file(node: str) -> str:
 
 def _lines(group: type[NamedTuple]) -> Iterator[str]:
     open_group = ""
-    # Names without a group first: YAML cannot return to a mapping that it has left.
+    # Names without a group first: a mapping cannot be continued after another one.
     for each in sorted(declared(group), key=lambda each: each.name.rpartition(".")[0]):
         section, _, name = each.name.rpartition(".")
         if section != open_group:
@@ -62,7 +63,7 @@ def parameter_table(node: str) -> str:
     rows = [
         f"| `{each.name}` | {_yaml(each.default)} | {each.about.unit} | {each.about.allowed} "
         f"| {each.about.meaning}{'; at start only' if each.about.read_only else ''} |"
-        for each in declared(NODES[node])
+        for each in declared(NODES[node].parameters)
     ]
     return "\n".join(
         [
@@ -81,7 +82,7 @@ def _yaml(value: object) -> str:
         return str(value).lower()
     if isinstance(value, float):
         text = repr(value)
-        # YAML 1.1 takes 1e-05 for a string.
+        # YAML 1.1 reads 1e-05 as text.
         return text if "." in text or "e" not in text else text.replace("e", ".0e")
     if isinstance(value, tuple):
         return str(list(value))

@@ -1,35 +1,63 @@
-"""The graph as one process per node, as ``ros2 launch`` would start it."""
+"""The graph as one process per node, as ``ros2 launch`` starts it."""
 
 from __future__ import annotations
 
+import json
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
+from typing import Any, NamedTuple
 
-import rclpy
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
-from rclpy.signals import SignalHandlerOptions
 
-from furuta_graph.settings import Settings
+from furuta_graph.graph_plan import Graph
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder
+from furuta_ros.context import ros_context
 
-# Node name → package; the executable bears the node's name.
-PACKAGES = {
-    "plant": "furuta_sim",
-    "estimator": "furuta_control",
-    "friction_observer": "furuta_friction",
-    "controller": "furuta_control",
-}
-# The same with the bridge to a rig in the plant's place.
-HARDWARE = {"hardware_bridge": "furuta_hw"} | {
-    node: package for node, package in PACKAGES.items() if node != "plant"
-}
-# Seconds between looks at the processes and at what is to be recorded, and that they get to end.
-LOOK = 0.02
-GRACE = 5.0
+# Time between two checks of the processes and of what to record, and time for them to end [s].
+CHECK_PERIOD = 0.02
+END_TIMEOUT = 5.0
+
+
+class NodeProcess(NamedTuple):
+    """A node to start in a process of its own."""
+
+    package: str
+    executable: str
+    name: str
+    namespace: str
+    parameters: dict[str, Any]
+
+    @property
+    def parameter_arguments(self) -> list[str]:
+        """ROS arguments that set the parameters.
+
+        Text is quoted, so that ROS does not read a port named 1 as a number.
+        """
+        arguments = []
+        for name, value in self.parameters.items():
+            arguments += ["-p", f"{name}:={json.dumps(value, ensure_ascii=False)}"]
+        return arguments
+
+    @property
+    def command(self) -> list[str]:
+        """The command that starts the process, as ``ros2 run`` would."""
+        path = executable(self.package, self.executable)
+        namespace = ["-r", f"__ns:={self.namespace}"] if self.namespace else []
+        return [str(path), "--ros-args", *namespace, *self.parameter_arguments]
+
+
+def node_processes(graph: Graph) -> list[NodeProcess]:
+    """A process per node of the graph; the controlled system is the first."""
+    return [
+        NodeProcess(
+            node.package, node.executable, node.name, graph.namespace, graph.parameters(node)
+        )
+        for node in graph.nodes
+    ]
 
 
 def executable(package: str, name: str) -> Path:
@@ -45,60 +73,40 @@ def executable(package: str, name: str) -> Path:
     return path
 
 
-def arguments(values: dict[str, object]) -> list[str]:
-    """ROS arguments that give a node these parameters."""
-    given: list[str] = []
-    for name, value in values.items():
-        text = str(value).lower() if isinstance(value, bool) else str(value)
-        if isinstance(value, tuple):
-            text = str(list(value))
-        given += ["-p", f"{name}:={text}"]
-    return ["--ros-args", *given] if given else []
-
-
 def run_processes(
-    settings: Settings,
-    stop: Callable[[], bool],
-    packages: dict[str, str] = PACKAGES,
-    record: MakeRecorder | None = None,
+    graph: Graph, stop: Callable[[], bool], record: MakeRecorder | None = None
 ) -> int:
     """Run a process per node until ``stop()`` or until one ends; returns the exit status.
 
-    This process itself records, if asked to.
+    This process records, if ``record`` is given.
     """
-    with _collecting(record) as collect:
-        children = {
-            node: subprocess.Popen([executable(package, node), *arguments(settings[node])])
-            for node, package in packages.items()
-        }
+    with _recording(record, graph.namespace) as collect:
+        children = [subprocess.Popen(each.command) for each in node_processes(graph)]
         try:
             while not stop():
-                ended = [node for node, child in children.items() if child.poll() is not None]
+                ended = [child for child in children if child.poll() is not None]
                 if ended:
-                    return max(children[node].returncode != 0 for node in ended)
+                    return int(any(child.returncode for child in ended))
                 collect()
-                sleep(LOOK)
+                sleep(CHECK_PERIOD)
             return 0
         finally:
-            collect()  # what a node said is forgotten with it
-            _end(list(children.values()))
+            collect()  # the last messages of a node are lost when it ends
+            _end(children)
 
 
 @contextmanager
-def _collecting(record: MakeRecorder | None) -> Iterator[Callable[[], None]]:
-    """What is to be called now and then; the recording begins before and ends after."""
+def _recording(record: MakeRecorder | None, namespace: str) -> Iterator[Callable[[], None]]:
+    """A function to call regularly; the recording begins before and ends after."""
     if record is None:
         yield lambda: None
         return
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
+    with ros_context(namespace=namespace):
         recorder = record()
         try:
             yield recorder.collect
         finally:
             recorder.destroy_node()
-    finally:
-        rclpy.try_shutdown()
 
 
 def _end(children: list[subprocess.Popen[bytes]]) -> None:
@@ -106,7 +114,7 @@ def _end(children: list[subprocess.Popen[bytes]]) -> None:
         child.terminate()
     for child in children:
         try:
-            child.wait(GRACE)
+            child.wait(END_TIMEOUT)
         except subprocess.TimeoutExpired:
             child.kill()
             child.wait()

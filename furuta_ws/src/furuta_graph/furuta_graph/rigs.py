@@ -1,4 +1,4 @@
-"""Rigs by name, and what a rig says of the loop's parameters."""
+"""Rigs by name or file, and the parameters that a rig determines."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 
-from furuta_graph.settings import NODES, Settings
+from furuta_graph.settings import Settings, default_settings, parameters_of
 from furuta_hw.rig.rig import Rig
 from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError, values
@@ -14,9 +14,14 @@ from furuta_model.parameters import ParameterError, values
 SUFFIX = ".yaml"
 
 
+def config_directory() -> Path:
+    """Where the configuration that comes with the workspace is installed."""
+    return Path(get_package_share_directory("furuta_bringup")) / "config"
+
+
 def rig_directory() -> Path:
-    """Where the rigs that come with the workspace are."""
-    return Path(get_package_share_directory("furuta_bringup")) / "config" / "rigs"
+    """Where the rigs that come with the workspace are installed."""
+    return config_directory() / "rigs"
 
 
 def rig_file(name: str) -> Path:
@@ -38,8 +43,8 @@ def find_rig(name: str) -> Rig:
 
 
 def rig_settings(rig: Rig) -> Settings:
-    """What the rig says of every node: model, friction, sensors, sample time."""
-    settings: Settings = {node: {} for node in NODES}
+    """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
+    settings = default_settings()
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
     time = {"sample_time": rig.line.sample_time}
     settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
@@ -51,3 +56,13 @@ def rig_settings(rig: Rig) -> Settings:
     settings["friction_observer"] = values(rig.friction) | time
     settings["controller"] = model | time | {"voltage_limit": rig.limits.voltage}
     return settings
+
+
+def check_sample_time(rig: Rig | None, settings: Settings) -> None:
+    """Raise ParameterError if the rig samples at another time than the nodes expect."""
+    of_rig = (rig or Rig()).line.sample_time
+    of_nodes = parameters_of(settings)["estimator"].sample_time
+    if of_rig != of_nodes:
+        raise ParameterError(
+            f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
+        )

@@ -1,106 +1,86 @@
-"""Parameters of all nodes, from parameter files and NAME=VALUE settings."""
+"""Settings: parameters of all nodes, from parameter files and NAME=VALUE assignments."""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import yaml
 
 from furuta_analysis.simulation.closed_loop import Loop
-from furuta_control.control import ControllerParameters
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
-from furuta_hw.bridge.parameters import BridgeParameters
-from furuta_model.parameters import Declared, ParameterError, build, declared
-from furuta_sim.parameters import PlantNodeParameters
+from furuta_graph.description import NODES, check_graph
+from furuta_graph.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
+from furuta_model.parameters import ParameterError, build
+from furuta_model.renamed_parameters import with_current_names
 
-NODES: dict[str, type[NamedTuple]] = {
-    "plant": PlantNodeParameters,
-    "estimator": EstimatorParameters,
-    "friction_observer": ObserverParameters,
-    "controller": ControllerParameters,
-    "hardware_bridge": BridgeParameters,
-}
-EVERY_NODE = "/**"
-# Parameters that every ROS node has; they are not the loop's.
+# Parameters that every ROS node has; they are not declared here.
 ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
-# What is said of a node's parameters, by node and full parameter name.
+# Values that differ from the defaults, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
+
+
+def default_settings() -> Settings:
+    """Settings that leave every parameter at its default."""
+    return {node: {} for node in NODES}
 
 
 def load_settings(
     files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
 ) -> Settings:
-    """Settings from ``base``, parameter files, assignments, later ones over earlier ones.
+    """Settings from ``base``, parameter files and assignments; later ones take precedence.
 
-    Raises :class:`ParameterError` for anything that names no parameter or is not allowed.
+    Raises:
+        ParameterError: A name is unknown, a value is not allowed, or nodes do not fit together.
     """
-    settings: Settings = {node: dict((base or {}).get(node, {})) for node in NODES}
+    settings = collect_settings(files, assignments, base)
+    check_graph(parameters_of(settings))
+    return settings
+
+
+def collect_settings(
+    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+) -> Settings:
+    """Like :func:`load_settings`, without the checks of several parameters together."""
+    settings = merge_settings(default_settings(), base or default_settings())
     for file in files:
-        for node, given in read_file(file).items():
-            settings[node] |= given
-    return _assigned(settings, assignments)
-
-
-def with_values(settings: Settings, values: Mapping[str, Any]) -> Settings:
-    """The settings with further values by name, as checked as :func:`load_settings`'s."""
-    copied = {node: dict(given) for node, given in settings.items()}
-    return _assigned(copied, [f"{name}={value}" for name, value in values.items()])
-
-
-def _assigned(settings: Settings, assignments: Iterable[str]) -> Settings:
+        settings = merge_settings(settings, read_file(file))
     for assignment in assignments:
         name, separator, text = assignment.partition("=")
         if not separator:
             raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
-        for node, each in parameters_named(name.strip()):
-            settings[node][each.name] = _checked(each, _value(text, name))
-    made = _made(settings)
-    _check_sample_times(made)
-    _check_seeing(made)
+        for match in find_parameters(name.strip()):
+            settings[match.node][match.parameter.name] = match.parsed(_value(text, name))
     return settings
 
 
+def with_values(settings: Settings, values: Mapping[str, Any]) -> Settings:
+    """The settings with further values by name, checked as :func:`load_settings` does."""
+    return load_settings([], [f"{name}={value}" for name, value in values.items()], settings)
+
+
+def with_current_parameter_names(node: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """A node's values by today's parameter names; warns about earlier names."""
+    current, warnings = with_current_names(NODES[node].parameters, given)
+    for warning in warnings:
+        warn_once(f"{node}: {warning}")
+    return current
+
+
 def merge_settings(under: Settings, over: Settings) -> Settings:
-    """Two settings in one, the second over the first."""
+    """Two settings in one; the second takes precedence."""
     return {node: under[node] | over[node] for node in NODES}
 
 
-def _made(settings: Settings) -> dict[str, Any]:
+def parameters_of(settings: Settings) -> dict[str, Any]:
     """Every node's parameters."""
-    return {node: build(group, settings[node]) for node, group in NODES.items()}
-
-
-def _check_sample_times(made: dict[str, Any]) -> None:
-    times = {
-        "plant": made["plant"].plant.sample_time,
-        "estimator": made["estimator"].sample_time,
-        "friction_observer": made["friction_observer"].sample_time,
-        "controller": made["controller"].sample_time,
-    }
-    if len(set(times.values())) > 1:
-        given = ", ".join(f"{node} {time:g} s" for node, time in times.items())
-        raise ParameterError(f"sample_time must be the same for all nodes, given {given}")
-
-
-def _check_seeing(made: dict[str, Any]) -> None:
-    """Refuse a compensation that needs to see the friction with a filter that does not."""
-    observer, estimator = made["friction_observer"], made["estimator"]
-    if observer.chosen.needs_observed_friction and not estimator.chosen.observes_friction:
-        raise ParameterError(
-            f"compensation {observer.compensation} needs estimator.method=kalman, which tells "
-            f"the friction; given {estimator.method}"
-        )
+    return {node: build(each.parameters, settings[node]) for node, each in NODES.items()}
 
 
 def loop(settings: Settings) -> Loop:
     """The same parameters for the loop without ROS."""
-    made = _made(settings)
+    made = parameters_of(settings)
     return Loop(
         made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
     )
@@ -108,8 +88,25 @@ def loop(settings: Settings) -> Loop:
 
 def read_file(file: Path) -> Settings:
     """Settings from a ROS parameter file."""
+    content = _read_yaml(file)
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
+    settings = default_settings()
+    for key, section in content.items():
+        node = _node_name(key, file)
+        if not isinstance(section, Mapping) or not isinstance(
+            section.get("ros__parameters"), Mapping
+        ):
+            raise ParameterError(f"{file}: {key} has no ros__parameters")
+        for name, value in _flat(section["ros__parameters"]).items():
+            if name not in ROS_PARAMETERS:
+                _set(settings, node, name, value, file)
+    return settings
+
+
+def _read_yaml(file: Path) -> Any:
     try:
-        content = yaml.safe_load(file.read_text())
+        return yaml.safe_load(file.read_text())
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text file"
         raise ParameterError(f"cannot read parameter file {file}: {reason}") from None
@@ -118,70 +115,23 @@ def read_file(file: Path) -> Settings:
         where = f" in line {mark.line + 1}" if mark else ""
         problem = getattr(error, "problem", None) or "malformed"
         raise ParameterError(f"parameter file {file} is not YAML: {problem}{where}") from None
-    if not isinstance(content, Mapping):
-        raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
-    settings: Settings = {node: {} for node in NODES}
-    for key, section in content.items():
-        node = str(key).lstrip("/") if key != EVERY_NODE else EVERY_NODE
-        if node != EVERY_NODE and node not in NODES:
-            raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")
-        if not isinstance(section, Mapping) or not isinstance(
-            section.get("ros__parameters"), Mapping
-        ):
-            raise ParameterError(f"{file}: {key} has no ros__parameters")
-        for name, value in _flat(section["ros__parameters"]).items():
-            if name in ROS_PARAMETERS:
-                continue
-            for target, each in _targets(node, name, file):
-                settings[target][each.name] = _checked(each, value)
-    return settings
 
 
-def _targets(node: str, name: str, file: Path) -> list[tuple[str, Declared]]:
-    """The parameter of a node or, for the wildcard, of each node that has it."""
-    nodes = NODES if node == EVERY_NODE else {node: NODES[node]}
-    found = [
-        (target, each)
-        for target, group in nodes.items()
-        for each in declared(group)
-        if each.name == name
-    ]
-    if not found:
-        raise ParameterError(f"{file}: {node} has no parameter {name}{_similar(name)}")
-    return found
+def _node_name(key: Any, file: Path) -> str:
+    """The node that a section of a file is for; a namespace before its name does not matter."""
+    name = EVERY_NODE if key == EVERY_NODE else str(key).rpartition("/")[2]
+    if name != EVERY_NODE and name not in NODES:
+        raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")
+    return name
 
 
-def parameters_named(name: str) -> list[tuple[str, Declared]]:
-    """Parameters that ``name`` means.
-
-    ``node.parameter`` means one. Otherwise it is every parameter of that full name or of that
-    last part: ``alpha0`` is the plant's true one and the observer's, ``alpha`` the true model's
-    and the controller's nominal one.
-    """
-    node, _, rest = name.partition(".")
-    if node in NODES:
-        found = [(node, each) for each in declared(NODES[node]) if each.name == rest]
-    else:
-        found = [
-            (target, each)
-            for target, group in NODES.items()
-            for each in declared(group)
-            if name in (each.name, each.name.rpartition(".")[2])
-        ]
-    if not found:
-        raise ParameterError(f"no parameter {name}{_similar(name)}")
-    return found
-
-
-def _similar(name: str) -> str:
-    known = {
-        part
-        for group in NODES.values()
-        for d in declared(group)
-        for part in (d.name, d.name.rpartition(".")[2])
-    }
-    near = difflib.get_close_matches(name.rpartition(".")[2], sorted(known), n=3)
-    return f"; did you mean {', '.join(near)}?" if near else ""
+def _set(settings: Settings, node: str, name: str, value: Any, file: Path) -> None:
+    try:
+        matches = find_in_node(node, name)
+    except ParameterError as error:
+        raise ParameterError(f"{file}: {error}") from None
+    for match in matches:
+        settings[match.node][match.parameter.name] = match.parsed(value)
 
 
 def _value(text: str, name: str) -> Any:
@@ -189,21 +139,6 @@ def _value(text: str, name: str) -> Any:
         return yaml.safe_load(text)
     except yaml.YAMLError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
-
-
-def _checked(each: Declared, value: Any) -> Any:
-    """The value as declared; 1e2 is a number too, though YAML 1.1 takes it for text."""
-    if isinstance(value, str) and each.kind is float:
-        value = _number(value)
-    if isinstance(value, list) and each.kind is list:
-        value = [_number(element) for element in value]
-    return each.checked(value)
-
-
-def _number(value: Any) -> Any:
-    with suppress(ValueError, TypeError):
-        return float(value)
-    return value
 
 
 def _flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

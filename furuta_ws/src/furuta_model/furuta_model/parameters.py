@@ -1,4 +1,4 @@
-"""Declaration of parameters: each is stated once, with default, unit, range and meaning.
+"""Declaration of parameters: each is declared once, with default, unit, range and meaning.
 
 A group of parameters is a ``NamedTuple`` whose fields are annotated with :class:`About`. ROS
 parameter descriptors, command-line options, parameter files and the documentation's tables
@@ -8,7 +8,8 @@ are all read from it; compiled code takes the same tuple as an argument.
         gain: Annotated[float, About("torque per volt", "Nm/V", low=0.0)] = 1.0
 
 A field that is itself a group nests with a dotted name (``motor.gain``), or without one if it
-is annotated with :data:`INLINE`.
+is annotated with :data:`INLINE`. A renamed parameter lists its earlier names, which
+:mod:`furuta_model.renamed_parameters` translates.
 """
 
 from __future__ import annotations
@@ -30,10 +31,30 @@ class ParameterError(ValueError):
 
 
 @dataclass(frozen=True)
+class EarlierName:
+    """A name that a parameter had before and that is still accepted.
+
+    ``name`` is relative to the group that declares the parameter. ``values`` pairs each earlier
+    value with today's, if the meaning of the values changed too.
+    """
+
+    name: str
+    values: tuple[tuple[Any, Any], ...] = ()
+
+    def current_value(self, value: Any) -> Any:
+        """Today's value for a value given under this name."""
+        for earlier, current in self.values:
+            if type(earlier) is type(value) and earlier == value:
+                return current
+        return value
+
+
+@dataclass(frozen=True)
 class About:
-    """What a user must know of a parameter: meaning, unit, allowed values.
+    """What a user must know about a parameter: meaning, unit, allowed values.
 
     ``low`` and ``high`` are inclusive. ``read_only`` parameters are set at start only.
+    ``earlier_names`` are still accepted, with a warning.
     """
 
     meaning: str
@@ -42,6 +63,7 @@ class About:
     high: float = math.inf
     choices: tuple[str, ...] = ()
     read_only: bool = False
+    earlier_names: tuple[EarlierName, ...] = ()
 
     @property
     def allowed(self) -> str:
@@ -62,6 +84,14 @@ class Declared(NamedTuple):
     kind: type
     default: Any
     about: About
+
+    def parsed(self, value: Any) -> Any:
+        """Like :meth:`checked`, for a value from YAML or from a command line."""
+        if self.kind is float:
+            value = number_from_text(value)
+        elif self.kind is list and isinstance(value, list):
+            value = [number_from_text(element) for element in value]
+        return self.checked(value)
 
     def checked(self, value: Any) -> Any:
         """Return ``value`` as the declared type or raise :class:`ParameterError`."""
@@ -89,6 +119,17 @@ class Declared(NamedTuple):
             unit = f" {about.unit}" if about.unit else ""
             raise ParameterError(f"{self.name} must be {about.allowed}{unit}, given {value:g}")
         return value if whole else float(value)
+
+
+def number_from_text(value: Any) -> Any:
+    """The number that a text such as ``1e-5`` stands for; any other value as it is.
+
+    YAML 1.1 reads a number with an exponent but without a decimal point as text.
+    """
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
 
 
 @cache
@@ -121,7 +162,7 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     """Make a group from values by full name, the defaults where none is given.
 
     Raises :class:`ParameterError` for a value out of range, a wrong type, or values that do not
-    go together (the group's own ``check``). A name that the group lacks is the caller's matter.
+    go together (the group's own ``check``). Names that the group does not have are ignored.
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}

@@ -1,8 +1,8 @@
 """Conversion between messages and the arrays of the cores.
 
-A state is an array in the order x = (φ, φ̇, θ, θ̇), the arm's effort behind it. Readers check
-all that comes from outside and raise :class:`RefusedError`; writers reuse their message, which
-is safe because publishing copies it.
+A state is an array in the order x = (φ, φ̇, θ, θ̇), followed by the arm's effort. Readers
+validate messages and raise :class:`RefusedError` for invalid ones. Writers reuse their message,
+which is safe because publishing copies it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from furuta_ros.topics import JOINTS
 
 
 class RefusedError(ValueError):
-    """A message that cannot be used, with the reason in words."""
+    """A message is invalid; the error says why."""
 
 
 def read_float(message: Float64) -> float:
@@ -35,9 +35,13 @@ def read_float(message: Float64) -> float:
 def read_joints(
     message: JointState, x: np.ndarray, pendulum_speed: bool = True, effort: bool = False
 ) -> None:
-    """Write the message's state and the arm's effort to ``x`` (5,), untouched if refused.
+    """Write the message's state and the arm's effort to ``x`` (5,).
 
-    The pendulum's speed and the arm's effort may be missing (NaN) unless they are asked for.
+    The pendulum's speed and the arm's effort may be missing (NaN) unless ``pendulum_speed`` and
+    ``effort`` require them.
+
+    Raises:
+        RefusedError: The message is invalid; ``x`` is unchanged.
     """
     position, velocity, efforts = message.position, message.velocity, message.effort
     if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
@@ -71,7 +75,7 @@ def read_joints(
 
 
 class JointWriter:
-    """A JointState message that is filled anew for every sample."""
+    """A JointState message that is reused for every sample."""
 
     def __init__(self) -> None:
         self.message = JointState(
@@ -87,7 +91,7 @@ class JointWriter:
 
     def fill(self, x: Sequence[float] | np.ndarray, effort: float) -> JointState:
         """Write state ``x`` (4 or more) and the arm's effort [V]."""
-        # Plain numbers: numpy's own take several times as long to hand over.
+        # Python floats: numpy scalars take several times as long to assign.
         values = x.tolist() if isinstance(x, np.ndarray) else x
         self._position[0], self._position[1] = values[PHI], values[THETA]
         self._velocity[0], self._velocity[1] = values[PHI_DOT], values[THETA_DOT]

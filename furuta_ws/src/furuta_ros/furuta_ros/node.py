@@ -1,4 +1,4 @@
-"""What every node of the graph does alike: parameters, refusal of bad messages."""
+"""Base class of the graph's nodes: declared parameters and validated subscriptions."""
 
 from __future__ import annotations
 
@@ -15,33 +15,37 @@ from furuta_ros.topics import QOS, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 
-# Seconds between two warnings of one kind.
+# Shortest time between two warnings of one kind [s].
 WARNING_PERIOD = 1.0
 
 
 class FurutaNode(Node, Generic[Group]):
-    """A node with a declared group of parameters and checked subscriptions."""
+    """A node with a declared group of parameters and validated subscriptions."""
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         super().__init__(name, parameter_overrides=list(overrides))
         self.refused = 0
-        self._declared = NodeParameters(self, group, self.parameters_changed)
-        self.parameters_changed(self.parameters)
+        self._declared = NodeParameters(self, group)
 
     @property
     def parameters(self) -> Group:
-        """The parameters in force."""
+        """The current parameters."""
         return self._declared.current
 
-    def parameters_changed(self, parameters: Group) -> None:
-        """Derive from the parameters what the samples need; called at start and at a change."""
+    def watch_parameters(self, apply: Callable[[Group], None]) -> None:
+        """Call ``apply`` with the parameters now, and again after every change.
+
+        A node's constructor calls it once the attributes that ``apply`` needs are there.
+        """
+        self._declared.on_change(apply)
+        apply(self.parameters)
 
     def publish_on(self, topic: Topic) -> Publisher:
         """A publisher on a topic of the graph."""
         return self.create_publisher(topic.type, topic.name, QOS)
 
     def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
-        """Hand each message to ``receive``; one that it refuses is counted and reported."""
+        """Call ``receive`` with each message; one that it refuses is counted and logged."""
 
         def checked(message: Any) -> None:
             try:

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from furuta_model.parameters import Declared, ParameterError, build, declared
+from furuta_model.renamed_parameters import renamed, with_current_names
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -32,26 +33,51 @@ _TYPES = {
 class NodeParameters(Generic[Group]):
     """A node's parameters as one immutable tuple, ``current``.
 
-    Each change is checked whole before any of it is kept; then ``current`` is replaced and
-    ``changed`` called with it. Callbacks of a node do not overlap, so that happens between two
-    samples. Values given at start are held to the same rules, and a name that the node does not
-    know is refused, for a misspelt parameter would otherwise be lost in silence.
+    A change is validated as a whole. If it is valid, ``current`` is replaced and the functions
+    given to :meth:`on_change` are called with it. Callbacks of a node do not overlap, so this
+    happens between two samples. Values given at start are validated in the same way. An unknown
+    name is an error: a misspelt parameter would otherwise be ignored silently.
     """
 
-    def __init__(
-        self, node: Node, group: type[Group], changed: Callable[[Group], None] | None = None
-    ) -> None:
+    def __init__(self, node: Node, group: type[Group]) -> None:
         self._node = node
         self._group = group
-        self._changed = changed
+        self._on_change: list[Callable[[Group], None]] = []
         self._names = {each.name for each in declared(group)}
+        node._parameter_overrides = self._translated(node._parameter_overrides)
         self._refuse_unknown(node)
         for each in declared(group):
             self._declare(each)
         self.current: Group = build(group, self._values())
         self._next = self.current
+        node.add_pre_set_parameters_callback(self._with_current_names)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._keep)
+
+    def on_change(self, apply: Callable[[Group], None]) -> None:
+        """Call ``apply`` with the new parameters after every change."""
+        self._on_change.append(apply)
+
+    def _with_current_names(self, parameters: list[Parameter]) -> list[Parameter]:
+        """Translate parameters that are set by an earlier name."""
+        given = {each.name: each for each in parameters}
+        translated = self._translated(given)
+        return parameters if translated is given else list(translated.values())
+
+    def _translated(self, given: dict[str, Parameter]) -> dict[str, Parameter]:
+        """Parameters by their current names; logs a warning for each earlier name."""
+        earlier = renamed(self._group)
+        if earlier.keys().isdisjoint(given):
+            return given
+        values, warnings = with_current_names(
+            self._group, {name: each.value for name, each in given.items()}
+        )
+        for warning in warnings:
+            self._node.get_logger().warning(warning)
+        return {
+            name: given[name] if name in given else Parameter(name, value=value)
+            for name, value in values.items()
+        }
 
     def _refuse_unknown(self, node: Node) -> None:
         known = self._names | {"use_sim_time", "start_type_description_service"}
@@ -89,8 +115,8 @@ class NodeParameters(Generic[Group]):
     def _keep(self, parameters: list[Parameter]) -> None:
         if any(each.name in self._names for each in parameters):
             self.current = self._next
-            if self._changed:
-                self._changed(self.current)
+            for apply in self._on_change:
+                apply(self.current)
 
 
 def _descriptor(each: Declared) -> ParameterDescriptor:
@@ -103,7 +129,7 @@ def _descriptor(each: Declared) -> ParameterDescriptor:
         description=f"{about.meaning}{unit}",
         additional_constraints="" if _has_range(each) or about.allowed == "any" else about.allowed,
         read_only=about.read_only,
-        # ROS cannot tell the type of an empty list; the declaration checks what is in it.
+        # ROS does not know the type of an empty list; the declaration checks the elements.
         dynamic_typing=each.kind is list,
     )
     if _has_range(each):

@@ -1,6 +1,6 @@
-"""What the operating system gives a process that must be on time, and what it refuses.
+"""Scheduling of a process that must be on time: priority, cores, memory, garbage collection.
 
-Asked for before ROS starts, so that its threads inherit priority and cores.
+Applied before ROS starts, so that its threads inherit priority and cores.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ MCL_CURRENT, MCL_FUTURE = 1, 2
 
 
 class Scheduling(NamedTuple):
-    """What is asked for: nothing, by default."""
+    """What the process requests from the operating system: nothing, by default."""
 
     priority: int = 0  # of SCHED_FIFO, 1 to 99; 0 leaves the scheduler as it is
     cores: tuple[int, ...] = ()  # that the process may run on; () leaves them as they are
@@ -24,69 +24,71 @@ class Scheduling(NamedTuple):
     collect_garbage: bool = True  # Python's cyclic collector, which stops a process for ms
 
 
-class Granted(NamedTuple):
-    """One thing asked for, and what came of it."""
+class RequestResult(NamedTuple):
+    """One request, whether it was granted, and the state afterwards or the reason."""
 
-    what: str
+    request: str
     granted: bool
     detail: str
 
     def __str__(self) -> str:
-        return f"{self.what}: {'granted' if self.granted else 'REFUSED'}, {self.detail}"
+        return f"{self.request}: {'granted' if self.granted else 'REFUSED'}, {self.detail}"
 
 
-def schedule(asked: Scheduling) -> list[Granted]:
-    """Ask for all of it and tell what was got, as the system itself says afterwards."""
-    got = []
-    if asked.priority:
-        got.append(_priority(asked.priority))
-    if asked.cores:
-        got.append(_cores(asked.cores))
-    if asked.lock_memory:
-        got.append(_lock_memory())
-    if not asked.collect_garbage:
+def apply_scheduling(requested: Scheduling) -> list[RequestResult]:
+    """Make the requests and return the results, each as the system reports it afterwards."""
+    results = []
+    if requested.priority:
+        results.append(_set_priority(requested.priority))
+    if requested.cores:
+        results.append(_set_cores(requested.cores))
+    if requested.lock_memory:
+        results.append(_lock_memory())
+    if not requested.collect_garbage:
         gc.disable()
-        got.append(Granted("garbage collector off", not gc.isenabled(), "memory in cycles stays"))
-    return got
+        detail = "memory in reference cycles is not freed"
+        results.append(RequestResult("garbage collector off", not gc.isenabled(), detail))
+    return results
 
 
-def _priority(priority: int) -> Granted:
-    what = f"SCHED_FIFO priority {priority}"
-
-    def ask() -> str:
+def _set_priority(priority: int) -> RequestResult:
+    def request() -> str:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
         policy = "SCHED_FIFO" if os.sched_getscheduler(0) == os.SCHED_FIFO else "another policy"
         return f"{policy} {os.sched_getparam(0).sched_priority}"
 
-    return _asked(what, ask, "needs CAP_SYS_NICE or an rtprio limit (ulimit -r)")
+    needs = "needs CAP_SYS_NICE or an rtprio limit (ulimit -r)"
+    return _result_of(f"SCHED_FIFO priority {priority}", request, needs)
 
 
-def _cores(cores: tuple[int, ...]) -> Granted:
-    def ask() -> str:
+def _set_cores(cores: tuple[int, ...]) -> RequestResult:
+    def request() -> str:
         os.sched_setaffinity(0, cores)
         return f"runs on {sorted(os.sched_getaffinity(0))}"
 
-    return _asked(f"cores {sorted(cores)}", ask, f"there are {sorted(os.sched_getaffinity(0))}")
+    present = f"there are {sorted(os.sched_getaffinity(0))}"
+    return _result_of(f"cores {sorted(cores)}", request, present)
 
 
-def _lock_memory() -> Granted:
-    def ask() -> str:
+def _lock_memory() -> RequestResult:
+    def request() -> str:
         libc = ctypes.CDLL(None, use_errno=True)
         if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
             number = ctypes.get_errno()
             raise OSError(number, os.strerror(number))
-        return f"{_locked()} locked"
+        return f"{_locked_memory()} locked"
 
-    return _asked("memory lock", ask, "needs CAP_IPC_LOCK or a memlock limit (ulimit -l)")
+    return _result_of("memory lock", request, "needs CAP_IPC_LOCK or a memlock limit (ulimit -l)")
 
 
-def _locked() -> str:
+def _locked_memory() -> str:
     with open("/proc/self/status") as status:
         return next(line.split(":")[1].strip() for line in status if line.startswith("VmLck"))
 
 
-def _asked(what: str, ask: Callable[[], str], needs: str) -> Granted:
+def _result_of(name: str, request: Callable[[], str], hint: str) -> RequestResult:
+    """Make a request; ``hint`` tells the user what to do if the system refuses it."""
     try:
-        return Granted(what, True, ask())
+        return RequestResult(name, True, request())
     except OSError as error:
-        return Granted(what, False, f"{error.strerror}: {needs}")
+        return RequestResult(name, False, f"{error.strerror}: {hint}")

@@ -1,4 +1,4 @@
-"""Running nodes in a process: one executor, clean end, errors in one line."""
+"""Running nodes in a process: one executor, a clean end, errors in one line."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ import sys
 from collections.abc import Callable, Iterable
 from types import FrameType
 
-import rclpy
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from furuta_model.parameters import ParameterError
+from furuta_ros.context import ros_context
+from furuta_ros.errors import UserError, first_line
 
-# The executor's own endless spin() delivers nothing in some builds, so it is asked in turns.
-TURN = 0.1
+# Longest time that the executor spins before a condition is checked again [s]. Its own endless
+# spin() delivers nothing in some builds.
+SPIN_TIMEOUT = 0.1
 
 
 def executor_of(nodes: Iterable[Node]) -> Executor:
@@ -30,61 +31,51 @@ def executor_of(nodes: Iterable[Node]) -> Executor:
 
 
 def spin_until(executor: Executor, done: Callable[[], bool]) -> None:
-    """Spin until ``done()``, looking at least every ``TURN`` seconds."""
+    """Spin until ``done()``, which is checked at least every ``SPIN_TIMEOUT`` seconds."""
     while not done():
-        executor.spin_once(timeout_sec=TURN)
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
 
 
-def settle_memory() -> None:
-    """Keep the garbage collector from walking what start-up made in the middle of a sample."""
+def freeze_startup_objects() -> None:
+    """Exclude all present objects from garbage collection, which would delay samples."""
     gc.collect()
     gc.freeze()
 
 
 class StopSignal:
-    """Becomes true at SIGINT or SIGTERM."""
+    """Becomes true when the process receives SIGINT or SIGTERM."""
 
     def __init__(self) -> None:
-        self._asked = False
+        self._received = False
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
+            signal.signal(number, self._receive)
 
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        self._asked = True
+    def _receive(self, number: int, frame: FrameType | None) -> None:
+        self._received = True
 
     def __call__(self) -> bool:
-        """Whether the process was asked to stop."""
-        return self._asked
+        """Whether the process has received a signal to stop."""
+        return self._received
 
 
 def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Run one node until it is told to stop; returns the process's exit status."""
     stop = StopSignal()
     try:
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:  # rclpy raises its own, unexported, types here
-        return fail(f"cannot start: {_first_line(error)}")
-    try:
-        node = make()
-        settle_memory()
-        node.get_logger().info("ready")
-        spin_until(executor_of([node]), stop)
-        node.destroy_node()
-    except (ParameterError, ParameterException) as error:
-        return fail(_first_line(error))
+        with ros_context(arguments):
+            node = make()
+            freeze_startup_objects()
+            node.get_logger().info("ready")
+            spin_until(executor_of([node]), stop)
+            node.destroy_node()
+    except (ParameterError, ParameterException, UserError) as error:
+        return fail(first_line(error))
     except ExternalShutdownException:
         pass
-    finally:
-        rclpy.try_shutdown()
     return 0
 
 
 def fail(reason: str) -> int:
-    """Say why on standard error; returns the exit status for it."""
+    """Print the reason on standard error; returns the exit status for it."""
     print(f"error: {reason}", file=sys.stderr)
     return 1
-
-
-def _first_line(error: Exception) -> str:
-    """What the error says, without the places in ROS's own sources that it ends with."""
-    return str(error).strip().splitlines()[0].partition(", at /")[0]

@@ -1,8 +1,8 @@
 """The graph's contract: topic names, types and quality of service, in one place.
 
-Names are relative, so that a namespace or a remapping moves a whole graph. Every sample matters
-to the loop, so topics are reliable; a depth of a few samples lets a slow reader see the newest
-ones without holding anybody up.
+Names are relative, so that a namespace or a remapping moves a whole graph. The loop needs every
+sample, so topics are reliable. With a depth of a few samples a slow subscriber gets the newest
+ones and does not block the publisher.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ QOS = QoSProfile(
 
 
 def deep(depth: int) -> QoSProfile:
-    """The same for a subscriber that may lag behind by ``depth`` messages without losing any."""
+    """The same quality of service with a queue of ``depth`` messages, for a slow subscriber."""
     return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
 
 

@@ -52,6 +52,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self.x = np.zeros(0)
         self.on_change: Callable[[], None] = lambda: None  # what time does at a change
         super().__init__("plant", PlantNodeParameters, overrides)
+        self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
         self.x = initial_state(self.parameters.plant)
         self._period = round(self.parameters.plant.sample_time * NANOSECONDS)

@@ -15,11 +15,11 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta_friction.compensation import ObserverParameters
-from furuta_graph.composed import SimulatedGraph
+from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import settings_file
-from furuta_graph.running_graph import Estimates, RunningLoop
 from furuta_graph.settings import Settings
+from furuta_graph.tuning_client import EstimateBuffer, TuningClient
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_studies.tuning.plan import TuningPlan
@@ -27,14 +27,14 @@ from furuta_studies.tuning.result import TuningResult, observer_parameters
 from furuta_studies.tuning.tuning import ProgressCallback, tune
 
 
-class PausingLoop(RunningLoop):
+class PausingLoop(TuningClient):
     """A graph in lock-step that pauses between two calls of :meth:`watch`.
 
     The sample at which a parameter changes is therefore known, and the tuning repeatable.
     """
 
     def __init__(
-        self, graph: SimulatedGraph, client: ParameterClient, estimates: Estimates
+        self, graph: SimulatedGraph, client: ParameterClient, estimates: EstimateBuffer
     ) -> None:
         super().__init__(client, estimates, graph.executor)
         self._graph = graph
@@ -52,7 +52,7 @@ class PausingLoop(RunningLoop):
 def tune_graph(settings: Settings, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
     """Tune a graph of its own with ``settings``, in lock-step."""
     node = Node("furuta_demo")
-    estimates = Estimates(node)
+    estimates = EstimateBuffer(node)
     graph = SimulatedGraph(_in_lockstep(settings), [node])
     try:
         rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_graph.settings import parameters_named
+from furuta_graph.parameter_names import parameters_named
 from furuta_model.parameters import ParameterError
 
 # Gains of u = l·x, which have names here although they are no parameters of a node.

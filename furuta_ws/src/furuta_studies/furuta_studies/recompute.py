@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from furuta_analysis.simulation.recomputation import Recomputed, recompute
-from furuta_graph.settings import Settings, load_settings, loop, merge_settings, read_file
+from furuta_graph.settings import (
+    Settings,
+    load_settings,
+    loop,
+    merge_settings,
+    read_file,
+    with_current_parameter_names,
+)
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
@@ -30,8 +37,13 @@ CHANGES = PARAMETER_EVENTS.strip("/")
 
 def read_recorded_loop(bag: Path) -> RecordedLoop:
     """Read a bag of the graph, sample by sample."""
-    messages = _GraphMessages()
     with Bag(bag) as reader:
+        namespaces = {
+            c.topic.rpartition("/")[0]
+            for c in reader.connections
+            if last_part(c.topic) == MEASUREMENT
+        }
+        messages = _GraphMessages(namespaces)
         chosen = [c for c in reader.connections if last_part(c.topic) in messages.topics]
         refuse_too_long(bag, chosen)
         for connection, _, data in reader.messages(chosen):
@@ -43,9 +55,10 @@ def read_recorded_loop(bag: Path) -> RecordedLoop:
 
 
 class _GraphMessages:
-    """Collects the graph's messages in the order of the recording."""
+    """Collects the messages of the graph in these namespaces, in the order of the recording."""
 
-    def __init__(self) -> None:
+    def __init__(self, namespaces: set[str]) -> None:
+        self._namespaces = namespaces
         self.samples: dict[int, int] = {}  # numbers of the samples by the stamp [ns]
         self._measured = array("d")
         self._estimated, self._estimated_at = array("d"), array("q")
@@ -56,8 +69,10 @@ class _GraphMessages:
     def add(self, topic: str, message: Any) -> None:
         """Add a message of ``topic``; repeated measurements are ignored."""
         if topic == CHANGES:
-            given = {each.name: _value(each.value) for each in message.changed_parameters}
-            self._changes.append((len(self.samples), message.node.strip("/"), given))
+            namespace, _, node = message.node.rpartition("/")
+            if namespace in self._namespaces:  # not a change of another graph
+                given = {each.name: _value(each.value) for each in message.changed_parameters}
+                self._changes.append((len(self.samples), node, given))
         elif topic in self._floats:
             self._floats[topic].append(message.data)
         elif topic == JOINT_STATES:
@@ -115,7 +130,8 @@ def recompute_bag(
     loops = [(0, loop(merge_settings(base, given)))]
     for sample, node, changed in recorded.changes:
         if node in base:
-            base = merge_settings(base, _settings_of(base, node, changed))
+            current = with_current_parameter_names(node, changed)
+            base = merge_settings(base, _settings_of(base, node, current))
             loops.append((sample, loop(merge_settings(base, given))))
     return recorded, recompute(recorded.measurement, loops)
 

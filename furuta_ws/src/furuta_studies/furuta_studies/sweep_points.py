@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from furuta_graph.settings import parameters_named
+from furuta_graph.parameter_names import parameters_named
 from furuta_model.parameters import ParameterError
 from furuta_studies.parameter_range import parse_range
 

@@ -114,20 +114,15 @@ def replay(
     as_json: bool,
 ) -> None:
     """Publish the messages of BAG with their original timing."""
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-
     from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+    from furuta_ros.context import ros_context
     from furuta_ros.spinning import StopSignal
 
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
+    with ros_context():
         node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
         node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
-    finally:
-        rclpy.try_shutdown()
     if as_json:
         print_json(result)
     else:

@@ -8,20 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import click
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
 from furuta_figures.demo import draw_demo
 from furuta_graph.settings import load_settings
 from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_ros.context import ros_context
 from furuta_studies.demo import run_demo, tune_graph
-from furuta_studies.phases import COMPENSATIONS, check_seconds, evaluate
+from furuta_studies.phases import COMPENSATIONS, evaluate
 from furuta_studies.tuning.plan import TuningPlan
 from furuta_studies.tuning.result import observer_parameters
 
@@ -29,7 +28,13 @@ PLAN = TuningPlan()
 
 
 @click.command()
-@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time per compensation.")
+@click.option(
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=40.0,
+    show_default=True,
+    help="Pendulum time per compensation.",
+)
 @click.option(
     "--out",
     "directory",
@@ -52,7 +57,6 @@ def command(
     The graph runs in lock-step in one process and is recorded. The parameter services are used to
     tune the compensator and to switch between compensations.
     """
-    check_seconds(seconds)
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
     (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
@@ -66,22 +70,14 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        with Progress(console=console, transient=True) as bar:
-            tuning = bar.add_task("tuning", total=PLAN.seconds)
-            tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
-            bar.update(tuning, completed=PLAN.seconds)
-            task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
-            phases = run_demo(
-                settings,
-                tuned.after.observer,
-                seconds,
-                bag,
-                lambda t: bar.update(task, completed=t),
-            )
-    finally:
-        rclpy.try_shutdown()
+    with ros_context(), Progress(console=console, transient=True) as bar:
+        tuning = bar.add_task("tuning", total=PLAN.seconds)
+        tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
+        bar.update(tuning, completed=PLAN.seconds)
+        task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
+        phases = run_demo(
+            settings, tuned.after.observer, seconds, bag, lambda t: bar.update(task, completed=t)
+        )
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"

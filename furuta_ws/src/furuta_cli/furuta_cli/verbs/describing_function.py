@@ -15,7 +15,7 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_studies.analysis_options import AnalysisOptions
 
-INCOMPLETE = "The winding number disagrees with the cycles found: some may be missing."
+INCOMPLETE = "The winding number does not match the cycles found: some may be missing."
 
 
 @click.command()
@@ -37,7 +37,7 @@ def command(
 ) -> None:
     """Limit cycles that the describing function of friction predicts: 1 + G(jω) N(A, ω) = 0.
 
-    A prediction from first harmonics, next to which `furuta limit-cycle` is exact.
+    A prediction from first harmonics; `furuta limit-cycle` is exact.
     """
     given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     prediction = predict_cycles(transfer(given.body, given.gains), given.law)

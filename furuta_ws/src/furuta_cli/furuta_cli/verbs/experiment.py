@@ -12,9 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
-from furuta_model.parameters import ParameterError
 from furuta_studies.experiments import (
     EXPERIMENTS,
     ExperimentResult,
@@ -27,7 +26,11 @@ from furuta_studies.tuning.result import observer_parameters
 @click.command()
 @click.argument("names", nargs=-1, type=click.Choice([*EXPERIMENTS, "all"]), required=True)
 @click.option(
-    "--seconds", default=30.0, show_default=True, help="Pendulum time after the transients."
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=30.0,
+    show_default=True,
+    help="Pendulum time after the transients.",
 )
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Draw each figure.")
 @model_options
@@ -45,8 +48,6 @@ def command(
     The simulation uses the same functions as the nodes. From fig6 on the true friction differs by
     direction, by 5 % unless it is set with --set.
     """
-    if not 5.0 <= seconds <= 3600.0:
-        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
     nominal = loop(load_settings(files, assignments))
     rows = []
     console = Console(stderr=True, quiet=as_json)

@@ -10,6 +10,7 @@ import numpy as np
 
 from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_value
 from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, released, trace
+from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions, require_stabilising
@@ -20,7 +21,11 @@ from furuta_studies.parameter_range import parse_range
 @ideal_options
 @click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
 @click.option(
-    "--release", default=0.05, show_default=True, help="Pendulum angle of the release [rad]."
+    "--release",
+    type=FiniteRange(-0.5 * np.pi, 0.5 * np.pi, min_open=True, max_open=True),
+    default=0.05,
+    show_default=True,
+    help="Initial pendulum angle, not 0 [rad].",
 )
 @click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the cycle over a parameter.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
@@ -40,14 +45,12 @@ def command(
     """The exact periodic motion of the ideal loop, sticking included.
 
     Ideal: all states measured, feedback u = l·x without sampling or saturation. With --branch
-    the cycle is followed over a parameter, round its folds, unstable cycles included.
+    the cycle is followed over a parameter, through folds, unstable cycles included.
     """
     choice = AnalysisOptions(files, assignments, law, feedback, linear)
     loop = choice.ideal_loop()
-    if not 0.0 < abs(release) < 0.5 * np.pi:
-        raise ParameterError(
-            f"--release must be an angle within ±π/2 other than 0, given {release:g}"
-        )
+    if release == 0.0:
+        raise click.UsageError("--release must not be 0")
     cycle = limit_cycle(loop, released(release))
     if cycle.kind == "unbounded":
         require_stabilising(loop)
@@ -80,7 +83,7 @@ def command(
 def _follow(
     choice: AnalysisOptions, name: str, cycle: LimitCycle, low: float, high: float
 ) -> list[BranchPoint]:
-    """The branch through the cycle of the settings as they are, or of the range's middle."""
+    """The branch through the cycle at the current value, or at the middle of the range."""
     here = choice.value(name)
     if here is None or not low <= here <= high:
         here = 0.5 * (low + high)

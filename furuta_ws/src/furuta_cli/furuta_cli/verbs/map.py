@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions
 from furuta_studies.feedback_map import MapPoint, map_feedbacks
 from furuta_studies.parameter_range import parse_range
+from furuta_studies.sweep_journal import write_table
 
 DEFAULT_COUNT = 20
 
@@ -52,10 +52,7 @@ def command(
     found = list(track(points, "mapping", total=total, console=console, transient=True))
     rows = [_row(first, second, point) for point in found]
     if data is not None:
-        with data.open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0].keys())
-            writer.writeheader()
-            writer.writerows(rows)
+        write_table(rows, data)
     if out is not None:
         from furuta_figures.feedback_map import draw_map
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 
 import click
-import rclpy
 from rclpy.node import Node
 
 from furuta_cli.options import json_option, print_json
 from furuta_graph.processes import executable as find
+from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of, spin_until
 
 # Discovery of a running graph can take this long [s].
@@ -25,8 +25,7 @@ def command() -> None:
 @json_option
 def list_(as_json: bool) -> None:
     """List the running nodes."""
-    rclpy.init(args=[])
-    try:
+    with ros_context():
         node = Node("furuta_node_list")
         end = node.get_clock().now().nanoseconds + int(DISCOVERY * 1e9)
         spin_until(executor_of([node]), lambda: node.get_clock().now().nanoseconds > end)
@@ -35,8 +34,6 @@ def list_(as_json: bool) -> None:
             for name, namespace in node.get_node_names_and_namespaces()
             if name != node.get_name()
         )
-    finally:
-        rclpy.try_shutdown()
     if as_json:
         print_json({"nodes": found})
     else:

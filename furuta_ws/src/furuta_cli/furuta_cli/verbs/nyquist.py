@@ -31,13 +31,13 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Nyquist plot of G(s) from -F to the arm's speed, eq. (10), and where it may balance friction.
+    """Nyquist plot of G(s) from -F to the arm's speed, eq. (10), and its crossings.
 
-    Limit cycles are possible where G meets the negative real axis, which is what -1/N of Coulomb
-    friction fills.
+    Limit cycles are possible where G crosses the negative real axis: -1/N of Coulomb friction
+    covers it.
     """
     if figure_4 and feedback is not None:
-        raise ParameterError("--figure-4 brings its own feedbacks: give no --feedback with it")
+        raise ParameterError("--figure-4 cannot be combined with --feedback")
     given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     cases = {"": given}
     if figure_4:
@@ -73,7 +73,7 @@ def _result(given: IdealLoop) -> dict[str, Any]:
 
 
 def _joined(results: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    """All crossings in one list, each with its case, and everything by case."""
+    """All crossings in one list, each with its case, and the results by case."""
     crossings = [
         {"case": case, **crossing}
         for case, result in results.items()
@@ -95,5 +95,5 @@ def _print(case: str, result: dict[str, Any]) -> None:
     for crossing in result["crossings"]:
         print(f"  crosses at ω = {crossing['omega_rad_s']:.5g} rad/s: G = {crossing['real']:.5g}")
     if not result["crossings"]:
-        print("  never meets the negative real axis")
+        print("  does not cross the negative real axis")
     print(f"  {result['note']}")

@@ -7,40 +7,41 @@ from contextlib import contextmanager
 from typing import Any
 
 import click
-import rclpy
 import yaml
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 
-from furuta_cli.options import json_option, print_json
+from furuta_cli.options import json_option, namespace_option, print_json
+from furuta_graph.description import NODES
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import parameter_file, parameter_table
-from furuta_graph.settings import NODES
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, number_from_text
+from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of
 
 
 @click.group()
 def command() -> None:
-    """Read and set parameters of running nodes; print parameter files."""
+    """Read and set parameters of running nodes; print parameter files.
+
+    NODE is a name in the namespace of --namespace, or a full name such as /left/plant.
+    """
 
 
 @contextmanager
-def _client() -> Iterator[ParameterClient]:
-    rclpy.init(args=[])
-    try:
+def _client(namespace: str) -> Iterator[ParameterClient]:
+    with ros_context(namespace=namespace):
         node = Node("furuta_param")
         yield ParameterClient(node, executor_of([node]))
-    finally:
-        rclpy.try_shutdown()
 
 
 @command.command("list")
 @click.argument("node")
+@namespace_option
 @json_option
-def list_(node: str, as_json: bool) -> None:
+def list_(node: str, namespace: str, as_json: bool) -> None:
     """List the parameters of NODE with their values."""
-    with _client() as client:
+    with _client(namespace) as client:
         values = client.get(node, client.names(node))
     if as_json:
         print_json({name: _plain(value) for name, value in values.items()})
@@ -52,10 +53,11 @@ def list_(node: str, as_json: bool) -> None:
 @command.command()
 @click.argument("node")
 @click.argument("name")
+@namespace_option
 @json_option
-def get(node: str, name: str, as_json: bool) -> None:
+def get(node: str, name: str, namespace: str, as_json: bool) -> None:
     """Print the value of one parameter."""
-    with _client() as client:
+    with _client(namespace) as client:
         value = _plain(client.get(node, [name])[name])
     if as_json:
         print_json({name: value})
@@ -66,7 +68,8 @@ def get(node: str, name: str, as_json: bool) -> None:
 @command.command("set")
 @click.argument("node")
 @click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
-def set_(node: str, assignments: tuple[str, ...]) -> None:
+@namespace_option
+def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
     """Set parameters of NODE: one as NAME VALUE, or several at once as NAME=VALUE, all or none."""
     pairs = (
         [assignments]
@@ -75,25 +78,30 @@ def set_(node: str, assignments: tuple[str, ...]) -> None:
     )
     if any(len(pair) != 2 for pair in pairs):
         raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
-    with _client() as client:
-        names = [name for name, _ in pairs]
-        values = {}
-        for (name, text), about in zip(pairs, client.describe(node, names), strict=True):
-            value = yaml.safe_load(text)
-            # 80 is a fine value for a parameter of type double, whatever ROS thinks of it.
-            if about.type == ParameterType.PARAMETER_DOUBLE and isinstance(value, (int, str)):
-                value = _number(value)
-            if about.type == ParameterType.PARAMETER_DOUBLE_ARRAY and isinstance(value, list):
-                value = [float(each) for each in value]
-            values[name] = value
-        client.set_all(node, values)
+    with _client(namespace) as client:
+        client.set_all(node, {name: _value(client, node, name, text) for name, text in pairs})
 
 
-def _number(value: int | str) -> float | int | str:
+def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
+    """The value with the type of the parameter: ROS would reject 80 for a double.
+
+    The node itself rejects a name that it does not know, or translates an earlier name.
+    """
     try:
-        return value if isinstance(value, bool) else float(value)
-    except ValueError:
-        return value
+        value = yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise ParameterError(f"{name}: cannot read the value {text!r}") from None
+    types = {each.type for each in client.describe(node, [name])}
+    if ParameterType.PARAMETER_DOUBLE in types:
+        return _double(value)
+    if ParameterType.PARAMETER_DOUBLE_ARRAY in types and isinstance(value, list):
+        return [_double(each) for each in value]
+    return value if types else number_from_text(value)
+
+
+def _double(value: Any) -> Any:
+    value = number_from_text(value)
+    return float(value) if type(value) is int else value
 
 
 @command.command()

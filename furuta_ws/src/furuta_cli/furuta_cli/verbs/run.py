@@ -5,16 +5,16 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import click
 
-from furuta_cli.options import model_options
+from furuta_cli.number_types import FiniteRange
+from furuta_cli.options import model_options, namespace_option
+from furuta_graph.description import NODES
+from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.parameter_files import settings_file
-from furuta_graph.processes import HARDWARE, run_processes
-from furuta_graph.rigs import find_rig, rig_file, rig_settings
-from furuta_graph.run import run_composed, run_on_hardware
-from furuta_graph.settings import Settings, load_settings
+from furuta_graph.processes import run_processes
+from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
 from furuta_ros.scheduling import Scheduling
@@ -23,15 +23,20 @@ from furuta_ros.spinning import StopSignal
 
 @click.command()
 @click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True)
-@click.option("--port", metavar="PORT", help="Serial port of the rig, or mock.")
-@click.option("--rig", metavar="NAME|FILE", help="The rig; its model goes to all nodes.")
+@click.option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
+@click.option("--rig", default="", metavar="NAME|FILE", help="The rig; its model is every node's.")
 @click.option("--read-only", is_flag=True, help="Read the rig, never drive it.")
 @click.option("--lockstep", "clock", flag_value="lockstep", help="As fast as the machine allows.")
 @click.option("--realtime", "clock", flag_value="realtime", help="At the sample time (default).")
+@click.option("--without", multiple=True, type=click.Choice(
+    [node.name for node in NODES.values() if not node.controlled]),
+    help="Leave out this node, to run your own instead; repeatable.")  # fmt: skip
+@namespace_option
 @click.option("--processes", is_flag=True, help="One process per node instead of one for all.")
 @click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record a bag.")
 @click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
-@click.option("--seconds", type=float, help="StopSignal after this pendulum time.")
+@click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
+    help="Stop after this pendulum time.")  # fmt: skip
 @click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
 @click.option("--cores", metavar="N,N", help="Run on these cores only.")
 @click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
@@ -41,10 +46,12 @@ from furuta_ros.spinning import StopSignal
 @model_options
 def command(
     plant: str,
-    port: str | None,
-    rig: str | None,
+    port: str,
+    rig: str,
     read_only: bool,
     clock: str | None,
+    without: tuple[str, ...],
+    namespace: str,
     processes: bool,
     record: Path | None,
     topics: tuple[str, ...],
@@ -61,50 +68,42 @@ def command(
 
     What the system grants of --priority, --cores and --lock-memory is printed at the start.
     """
-    settings = load_settings(files, assignments, rig_settings(find_rig(rig)) if rig else None)
+    hardware = plant == "hardware"
     scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
-    if seconds is not None and not seconds > 0:
-        raise ParameterError(f"--seconds must be above 0, given {seconds:g}")
     if processes and (seconds is not None or timing or scheduling != Scheduling()):
-        raise ParameterError("--processes goes with neither --seconds, --timing nor scheduling")
-    recorder = partial(_recorder, record, topics, settings)
-    if plant == "hardware":
-        if clock or timing:
-            raise ParameterError("a rig keeps its own time: no --lockstep, --realtime or --timing")
-        _on_a_rig(settings["hardware_bridge"], port, rig, read_only)
-        if processes:
-            sys.exit(run_processes(settings, StopSignal(), HARDWARE, recorder(stamped=False)))
-        run_on_hardware(settings, recorder(stamped=False), seconds, scheduling)
-        return
-    if port or read_only:
-        raise ParameterError("--port and --read-only go with --plant hardware")
-    if clock:
-        settings["plant"]["clock"] = clock
-    if seconds is not None:
-        settings["plant"]["run_until"] = seconds
-    if timing is not None and settings["plant"].get("clock") == "lockstep":
-        raise ParameterError("--timing is of real time; in lock-step nothing is late")
-    record_it = recorder(stamped=settings["plant"].get("clock") == "lockstep")
+        raise ParameterError(
+            "--processes cannot be combined with --seconds, --timing or scheduling"
+        )
+    if hardware and (clock or timing):
+        raise ParameterError("a rig has its own clock: no --lockstep, --realtime or --timing")
+    if not hardware and (port or read_only):
+        raise ParameterError("--port and --read-only need --plant hardware")
+    options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace)
+    graph = plan_graph(options, files, assignments)
+    if not hardware and seconds is not None:
+        graph.settings["plant"]["run_until"] = seconds
+    lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
+    if timing is not None and lockstep:
+        raise ParameterError("--timing needs real time; in lock-step no sample is late")
+    recorder = _recorder(record, topics, graph, stamped=lockstep)
     if processes:
-        sys.exit(run_processes(settings, StopSignal(), record=record_it))
-    run_composed(settings, record_it, seconds, scheduling, timing)
+        sys.exit(run_processes(graph, StopSignal(), recorder))
+    if hardware:
+        run_hardware(graph, recorder, seconds, scheduling)
+    else:
+        run_simulated(graph, recorder, seconds, scheduling, timing)
 
 
 def _recorder(
-    path: Path | None, topics: tuple[str, ...], settings: Settings, stamped: bool
+    path: Path | None, topics: tuple[str, ...], graph: Graph, stamped: bool
 ) -> MakeRecorder | None:
-    """What makes the recorder that was asked for."""
+    """A function that makes the recorder, if there is something to record."""
     if path is None:
         if topics:
-            raise ParameterError("--topic chooses what --record records")
+            raise ParameterError("--topic needs --record")
         return None
-    return partial(RecorderNode, path, stamped, chosen_topics(topics), settings_file(settings))
-
-
-def _on_a_rig(bridge: dict[str, Any], port: str | None, rig: str | None, read_only: bool) -> None:
-    """Let the bridge start by itself, on this port and rig."""
-    bridge |= {"autostart": "inactive" if read_only else "active", "read_only": read_only}
-    bridge |= ({"port": port} if port else {}) | ({"rig": str(rig_file(rig))} if rig else {})
+    parameters = settings_file(graph.settings)
+    return partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
 
 
 def _cores(text: str | None) -> tuple[int, ...]:

@@ -10,9 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
-from furuta_model.parameters import ParameterError
 from furuta_studies.experiments import encoder_resolution
 from furuta_studies.sensitivity import SensitivityRow, run_sensitivity
 from furuta_studies.tuning.plan import TuningPlan
@@ -24,9 +23,21 @@ NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 @click.command()
-@click.option("--seconds", default=40.0, show_default=True, help="Pendulum time of each run.")
-@click.option("--seeds", default=10, show_default=True, help="Runs of each case.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the figure.")
+@click.option(
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=40.0,
+    show_default=True,
+    help="Pendulum time of each run.",
+)
+@click.option(
+    "--seeds",
+    type=click.IntRange(1, 1000),
+    default=10,
+    show_default=True,
+    help="Runs of each case.",
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
 @model_options
 @json_option
 def command(
@@ -42,10 +53,6 @@ def command(
     For both estimators and five compensations. One of them is LuGre with parameters tuned at the
     noise of the settings.
     """
-    if not 5.0 <= seconds <= 3600.0:
-        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")
-    if not 1 <= seeds <= 1000:
-        raise ParameterError(f"--seeds must be 1 to 1000, given {seeds}")
     nominal = loop(load_settings(files, assignments))
     with Console(stderr=True, quiet=as_json).status("tuning, then simulating"):
         compensations = {

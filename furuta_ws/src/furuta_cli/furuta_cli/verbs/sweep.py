@@ -11,12 +11,12 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep import RunResult, Sweep, run_locally
 from furuta_studies.sweep_journal import Journal, write_table
-from furuta_studies.sweep_points import METHODS, parse_swept_parameter
+from furuta_studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
 
 DEFAULT_COUNT = 10
 
@@ -25,15 +25,26 @@ DEFAULT_COUNT = 10
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
 @click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True)
 @click.option(
-    "--points", default=256, show_default=True, help="Number of runs unless it is a grid."
+    "--points",
+    type=click.IntRange(1, MAX_POINTS),
+    default=256,
+    show_default=True,
+    help="Number of runs unless it is a grid.",
 )
 @click.option(
     "--seed",
+    type=SEED,
     default=0,
     show_default=True,
     help="Seed of random and sobol points; the sensor noise has plant.seed.",
 )
-@click.option("--seconds", default=60.0, show_default=True, help="Pendulum time of a run.")
+@click.option(
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=60.0,
+    show_default=True,
+    help="Pendulum time of a run.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE.csv", default=Path("output/sweep.csv"),
@@ -62,10 +73,6 @@ def command(
     Every run is the same as with furuta simulate. An interrupted sweep continues when it is called
     again with the same arguments.
     """
-    if not 0 < seconds <= 1e6:
-        raise ParameterError(f"--seconds must be above 0 and at most 1e6, given {seconds:g}")
-    if seed < 0:
-        raise ParameterError(f"--seed must be at least 0, given {seed}")
     if out.suffix != ".csv":
         raise ParameterError(f"--out must be a .csv file, given {out}")
     if out.exists():

@@ -5,17 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-import rclpy
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.table import Table
 
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.number_types import FiniteRange
+from furuta_cli.options import (
+    SIMULATED_SECONDS,
+    json_option,
+    model_options,
+    namespace_option,
+    print_json,
+)
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.running_graph import Estimates, RunningLoop, TuningInterruptedError
 from furuta_graph.settings import load_settings, loop
+from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
+from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
 from furuta_studies.tuning.observed_friction import FITTED
@@ -31,6 +37,7 @@ from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta_studies.tuning.tuning import ProgressCallback, tune
 
 DEFAULT = TuningPlan()
+GUARD = FiniteRange(0, min_open=True)
 
 
 @click.command()
@@ -39,6 +46,7 @@ DEFAULT = TuningPlan()
     is_flag=True,
     help="Tune the running graph through its parameter services (default: a simulation).",
 )
+@namespace_option
 @click.option(
     "--fit",
     multiple=True,
@@ -55,16 +63,22 @@ DEFAULT = TuningPlan()
     help="Then optimise this parameter by trials; repeatable.",
 )
 @click.option(
-    "--seconds", default=DEFAULT.seconds, show_default=True, help="Total pendulum time [s]."
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=DEFAULT.seconds,
+    show_default=True,
+    help="Total pendulum time [s].",
 )
 @click.option(
     "--arm-guard",
+    type=GUARD,
     default=DEFAULT.arm_guard,
     show_default=True,
     help="Largest peak-to-peak excursion of the arm [rad].",
 )
 @click.option(
     "--pendulum-guard",
+    type=GUARD,
     default=DEFAULT.pendulum_guard,
     show_default=True,
     help="Largest angle of the pendulum [rad].",
@@ -79,6 +93,7 @@ DEFAULT = TuningPlan()
 @json_option
 def command(
     running: bool,
+    namespace: str,
     fit: tuple[str, ...],
     search: tuple[str, ...],
     seconds: float,
@@ -89,7 +104,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find the LuGre compensator's parameters that leave the smallest limit cycle.
+    """Find the LuGre compensator's parameters with the smallest remaining limit cycle.
 
     The pendulum first swings without compensation, and the friction parameters are fitted to the
     friction that the estimator observes. Then the parameters named by --search are optimised by
@@ -102,8 +117,10 @@ def command(
         if running:
             if files or assignments:
                 raise ParameterError("--running cannot be combined with --params or --set")
-            tuned = _tune_running(plan, quiet=as_json)
+            tuned = _tune_running(plan, namespace, quiet=as_json)
         else:
+            if namespace:
+                raise ParameterError("--namespace needs --running")
             tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
     except GuardError as error:
         raise UserError(f"stopped and restored the initial parameters: {error}") from None
@@ -127,15 +144,13 @@ def _tune_simulated(
     return tune(rig, nominal.observer, nominal.estimator, plan, _reporter(quiet))
 
 
-def _tune_running(plan: TuningPlan, quiet: bool) -> TuningResult:
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
+def _tune_running(plan: TuningPlan, namespace: str, quiet: bool) -> TuningResult:
+    with ros_context(namespace=namespace):
         node = Node("furuta_tune")
         executor = executor_of([node])
-        rig = RunningLoop(ParameterClient(node, executor), Estimates(node), executor, StopSignal())
-        return tune(rig, rig.observer, rig.estimator, plan, _reporter(quiet))
-    finally:
-        rclpy.try_shutdown()
+        parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
+        client = TuningClient(parameter_client, estimates, executor, StopSignal())
+        return tune(client, client.observer, client.estimator, plan, _reporter(quiet))
 
 
 def _reporter(quiet: bool) -> ProgressCallback:

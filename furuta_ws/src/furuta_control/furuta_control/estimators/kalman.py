@@ -30,7 +30,7 @@ from scipy.linalg import expm, solve_discrete_are
 from furuta_control.estimators.rig import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
-from furuta_model.parameters import About
+from furuta_model.parameters import About, EarlierName
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -55,11 +55,23 @@ class KalmanParameters(NamedTuple):
 
     friction_process_noise: Annotated[
         float,
-        About("kalman: how far friction walks in a second, grows as √t", "V/√s", 1e-3, 1e3),
+        About(
+            "kalman: how far friction walks in a second, grows as √t",
+            "V/√s",
+            1e-3,
+            1e3,
+            earlier_names=(EarlierName("friction_spread"),),
+        ),
     ] = 0.3
     pendulum_process_noise: Annotated[
         float,
-        About("kalman: how far the pendulum's speed walks from the model", "rad/s/√s", 1e-3, 1e3),
+        About(
+            "kalman: how far the pendulum's speed walks from the model",
+            "rad/s/√s",
+            1e-3,
+            1e3,
+            earlier_names=(EarlierName("pendulum_spread"),),
+        ),
     ] = 0.1
 
 

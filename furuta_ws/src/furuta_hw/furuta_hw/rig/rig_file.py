@@ -20,7 +20,7 @@ from furuta_hw.rig.physical import (
 )
 from furuta_hw.rig.rig import Rig
 from furuta_model.linear import from_linear
-from furuta_model.parameters import About, ParameterError, build, declared
+from furuta_model.parameters import About, ParameterError, build, declared, number_from_text
 from furuta_model.pendulum import FurutaPendulum
 
 
@@ -67,21 +67,13 @@ def _rig(content: Mapping[str, Any]) -> Rig:
             continue
         if not isinstance(values, Mapping):
             raise ParameterError(f"{section} must map names to values")
-        given |= {f"{section}.{name}": _number(value) for name, value in values.items()}
+        given |= {f"{section}.{name}": number_from_text(value) for name, value in values.items()}
     given = _normalised(given)
     known = [each.name for each in declared(Rig)]
     unknown = sorted(str(name) for name in given if name not in known)
     if unknown:
         raise ParameterError(f"unknown: {', '.join(unknown)}")
     return build(Rig, given)
-
-
-def _number(value: Any) -> Any:
-    """Convert text like 1e-5, which YAML 1.1 does not read as a number."""
-    try:
-        return float(value) if isinstance(value, str) else value
-    except ValueError:
-        return value
 
 
 def _normalised(given: dict[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""``furuta run`` in one process."""
+"""Running the composed graph until it is stopped, with a report at the end."""
 
 from __future__ import annotations
 
@@ -8,54 +8,53 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
-import rclpy
-from rclpy.signals import SignalHandlerOptions
-
-from furuta_graph.composed import ComposedGraph, HardwareGraph, SimulatedGraph
-from furuta_graph.settings import Settings
+from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
+from furuta_graph.graph_plan import Graph
 from furuta_recordings.recorder_node import MakeRecorder
-from furuta_ros.scheduling import Scheduling, schedule
+from furuta_ros.context import ros_context
+from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import StopSignal, spin_until
 from furuta_sim.realtime import RealTime
 
 AnyGraph = TypeVar("AnyGraph", bound=ComposedGraph)
 
 
-def run_composed(
-    settings: Settings,
+def run_simulated(
+    graph: Graph,
     record: MakeRecorder | None,
     seconds: float | None,
     scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
     timing: Path | None = None,
 ) -> None:
-    """Run the graph until it is told to stop or the pendulum's time is up.
+    """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed.
 
-    ``timing`` is a table of how late samples were.
+    A table of how late samples were is written to ``timing``.
     """
-    with _running(SimulatedGraph, settings, record, scheduling) as graph:
-        stop, plant = StopSignal(), graph.plant
-        spin_until(graph.executor, lambda: stop() or (seconds is not None and plant.paused))
-        _report(graph)
+    with _running(SimulatedGraph, graph, record, scheduling) as running:
+        stop, plant = StopSignal(), running.plant
+        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        _report(running)
         if timing is not None:
-            _write_timing(graph, timing)
+            _write_timing(running, timing)
 
 
-def run_on_hardware(
-    settings: Settings,
+def run_hardware(
+    graph: Graph,
     record: MakeRecorder | None,
     seconds: float | None,
     scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
 ) -> None:
-    """Run the graph on a rig until it is told to stop or the rig's time is up."""
-    with _running(HardwareGraph, settings, record, scheduling) as graph:
-        stop, bridge = StopSignal(), graph.bridge
+    """Run the graph with a rig until it is stopped or ``seconds`` of its time have passed."""
+    with _running(HardwareGraph, graph, record, scheduling) as running:
+        stop, bridge = StopSignal(), running.bridge
         bridge.start()
         if bridge.state != bridge.parameters.autostart:
-            raise SystemExit(1)  # the bridge has said why in its log
+            raise SystemExit(1)  # the bridge has logged the reason
         period = bridge.rig.line.sample_time
-        print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm", flush=True)
+        option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
+        print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
         spin_until(
-            graph.executor,
+            running.executor,
             lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
         )
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
@@ -64,22 +63,19 @@ def run_on_hardware(
 @contextmanager
 def _running(
     make: Callable[..., AnyGraph],
-    settings: Settings,
+    graph: Graph,
     record: MakeRecorder | None,
     scheduling: Scheduling,
 ) -> Iterator[AnyGraph]:
-    """The graph from ROS's start to its end; says what of ``scheduling`` the system granted."""
-    for granted in schedule(scheduling):
-        print(granted)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        graph = make(settings, record=record)
+    """The composed graph from ROS's start to its end; prints the results of ``scheduling``."""
+    for result in apply_scheduling(scheduling):
+        print(result)
+    with ros_context(namespace=graph.namespace):
+        composed = make(graph.settings, record=record, without=graph.without)
         try:
-            yield graph
+            yield composed
         finally:
-            graph.close()
-    finally:
-        rclpy.try_shutdown()
+            composed.close()
 
 
 def _report(graph: SimulatedGraph) -> None:
@@ -90,14 +86,15 @@ def _report(graph: SimulatedGraph) -> None:
         share = count.on_time / max(1, count.samples)
         print(
             f"{share:.2%} of {count.samples} samples had their command before the next one; "
-            f"{count.overruns} overruns, {count.timeouts} samples at 0 V for want of a command"
+            f"{count.overruns} overruns, {count.timeouts} samples at 0 V because the command was "
+            "too old"
         )
         print(f"latency   {plant.pacing.latency.summary()}")
         print(f"lateness  {plant.pacing.lateness.summary()}")
 
 
 def _write_timing(graph: SimulatedGraph, path: Path) -> None:
-    """Both histograms, a row per microsecond that anything was counted in."""
+    """Write both histograms, a row per microsecond with counts."""
     pacing = graph.plant.pacing
     if not isinstance(pacing, RealTime):
         return

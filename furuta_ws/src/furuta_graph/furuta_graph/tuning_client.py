@@ -1,4 +1,4 @@
-"""A running graph as a rig to be tuned: estimates by topic, parameters by their services."""
+"""A client of a running graph for tuning: it reads the estimates and sets the friction observer."""
 
 from __future__ import annotations
 
@@ -14,47 +14,50 @@ from sensor_msgs.msg import JointState
 
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_graph.parameter_client import ParameterClient, ServiceError
+from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joints
-from furuta_ros.spinning import TURN
+from furuta_ros.services import ServiceError
+from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
 
 Group = TypeVar("Group", bound=NamedTuple)
 
 # Longest wait for the next estimate [s].
 TIMEOUT = 10.0
-# Estimates that may pile up while parameters are set: half a minute at 1 kHz.
-BACKLOG = 30_000
+# Estimates that may wait while parameters are set: half a minute at 1 kHz.
+BUFFER_SIZE = 30_000
 
 
 class TuningInterruptedError(Exception):
-    """The user wants it to end."""
+    """The user has stopped the tuning."""
 
 
-class Estimates:
-    """The state estimates that came and were not yet looked at."""
+class EstimateBuffer:
+    """State estimates that have arrived and are not yet read."""
 
     def __init__(self, node: Node) -> None:
-        self.waiting: deque[JointState] = deque(maxlen=BACKLOG)
-        node.create_subscription(JOINT_STATES.type, JOINT_STATES.name, self._take, deep(BACKLOG))
+        self.waiting: deque[JointState] = deque(maxlen=BUFFER_SIZE)
+        node.create_subscription(
+            JOINT_STATES.type, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE)
+        )
 
-    def _take(self, message: JointState) -> None:
+    def _receive(self, message: JointState) -> None:
         self.waiting.append(message)
 
 
-class RunningLoop:
-    """Watches ``joint_states`` and sets the friction observer as ``ros2 param`` would.
+class TuningClient:
+    """Reads ``joint_states`` and sets parameters of the friction observer, as a user would.
 
-    ``stop`` is asked at every turn; once it is true, :meth:`watch` raises
-    :class:`TuningInterruptedError`, but :meth:`apply` still puts parameters back.
+    ``stop`` is called while :meth:`watch` waits; once it returns true, :meth:`watch` raises
+    :class:`TuningInterruptedError`. :meth:`apply` still works then, to restore parameters.
     """
 
     def __init__(
         self,
         client: ParameterClient,
-        estimates: Estimates,
+        estimates: EstimateBuffer,
         executor: Executor,
         stop: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -67,12 +70,12 @@ class RunningLoop:
         self._applied = values(self.observer)
 
     def apply(self, observer: ObserverParameters) -> None:
-        """Set what differs from what is set, all or none; what was estimated before is dropped."""
-        wanted = values(observer)
-        changes = {name: each for name, each in wanted.items() if each != self._applied[name]}
+        """Set the parameters that differ, all or none, and drop earlier estimates."""
+        new = values(observer)
+        changes = {name: each for name, each in new.items() if each != self._applied[name]}
         if changes:
             self.client.set_all("friction_observer", changes)
-            self._applied = wanted
+            self._applied = new
         self._waiting.clear()
 
     def watch(self, seconds: float) -> np.ndarray:
@@ -90,7 +93,7 @@ class RunningLoop:
                 raise TuningInterruptedError
             if monotonic() > deadline:
                 raise ServiceError(f"no {JOINT_STATES.name} for {TIMEOUT:g} s")
-            self._executor.spin_once(timeout_sec=TURN)
+            self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         return self._waiting.popleft()
 
     def _read(self, node: str, group: type[Group]) -> Group:

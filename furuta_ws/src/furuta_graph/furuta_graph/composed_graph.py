@@ -1,70 +1,72 @@
-"""The whole graph in one process, on one executor: the node classes that also run alone."""
+"""The whole graph in one process, on one executor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Collection, Iterable
 from time import monotonic, sleep
-from typing import ClassVar, cast
+from typing import Any, ClassVar, cast
 
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from furuta_control.controller_node import ControllerNode
-from furuta_control.estimator_node import EstimatorNode
-from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_graph.description import (
+    HARDWARE_BRIDGE,
+    PLANT,
+    NodeDescription,
+    check_graph,
+    graph_nodes,
+)
 from furuta_graph.settings import Settings
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
-from furuta_ros.spinning import executor_of, settle_memory, spin_until
+from furuta_ros.node import FurutaNode
+from furuta_ros.spinning import executor_of, freeze_startup_objects, spin_until
 from furuta_sim.plant_node import PlantNode
 
-# Longest wait for the nodes of this process to find each other [s].
+# Longest wait for the nodes of this process to discover each other [s].
 DISCOVERY_TIMEOUT = 30.0
 
 
 class ComposedGraph:
-    """Estimator, friction observer and controller around what they control, with others beside.
+    """The nodes of a graph, with ``others`` beside them, on one executor.
 
-    Time starts once all know each other and the bag, if they are to ``record``, is on the disk, so
-    it holds the first sample. The recorder collects between samples; it ends with the graph.
+    Time starts once all nodes know each other and the bag, if there is one to ``record``, exists,
+    so the bag holds the first sample. The recorder collects between samples; it ends with the
+    graph. ``nodes`` holds the controlled system first.
     """
 
-    # What is controlled, and its node's name.
-    controlled: ClassVar[Callable[[list[Parameter]], Node]]
-    name: ClassVar[str]
+    controlled: ClassVar[str]
 
     def __init__(
         self,
         settings: Settings,
         others: Iterable[Node] = (),
         record: MakeRecorder | None = None,
+        without: Collection[str] = (),
     ) -> None:
-        def overrides(node: str) -> list[Parameter]:
-            return [Parameter(name, value=value) for name, value in settings[node].items()]
-
-        self.estimator = EstimatorNode(overrides("estimator"))
-        self.friction_observer = FrictionObserverNode(overrides("friction_observer"))
-        self.controller = ControllerNode(overrides("controller"))
-        self.nodes: list[Node] = [
-            type(self).controlled(overrides(self.name)),
-            self.estimator,
-            self.friction_observer,
-            self.controller,
-            *others,
-        ]
+        described = graph_nodes(self.controlled, without)
+        # The controlled system last: the real time of the plant starts when it is made.
+        made = {each.name: _make(each, settings) for each in reversed(described)}
+        check_graph({name: node.parameters for name, node in made.items()})
+        self._by_name = made
+        self.nodes: list[Node] = [*(made[each.name] for each in described), *others]
         self._recorder = record() if record is not None else None
         if self._recorder is not None:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.nodes[0].create_timer(COLLECT_EVERY, self._recorder.collect, clock=steady)
         _wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
         self.executor: Executor = executor_of(self.nodes)
-        settle_memory()
+        freeze_startup_objects()
+
+    def node(self, name: str) -> FurutaNode[Any]:
+        """The node of that name."""
+        return self._by_name[name]
 
     def close(self) -> None:
-        """End the nodes, and the recording first."""
+        """End the recording, then the nodes."""
         self.executor.shutdown()
         if self._recorder is not None:
             self._recorder.destroy_node()
@@ -73,9 +75,9 @@ class ComposedGraph:
 
 
 class SimulatedGraph(ComposedGraph):
-    """The ring around the simulated plant."""
+    """The graph with the simulated plant."""
 
-    controlled, name = PlantNode, "plant"
+    controlled = PLANT
 
     @property
     def plant(self) -> PlantNode:
@@ -88,9 +90,9 @@ class SimulatedGraph(ComposedGraph):
 
 
 class HardwareGraph(ComposedGraph):
-    """The ring around a real rig."""
+    """The graph with the bridge to a real rig."""
 
-    controlled, name = HardwareBridgeNode, "hardware_bridge"
+    controlled = HARDWARE_BRIDGE
 
     @property
     def bridge(self) -> HardwareBridgeNode:
@@ -98,12 +100,19 @@ class HardwareGraph(ComposedGraph):
         return cast(HardwareBridgeNode, self.nodes[0])
 
 
-def _wait_until_matched(nodes: list[Node]) -> None:
-    """Return once every subscription of these nodes is known to every publisher among them.
+def _make(description: NodeDescription, settings: Settings) -> FurutaNode[Any]:
+    given = settings[description.name].items()
+    overrides = [Parameter(name, value=value) for name, value in given]
+    made: FurutaNode[Any] = description.load_class()(overrides)
+    return made
 
-    In lock-step a message that a subscriber misses would stop the run, so time starts after.
+
+def _wait_until_matched(nodes: list[Node]) -> None:
+    """Return once every publisher of these nodes knows all their subscriptions to its topic.
+
+    In lock-step a message that does not reach a subscriber would stop the run.
     """
-    wanted = {
+    required = {
         publisher: sum(
             subscription.topic_name == publisher.topic_name
             for node in nodes
@@ -113,7 +122,7 @@ def _wait_until_matched(nodes: list[Node]) -> None:
         for publisher in node.publishers
     }
     deadline = monotonic() + DISCOVERY_TIMEOUT
-    while any(each.get_subscription_count() < count for each, count in wanted.items()):
+    while any(each.get_subscription_count() < count for each, count in required.items()):
         if monotonic() > deadline:
-            raise UserError("the nodes of this process did not find each other")
+            raise UserError("the nodes of this process did not discover each other")
         sleep(0.005)

@@ -1,0 +1,11 @@
+"""The executable ``graph``: the whole graph in one process."""
+
+from __future__ import annotations
+
+from furuta_cli.main import run_command
+from furuta_cli.verbs.run import command
+
+
+def main() -> None:
+    """Entry point of the executable ``graph``, which has the arguments of ``furuta run``."""
+    run_command(command, "graph")

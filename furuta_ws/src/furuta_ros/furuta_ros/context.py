@@ -1,0 +1,35 @@
+"""Starting and ending ROS in a process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from furuta_ros.errors import UserError, first_line
+
+
+@contextmanager
+def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> Iterator[None]:
+    """ROS runs inside the ``with`` block and ends with it.
+
+    ``arguments`` are command-line arguments; None means those of the process. All nodes that the
+    block makes are in ``namespace``. Signals keep their Python handlers: rclpy's own would end
+    ROS before the nodes have finished.
+
+    Raises:
+        UserError: ROS cannot use the arguments.
+    """
+    given = None if arguments is None else list(arguments)
+    if namespace:
+        given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
+    try:
+        rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rclpy raises types here that it does not export
+        raise UserError(f"cannot start ROS: {first_line(error)}") from None
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()

@@ -1,0 +1,112 @@
+"""Stand-ins for the modules of ``launch`` and ``launch_ros`` that a launch file uses.
+
+They keep what a launch file gives them, so that a test can look at it without these packages.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import pytest
+from ament_index_python.packages import get_package_share_directory
+
+from furuta_graph.processes import executable
+
+
+class LaunchContext(NamedTuple):
+    """The values of the launch arguments."""
+
+    values: dict[str, str]
+
+
+class LaunchDescription(NamedTuple):
+    """What ``ros2 launch`` would run."""
+
+    entities: list[Any]
+
+
+class DeclareLaunchArgument(NamedTuple):
+    """A launch argument."""
+
+    name: str
+    default_value: str
+    description: str
+
+
+class OpaqueFunction(NamedTuple):
+    """A function of the context that returns further entities."""
+
+    function: Callable[[LaunchContext], list[Any]]
+
+
+class Shutdown(NamedTuple):
+    """The end of the whole launch."""
+
+
+class LaunchConfiguration(NamedTuple):
+    """The value of a launch argument."""
+
+    name: str
+
+    def perform(self, context: LaunchContext) -> str:
+        """The value, which is text."""
+        return context.values[self.name]
+
+
+class Node(NamedTuple):
+    """A node to start, with the options of ``launch_ros.actions.Node`` that are in use."""
+
+    package: str
+    executable: str
+    name: str
+    namespace: str | None = None
+    output: str = "log"
+    ros_arguments: list[str] = []  # noqa: RUF012 - as the original
+    on_exit: list[Any] | None = None
+
+    @property
+    def command(self) -> list[str]:
+        """The command that ``ros2 launch`` starts."""
+        remap = ["-r", f"__node:={self.name}"]
+        remap += ["-r", f"__ns:={self.namespace}"] if self.namespace else []
+        path = str(executable(self.package, self.executable))
+        return [path, "--ros-args", *self.ros_arguments, *remap]
+
+
+STAND_INS: dict[str, tuple[type[Any], ...]] = {
+    "launch": (LaunchContext, LaunchDescription),
+    "launch.actions": (DeclareLaunchArgument, OpaqueFunction, Shutdown),
+    "launch.substitutions": (LaunchConfiguration,),
+    "launch_ros": (),
+    "launch_ros.actions": (Node,),
+}
+
+
+def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
+    """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
+    for name, classes in STAND_INS.items():
+        module = ModuleType(name)
+        for each in classes:
+            setattr(module, each.__name__, each)
+        monkeypatch.setitem(sys.modules, name, module)
+    entities = _launch_file().generate_launch_description().entities
+    declared = {e.name: e.default_value for e in entities if isinstance(e, DeclareLaunchArgument)}
+    assert arguments.keys() <= declared.keys()
+    (function,) = (each for each in entities if isinstance(each, OpaqueFunction))
+    nodes: list[Node] = function.function(LaunchContext(declared | arguments))
+    return nodes
+
+
+def _launch_file() -> ModuleType:
+    file = Path(get_package_share_directory("furuta_bringup")) / "launch" / "furuta.launch.py"
+    specification = spec_from_file_location("furuta_launch", file)
+    assert specification is not None
+    assert specification.loader is not None
+    module = module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module

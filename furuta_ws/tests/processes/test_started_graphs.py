@@ -1,0 +1,75 @@
+"""Graphs as they are started: launched with a rig, in namespaces, with a node of one's own."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from launch_stand_ins import launched_nodes
+from paused_graph import PausedGraph
+from testbench import Bench
+
+from furuta_analysis.simulation.closed_loop import simulate
+from furuta_graph.graph_plan import GraphOptions, plan_graph
+from furuta_graph.settings import load_settings, loop
+
+ROOT = Path(__file__).resolve().parents[3]
+EXAMPLE = ROOT / "examples" / "state_feedback_node.py"
+SAMPLES = 300
+
+
+def test_launched_graph_on_another_rig(
+    monkeypatch: Any, bench: Bench, processes: Any, other_rig: Path, tmp_path: Path
+) -> None:
+    """The launch file's processes run the rig of ``rig:=`` as the simulation does, to the bit."""
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "plant: {ros__parameters: {run_until: 0.0, seed: 4}}\n"
+        "friction_observer: {ros__parameters: {compensation: lugre}}\n"
+    )
+    arguments = {"rig": str(other_rig), "params_file": str(file), "namespace": "left"}
+    graph = PausedGraph(bench, "left", sample_time=0.002)
+    for node in launched_nodes(monkeypatch, clock="lockstep", **arguments):
+        processes.start(*node.command)
+    plan = plan_graph(GraphOptions(rig=str(other_rig)), [file])
+    expected = simulate(loop(plan.settings), SAMPLES * 0.002)
+    np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
+
+
+@pytest.mark.parametrize("extra", [(), ("--processes",)], ids=["composed", "processes"])
+def test_two_graphs_side_by_side(
+    bench: Bench, processes: Any, furuta: Any, extra: tuple[str, ...]
+) -> None:
+    """In one ROS domain each namespace has its own pendulum, clients included."""
+    seeds = {"left": 1, "right": 2}
+    graphs = {name: PausedGraph(bench, name) for name in seeds}
+    for name, seed in seeds.items():
+        assignments = ("--set", f"seed={seed}", "--set", "run_until=0")
+        processes.furuta("run", "--lockstep", "--namespace", name, *extra, *assignments)
+    for name, seed in seeds.items():
+        expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
+        np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
+    assert furuta("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
+    assert furuta("param", "get", "/right/plant", "seed")[1].strip() == "2"
+
+
+def test_own_controller(bench: Bench, processes: Any) -> None:
+    """The example in place of our controller holds the pendulum upright, sample by sample."""
+    graph = PausedGraph(bench)
+    processes.furuta("run", "--lockstep", "--without", "controller", "--set", "run_until=0")
+    processes.start(sys.executable, EXAMPLE)
+    states = graph.run(4000)
+    assert np.abs(states[:, 2]).max() < 0.1
+    assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
+    assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held
+
+
+def test_the_page_shows_the_example() -> None:
+    """The page on nodes of one's own contains the file that the test runs."""
+    page = (ROOT / "docs" / "extending" / "own-node.md").read_text()
+    blocks = dict(re.findall(r"```python title=(\S+)\n(.*?)```", page, re.DOTALL))
+    assert blocks == {"examples/state_feedback_node.py": EXAMPLE.read_text()}

@@ -1,0 +1,135 @@
+"""The description of the graph, and the plan of a graph to start."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from furuta_graph.description import HARDWARE_BRIDGE, NODES, PLANT, check_graph, graph_nodes
+from furuta_graph.graph_plan import Graph, GraphOptions, full_namespace, plan_graph
+from furuta_graph.processes import executable, node_processes
+from furuta_graph.settings import load_settings, parameters_of
+from furuta_model.parameters import ParameterError
+
+OTHERS = ["estimator", "friction_observer", "controller"]
+
+
+def names(graph: Graph) -> list[str]:
+    return [node.name for node in graph.nodes]
+
+
+@pytest.mark.parametrize("controlled", [PLANT, HARDWARE_BRIDGE])
+def test_a_graph_has_one_controlled_system(controlled: str) -> None:
+    """The plant or the bridge comes first; the other nodes are the same."""
+    assert [node.name for node in graph_nodes(controlled)] == [controlled, *OTHERS]
+
+
+@pytest.mark.parametrize("name", ["plant", "hardware_bridge", "motor"])
+def test_only_some_nodes_can_be_left_out(name: str) -> None:
+    """The controlled system is needed, and an unknown name is an error."""
+    with pytest.raises(ParameterError, match=f"without {', '.join(OTHERS)}; given {name}"):
+        plan_graph(GraphOptions(without=(name,)))
+
+
+def test_leaving_out_nodes() -> None:
+    """The others remain in their order."""
+    assert names(plan_graph(GraphOptions(without=("estimator", "controller")))) == [
+        "plant",
+        "friction_observer",
+    ]
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_node_class_and_executable_exist(name: str) -> None:
+    """The class has the described name and package, and the executable is installed."""
+    node = NODES[name]
+    assert node.load_class().__module__.partition(".")[0] == node.package
+    assert executable(node.package, node.executable).is_file()
+
+
+@pytest.mark.parametrize("hardware", [False, True])
+def test_the_rig_reaches_every_node(other_rig: Path, hardware: bool) -> None:
+    """Model, friction, sensors, sample time and limits, whatever is controlled."""
+    graph = plan_graph(GraphOptions(hardware, rig=str(other_rig), port="mock" * hardware))
+    made = parameters_of(graph.settings)
+    model = made["controller"].model
+    assert model != NODES["controller"].parameters().model  # type: ignore[attr-defined]
+    assert made["estimator"].model == made["plant"].plant.model == model
+    assert made["friction_observer"].friction == made["plant"].plant.friction
+    assert made["estimator"].sensors == made["plant"].plant.sensors
+    assert {made[name].sample_time for name in OTHERS} == {0.002}
+    assert made["plant"].plant.sample_time == 0.002
+    assert made["controller"].voltage_limit == 5.0
+
+
+def test_bridge_rig_in_a_parameter_file_reaches_every_node(other_rig: Path, tmp_path: Path) -> None:
+    """A rig that only the bridge's parameter names is the rig of the whole graph."""
+    file = tmp_path / "bridge.yaml"
+    file.write_text(f"hardware_bridge: {{ros__parameters: {{rig: {other_rig}, port: mock}}}}")
+    graph = plan_graph(GraphOptions(hardware=True), [file])
+    assert graph.settings["estimator"]["sample_time"] == 0.002
+    assert graph.settings["hardware_bridge"]["rig"] == str(other_rig)
+
+
+def test_parameters_take_precedence_over_the_rig(other_rig: Path, tmp_path: Path) -> None:
+    """First the base, then the rig, then files, then assignments."""
+    file = tmp_path / "file.yaml"
+    file.write_text("plant: {ros__parameters: {friction: {alpha0: 0.3, alpha1: 0.4}}}")
+    base = load_settings([], ["plant.friction.alpha0=0.1", "plant.seed=7"])
+    options = GraphOptions(rig=str(other_rig))
+    plant = plan_graph(options, [file], ["plant.friction.alpha1=0.5"], base).settings["plant"]
+    assert (plant["friction.alpha0"], plant["friction.alpha1"], plant["seed"]) == (0.3, 0.5, 7)
+    assert plant["sample_time"] == 0.002
+
+
+@pytest.mark.parametrize(
+    ("options", "assignments", "reason"),
+    [
+        (GraphOptions(), ["plant.sample_time=0.002"], "sample_time must be the same"),
+        (GraphOptions(), ["compensation=adaptive", "method=lowpass"], "estimator.method=kalman"),
+        (GraphOptions(hardware=True), ["sample_time=0.002"], "the rig's sample_time is 0.001 s"),
+        (GraphOptions(rig="no_such_rig"), [], "no rig no_such_rig; rigs are "),
+        (GraphOptions(namespace="a b"), [], "a namespace has letters"),
+    ],
+)
+def test_graphs_that_do_not_fit_together(
+    options: GraphOptions, assignments: list[str], reason: str
+) -> None:
+    """There is no plan for a graph whose nodes contradict each other."""
+    with pytest.raises(ParameterError, match=reason):
+        plan_graph(options, assignments=assignments)
+
+
+def test_a_node_that_is_left_out_is_not_checked() -> None:
+    """Checks are about the nodes that are there."""
+    made = parameters_of(load_settings([], []))
+    made["plant"] = made["plant"]._replace(plant=made["plant"].plant._replace(sample_time=0.002))
+    with pytest.raises(ParameterError, match=r"plant 0.002 s, estimator 0.001 s"):
+        check_graph(made)
+    check_graph({name: each for name, each in made.items() if name != "plant"})
+
+
+@pytest.mark.parametrize(
+    ("given", "full"), [("", ""), ("/", ""), ("left", "/left"), ("/lab/left_2/", "/lab/left_2")]
+)
+def test_namespaces(given: str, full: str) -> None:
+    """With a slash before the name, or empty."""
+    assert full_namespace(given) == full
+
+
+def test_parameters_of_a_process_are_types_that_ros_knows() -> None:
+    """Numbers, text, truth values, and lists that are not empty; text is quoted."""
+    graph = plan_graph(GraphOptions(hardware=True, port="1"), assignments=["gain=[1, 2, 3, 4]"])
+    for process in node_processes(graph):
+        for value in process.parameters.values():
+            assert type(value) in (bool, int, float, str) or _numbers(value)
+    bridge, _, _, controller = node_processes(graph)
+    assert 'port:="1"' in bridge.parameter_arguments
+    assert "gain:=[1.0, 2.0, 3.0, 4.0]" in controller.parameter_arguments
+    assert "gain" not in node_processes(plan_graph(GraphOptions()))[-1].parameters
+
+
+def _numbers(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(type(each) is float for each in value)

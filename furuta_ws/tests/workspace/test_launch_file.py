@@ -1,0 +1,112 @@
+"""The launch file starts the graph that the description describes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from launch_stand_ins import Node, launched_nodes
+
+from furuta_graph.description import HARDWARE_BRIDGE, PLANT, graph_nodes
+from furuta_graph.rigs import find_rig
+from furuta_model.parameters import ParameterError, declared, values
+
+
+def parameters(node: Node) -> dict[str, Any]:
+    """The parameters that the ROS arguments of a node give it."""
+    flags, texts = node.ros_arguments[::2], node.ros_arguments[1::2]
+    assert set(flags) == {"-p"}
+    pairs = (text.split(":=", 1) for text in texts)
+    return {name: yaml.safe_load(re.sub(r"^(\d+)e", r"\1.0e", value)) for name, value in pairs}
+
+
+@pytest.mark.parametrize(("port", "controlled"), [("", PLANT), ("/dev/null", HARDWARE_BRIDGE)])
+def test_nodes_are_those_of_the_description(
+    monkeypatch: pytest.MonkeyPatch, port: str, controlled: str
+) -> None:
+    """Names, packages, executables and every parameter; the controlled system ends the launch."""
+    nodes = launched_nodes(monkeypatch, port=port)
+    for node, about in zip(nodes, graph_nodes(controlled), strict=True):
+        assert (node.name, node.package, node.executable) == about[:3]
+        assert bool(node.on_exit) == about.controlled
+        wanted = {each.name for each in declared(about.parameters)} - {"gain"}
+        assert set(parameters(node)) == wanted
+
+
+@pytest.mark.parametrize("port", ["", "mock"])
+def test_every_node_has_the_rig(
+    monkeypatch: pytest.MonkeyPatch, other_rig: Path, port: str
+) -> None:
+    """Model, friction, sensors, sample time and limits, for the plant and for the bridge."""
+    rig = find_rig(str(other_rig))
+    nodes = launched_nodes(monkeypatch, rig=str(other_rig), port=port)
+    given = {node.name: parameters(node) for node in nodes}
+    assert len(given) == 4
+    for name, found in given.items():
+        if name != HARDWARE_BRIDGE:
+            assert found["sample_time"] == rig.line.sample_time == 0.002
+        if name in (PLANT, "estimator", "controller"):
+            assert found.items() >= values(rig.model, "model.").items()
+        if name in (PLANT, "estimator"):
+            assert found.items() >= values(rig.sensors, "sensors.").items()
+    assert given["friction_observer"].items() >= values(rig.friction).items()
+    assert given["controller"]["voltage_limit"] == rig.limits.voltage == 5.0
+    if port:
+        assert given[HARDWARE_BRIDGE]["rig"] == str(other_rig)
+        assert given[HARDWARE_BRIDGE]["autostart"] == "active"
+
+
+def test_parameter_file_takes_precedence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Over the rig, and the launch argument ``clock`` over the file."""
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "/**: {ros__parameters: {voltage_limit: 3.0}}\n"
+        "plant: {ros__parameters: {clock: realtime, seed: 5}}\n"
+    )
+    nodes = launched_nodes(monkeypatch, rig="qube_servo_2", params_file=str(file), clock="lockstep")
+    given = {node.name: parameters(node) for node in nodes}
+    assert given["controller"]["voltage_limit"] == 3.0
+    assert (given["plant"]["clock"], given["plant"]["seed"]) == ("lockstep", 5)
+
+
+def test_namespace_and_nodes_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All nodes are in the namespace; without one they are in that of the launch."""
+    nodes = launched_nodes(monkeypatch, namespace="left", without="controller, friction_observer")
+    assert [(node.name, node.namespace) for node in nodes] == [
+        ("plant", "/left"),
+        ("estimator", "/left"),
+    ]
+    assert {node.namespace for node in launched_nodes(monkeypatch)} == {None}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "content", "reason"),
+    [
+        ({}, "plant: {ros__parameters: {sample_time: 0.002}}", "sample_time must be the same"),
+        ({"port": "mock"}, "/**: {ros__parameters: {sample_time: 0.002}}", "the rig's sample_time"),
+        (
+            {},
+            "estimator: {ros__parameters: {method: lowpass}}\n"
+            "friction_observer: {ros__parameters: {compensation: adaptive}}\n",
+            "needs estimator.method=kalman",
+        ),
+        ({"rig": "no_such_rig"}, "plant: {ros__parameters: {seed: 1}}", "no rig no_such_rig"),
+        ({"clock": "sundial"}, "plant: {ros__parameters: {seed: 1}}", "clock must be one of"),
+        ({"without": "plant"}, "plant: {ros__parameters: {seed: 1}}", "can run without"),
+    ],
+)
+def test_an_error_starts_no_node(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    arguments: dict[str, str],
+    content: str,
+    reason: str,
+) -> None:
+    """The launch fails with the reason before it has a node to start."""
+    file = tmp_path / "file.yaml"
+    file.write_text(content)
+    with pytest.raises(ParameterError, match=reason):
+        launched_nodes(monkeypatch, params_file=str(file), **arguments)
