@@ -21,7 +21,7 @@ pendulum: {sensor: encoder}
 line: {watchdog: 1.0}
 limits:
   {command_age: 10, estimate_age: 10, measurement_age: 10, bad_frames: 1.0, disagreement: 1000,
-   pendulum_angle: 3.141592653589793, arm_angle: 1.0e+6, arm_speed: 1.0e+6}
+   pendulum_angle: 3.141592653589793, arm_angle: 1.0e+6, arm_speed: 1.0e+4}
 """
 
 
