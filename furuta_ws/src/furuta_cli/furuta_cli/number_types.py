@@ -21,16 +21,16 @@ class FiniteRange(click.FloatRange):
         return number
 
 
-class NonZero(FiniteRange):
+class NonZero(click.ParamType):
     """A finite number other than 0."""
 
-    name = "nonzero number"
+    name = "float"
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
         """The number."""
-        number = super().convert(value, param, ctx)
-        if number == 0.0:
-            self.fail("must not be 0.", param, ctx)
+        number = float(click.FLOAT.convert(value, param, ctx))
+        if not math.isfinite(number) or number == 0.0:
+            self.fail(f"{value} is not a finite number other than 0.", param, ctx)
         return number
