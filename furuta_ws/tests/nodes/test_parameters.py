@@ -83,7 +83,7 @@ def test_earlier_names_on_a_running_node(bench: Bench) -> None:
     node = bench.add(EstimatorNode())
     client = ParameterClient(bench.probe, bench.executor)
     client.set("estimator", friction_spread=0.7, filter_damping=0.8)
-    assert node.parameters.friction_process_noise == 0.7
+    assert node.parameters.kalman.friction_process_noise == 0.7
     assert node.parameters.filter_damping == 0.8
     assert client.get("estimator", ["friction_process_noise"]) == {"friction_process_noise": 0.7}
     with pytest.raises(ServiceError, match="friction_process_noise"):
@@ -97,9 +97,9 @@ def test_earlier_names_from_the_node_itself(ros: None) -> None:
     node = EstimatorNode()
     (result,) = node.set_parameters([Parameter("pendulum_spread", value=0.2)])
     assert result.successful
-    assert node.parameters.pendulum_process_noise == 0.2
+    assert node.parameters.kalman.pendulum_process_noise == 0.2
     assert node.set_parameters_atomically([Parameter("pendulum_spread", value=1)]).successful
-    assert node.parameters.pendulum_process_noise == 1.0
+    assert node.parameters.kalman.pendulum_process_noise == 1.0
     node.destroy_node()
 
 
@@ -120,5 +120,5 @@ def test_earlier_names_from_the_node_itself(ros: None) -> None:
 def test_earlier_names_at_the_start(ros: None, overrides: list[Any], expected: float) -> None:
     """A node starts with a parameter by its earlier name; today's name takes precedence."""
     node = EstimatorNode(overrides)
-    assert node.parameters.friction_process_noise == expected
+    assert node.parameters.kalman.friction_process_noise == expected
     node.destroy_node()

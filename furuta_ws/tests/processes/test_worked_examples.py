@@ -151,3 +151,31 @@ def test_controller_mode(extended: Path) -> None:
     )
     assert braked < 0.1
     assert free > 5.0
+
+
+def test_rig_driver(extended: Path, tmp_path: Path) -> None:
+    """The commissioning verbs read the rig through the new driver, found by its name."""
+    rig = tmp_path / "ascii.yaml"
+    rig.write_text("line: {driver: ascii_lines}")
+    read = run(extended, "hw", "check", "--port", "mock", "--rig", rig, "--seconds", 0.5, "--json")
+    assert json.loads(read)["samples"] == 500
+
+
+def test_rig(extended: Path) -> None:
+    """The new rig is found and has its own model."""
+    rig = extended / "furuta_ws" / "config" / "rigs" / "my_rig.yaml"
+    shown = json.loads(run(extended, "hw", "rig", rig, "--json"))
+    assert (shown["a23"], shown["sample_time"]) == (pytest.approx(-9.5), 0.002)
+
+
+def test_verb(extended: Path) -> None:
+    """The new verb is in the table and does what it says."""
+    assert "The controller's gain L." in run(extended, "--help")
+    gain = json.loads(run(extended, "gain", "--set", "omega1=10", "--json"))["L"]
+    assert gain == json.loads(run(extended, "linearize", "--set", "omega1=10", "--json"))["L"]
+
+
+def test_node_on_the_page_is_the_one_in_the_repository() -> None:
+    """``examples/`` holds the node that the page shows; other tests run it in the graph."""
+    (edit,) = examples()["A node of your own"]
+    assert edit.text == (ROOT / edit.path).read_text()

@@ -91,7 +91,7 @@ def test_namespace_and_nodes_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
             {},
             "estimator: {ros__parameters: {method: lowpass}}\n"
             "friction_observer: {ros__parameters: {compensation: adaptive}}\n",
-            "needs estimator.method=kalman",
+            "needs an estimator that observes the friction",
         ),
         ({"rig": "no_such_rig"}, "plant: {ros__parameters: {seed: 1}}", "no rig no_such_rig"),
         ({"clock": "sundial"}, "plant: {ros__parameters: {seed: 1}}", "clock must be one of"),

@@ -91,7 +91,14 @@ class Declared(NamedTuple):
             value = number_from_text(value)
         elif self.kind is list and isinstance(value, list):
             value = [number_from_text(element) for element in value]
-        return self.checked(value)
+        return self.checked(self.choice_from_switch(value))
+
+    def choice_from_switch(self, value: Any) -> Any:
+        """The choice ``off`` or ``on`` that YAML 1.1 has read as a truth value."""
+        if isinstance(value, bool) and self.kind is str:
+            word = "on" if value else "off"
+            return word if word in self.about.choices else value
+        return value
 
     def checked(self, value: Any) -> Any:
         """Return ``value`` as the declared type or raise :class:`ParameterError`."""

@@ -43,7 +43,7 @@ class NodeParameters(Generic[Group]):
         self._node = node
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
-        self._names = {each.name for each in declared(group)}
+        self._names = {each.name: each for each in declared(group)}
         node._parameter_overrides = self._translated(node._parameter_overrides)
         self._refuse_unknown(node)
         for each in declared(group):
@@ -59,13 +59,13 @@ class NodeParameters(Generic[Group]):
         self._on_change.append(apply)
 
     def _with_current_names(self, parameters: list[Parameter]) -> list[Parameter]:
-        """Translate parameters that are set by an earlier name."""
+        """Translate earlier names, and choices that YAML has read as truth values."""
         given = {each.name: each for each in parameters}
-        translated = self._translated(given)
-        return parameters if translated is given else list(translated.values())
+        return list(self._translated(given).values())
 
     def _translated(self, given: dict[str, Parameter]) -> dict[str, Parameter]:
         """Parameters by their current names; logs a warning for each earlier name."""
+        given = {name: self._with_choice(each) for name, each in given.items()}
         earlier = renamed(self._group)
         if earlier.keys().isdisjoint(given):
             return given
@@ -79,8 +79,15 @@ class NodeParameters(Generic[Group]):
             for name, value in values.items()
         }
 
+    def _with_choice(self, parameter: Parameter) -> Parameter:
+        declaration = self._names.get(parameter.name)
+        if declaration is None:
+            return parameter
+        value = declaration.choice_from_switch(parameter.value)
+        return parameter if value is parameter.value else Parameter(parameter.name, value=value)
+
     def _refuse_unknown(self, node: Node) -> None:
-        known = self._names | {"use_sim_time", "start_type_description_service"}
+        known = {*self._names, "use_sim_time", "start_type_description_service"}
         unknown = sorted(
             name
             for name in node._parameter_overrides

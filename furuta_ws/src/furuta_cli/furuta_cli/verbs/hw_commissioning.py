@@ -10,8 +10,9 @@ from typing import Any
 import click
 import numpy as np
 
+from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import json_option, print_json
-from furuta_cli.verbs.hw_options import NumberRange, drive_options, rig_options, seconds_option
+from furuta_cli.verbs.hw_options import drive_options, rig_options, seconds_option
 from furuta_graph.rigs import find_rig
 from furuta_hw.commissioning.friction import RAMP_RATE, measure_friction
 from furuta_hw.commissioning.session import RigSession
@@ -139,7 +140,7 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
 @drive_options
 @click.option(
     "--rate",
-    type=NumberRange(1e-3, 10.0),
+    type=FiniteRange(1e-3, 10.0),
     default=RAMP_RATE,
     show_default=True,
     help="Rate of the voltage ramps [V/s].",

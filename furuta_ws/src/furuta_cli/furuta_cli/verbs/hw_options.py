@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isnan
 from typing import Any, TypeVar
 
 import click
 
+from furuta_cli.number_types import FiniteRange
+
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-class NumberRange(click.FloatRange):
-    """A range of numbers; click's own lets NaN pass."""
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """Convert text to a number within the range."""
-        number = float(super().convert(value, param, ctx))
-        if isnan(number):
-            self.fail(f"{value} is not a number.", param, ctx)
-        return number
 
 
 def rig_options(function: Function) -> Function:
@@ -41,7 +29,7 @@ def drive_options(function: Function) -> Function:
     """Add ``--voltage`` and ``--arm-range``, the limits of verbs that drive."""
     function = click.option(
         "--voltage",
-        type=NumberRange(0.0, 1e3, min_open=True),
+        type=FiniteRange(0.0, 1e3, min_open=True),
         default=2.0,
         show_default=True,
         help="Largest voltage [V].",
@@ -50,7 +38,7 @@ def drive_options(function: Function) -> Function:
         "--arm-range",
         "--travel",  # the earlier name
         "arm_range",
-        type=NumberRange(0.01, 1e6),
+        type=FiniteRange(0.01, 1e6),
         default=3.0,
         show_default=True,
         help="Stop when the arm is further than this from its start, to either side [rad].",
@@ -61,7 +49,7 @@ def seconds_option(default: float, text: str) -> Callable[[Function], Function]:
     """Add ``--seconds`` with its default [s] and help text."""
     return click.option(
         "--seconds",
-        type=NumberRange(0.0, 3600.0, min_open=True),
+        type=FiniteRange(0.0, 3600.0, min_open=True),
         default=default,
         show_default=True,
         help=text,

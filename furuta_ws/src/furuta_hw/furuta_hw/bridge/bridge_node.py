@@ -19,9 +19,9 @@ from furuta_hw.bridge.diagnostics_node import diagnostics
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.bridge.parameters import BridgeParameters
 from furuta_hw.bridge.sample_clock import SampleClock
-from furuta_hw.connection.driver_loading import make_driver
 from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rig.rig import Rig

@@ -7,8 +7,8 @@ from math import inf, pi
 from time import monotonic
 from typing import TypeVar
 
-from furuta_hw.connection.driver_loading import make_driver
 from furuta_hw.connection.rig_driver import LineStatistics, RigSample
+from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import LineError, StoppedError
 from furuta_hw.guard import Guard
 from furuta_hw.rig.rig import Rig
