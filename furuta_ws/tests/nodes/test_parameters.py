@@ -84,11 +84,11 @@ def test_earlier_names_on_a_running_node(bench: Bench) -> None:
     client = ParameterClient(bench.probe, bench.executor)
     client.set("estimator", friction_spread=0.7, filter_damping=0.8)
     assert node.parameters.kalman.friction_process_noise == 0.7
-    assert node.parameters.filter_damping == 0.8
+    assert node.parameters.lowpass.filter_damping == 0.8
     assert client.get("estimator", ["friction_process_noise"]) == {"friction_process_noise": 0.7}
     with pytest.raises(ServiceError, match="friction_process_noise"):
         client.set("estimator", friction_spread=-1.0, filter_damping=0.9)
-    assert node.parameters.filter_damping == 0.8
+    assert node.parameters.lowpass.filter_damping == 0.8
     assert not node.has_parameter("friction_spread")
 
 

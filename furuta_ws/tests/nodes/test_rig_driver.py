@@ -19,13 +19,14 @@ from furuta_hw.connection import rig_connection
 from furuta_hw.rig.rig_file import load_rig
 from furuta_ros.topics import MEASUREMENT
 
-PAGE = Path(__file__).resolve().parents[3] / "docs" / "extending" / "rig-driver.md"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "extending.md"
 
 
 @pytest.fixture
 def rig_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Drop the example's module into furuta_hw/drivers; returns a rig file that names it."""
-    blocks = re.findall(r"^```python title=(\S+)\n(.*?)^```$", PAGE.read_text(), re.M | re.S)
+    section = PAGE.read_text().partition("\n## A rig driver\n")[2].partition("\n## ")[0]
+    blocks = re.findall(r"^```python title=(\S+)\n(.*?)^```$", section, re.M | re.S)
     ((title, text),) = blocks
     assert Path(title).parent.parts[-2:] == ("furuta_hw", "drivers")
     (tmp_path / Path(title).name).write_text(text)

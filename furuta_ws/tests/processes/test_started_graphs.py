@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -66,10 +65,3 @@ def test_own_controller(bench: Bench, processes: Any) -> None:
     assert np.abs(states[:, 2]).max() < 0.1
     assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
     assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held
-
-
-def test_the_page_shows_the_example() -> None:
-    """The page on nodes of one's own contains the file that the test runs."""
-    page = (ROOT / "docs" / "extending" / "own-node.md").read_text()
-    blocks = dict(re.findall(r"```python title=(\S+)\n(.*?)```", page, re.DOTALL))
-    assert blocks == {"examples/state_feedback_node.py": EXAMPLE.read_text()}
