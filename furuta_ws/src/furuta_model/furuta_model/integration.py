@@ -40,8 +40,11 @@ LARGEST_STEP = 0.25
 # Bound of the work per sample: reached only at speeds that no rig survives.
 MOST_SUBSTEPS = 10_000
 
-# (φ̈, θ̈) [rad/s²] of a body, given φ, φ̇, sin θ, cos θ, θ̇, the torque u − F [V] and the body.
-Accelerations = Callable[[float, float, float, float, float, float, Any], tuple[float, float]]
+# One stage of the rule: accelerations (φ̈, θ̈) [rad/s²] under the mean friction over the stage, and
+# the friction law's memory at its end. Its arguments: φ, φ̇, θ, sin θ, cos θ, θ̇ at which the stage
+# is evaluated, φ̇ at the start of the step, u [V], the memory at the start, the length of the stage
+# [s], body and friction law.
+Stage = Callable[..., tuple[float, float, float]]
 
 
 def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
@@ -53,34 +56,11 @@ def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
     return max(1, ceil(dt * (spring + damper + gravity) / LARGEST_STEP))
 
 
-def integrator(accelerations: Accelerations) -> Callable[..., None]:
-    """The midpoint rule for bodies with these ``accelerations`` (compiled).
+def integrator(stage: Stage) -> Callable[..., None]:
+    """The midpoint rule for a body and its friction, given by its ``stage`` (compiled).
 
     The function made has the arguments of :func:`advance`. It is compiled into its callers.
     """
-
-    def stage_friction(
-        phi: float,
-        v: float,
-        before: float,
-        sine: float,
-        cosine: float,
-        w: float,
-        torque: float,
-        memory: float,
-        h: float,
-        body: Any,
-        law: FrictionLaw,
-    ) -> tuple[float, float]:
-        """Mean friction [V] over a stage of ``h`` [s], and the law's memory at its end."""
-        if HAS_BRISTLE[law.kind]:
-            return bristle_force(v, memory, h, law)
-        free, _ = accelerations(phi, v, sine, cosine, w, torque, body)
-        pushed, _ = accelerations(phi, v, sine, cosine, w, torque + 1.0, body)
-        force = sticking_force(v, before, (before / h + free) / (pushed - free), law)
-        return force, force
-
-    stage_friction = compiled(stage_friction, cached=False)
 
     def advance(
         x: np.ndarray, u: float, dt: float, substeps: int, body: Any, law: FrictionLaw
@@ -91,27 +71,17 @@ def integrator(accelerations: Accelerations) -> Callable[..., None]:
             substeps = ceil(min(turn / LARGEST_STEP, MOST_SUBSTEPS))
         h = dt / substeps
         half = 0.5 * h
-        viscous = law.parameters.viscous
         for _ in range(substeps):
             phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
 
             sine, cosine = sin(theta), cos(theta)
-            driven = u - viscous * v
-            friction, _ = stage_friction(
-                phi, v, v, sine, cosine, w, driven, memory, half, body, law
-            )
-            v_dot, w_dot = accelerations(phi, v, sine, cosine, w, driven - friction, body)
-            phi_mid = phi + half * v
-            v_mid = v + half * v_dot
-            w_mid = w + half * w_dot
+            v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
+            phi_mid, theta_mid = phi + half * v, theta + half * w
+            v_mid, w_mid = v + half * v_dot, w + half * w_dot
             sine, cosine = rotate(sine, cosine, half * w)
 
-            driven = u - viscous * v_mid
-            friction, end = stage_friction(
-                phi_mid, v_mid, v, sine, cosine, w_mid, driven, memory, h, body, law
-            )
-            v_dot, w_dot = accelerations(
-                phi_mid, v_mid, sine, cosine, w_mid, driven - friction, body
+            v_dot, w_dot, end = stage(
+                phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, memory, h, body, law
             )
             x[PHI] = phi + h * v_mid
             x[PHI_DOT] = v + h * v_dot
@@ -123,13 +93,34 @@ def integrator(accelerations: Accelerations) -> Callable[..., None]:
 
 
 @compiled
-def _pendulum_accelerations(
-    phi: float, v: float, sine: float, cosine: float, w: float, torque: float, body: FurutaPendulum
-) -> tuple[float, float]:
-    return accelerations_at(v, sine, cosine, w, torque, body)
+def _pendulum_stage(
+    phi: float,
+    v: float,
+    theta: float,
+    sine: float,
+    cosine: float,
+    w: float,
+    before: float,
+    u: float,
+    memory: float,
+    h: float,
+    body: FurutaPendulum,
+    law: FrictionLaw,
+) -> tuple[float, float, float]:
+    """A stage of the paper's pendulum under any friction law."""
+    driven = u - law.parameters.viscous * v
+    if HAS_BRISTLE[law.kind]:
+        friction, end = bristle_force(v, memory, h, law)
+    else:
+        free, _ = accelerations_at(v, sine, cosine, w, driven, body)
+        pushed, _ = accelerations_at(v, sine, cosine, w, driven + 1.0, body)
+        friction = sticking_force(v, before, (before / h + free) / (pushed - free), law)
+        end = friction
+    v_dot, w_dot = accelerations_at(v, sine, cosine, w, driven - friction, body)
+    return v_dot, w_dot, end
 
 
-_advance = integrator(_pendulum_accelerations)
+_advance = integrator(_pendulum_stage)
 
 
 @inlined

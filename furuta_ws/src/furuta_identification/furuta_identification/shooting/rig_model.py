@@ -13,17 +13,17 @@ joint, which never sticks, has c₂θ̇ + f₂ tanh(θ̇/w₀).
 
 from __future__ import annotations
 
-from math import ceil, cos, sin, tanh
+from math import cos, sin, tanh
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled
+from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.lugre import bristle_after
 from furuta_model.friction.parameters import LuGre
-from furuta_model.integration import LARGEST_STEP, substeps_for
+from furuta_model.integration import integrator, substeps_for
 from furuta_model.pendulum import FurutaPendulum, accelerations
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Pendulum speed w₀ [rad/s] over which its joint's Coulomb friction changes its sign.
 JOINT_SPEED = 0.05
@@ -32,6 +32,7 @@ LONGEST_STEP = 1e-3
 # Shortest step [s]: a model that needs a shorter one does not describe a real rig.
 SHORTEST_STEP = 3e-5
 NO_RIPPLE = np.zeros((0, 3))
+LUGRE = LAWS.index("lugre")
 
 
 class RigModel(NamedTuple):
@@ -74,31 +75,35 @@ def model_accelerations(
 
 
 @compiled
+def _stage(
+    phi: float,
+    v: float,
+    theta: float,
+    sine: float,
+    cosine: float,
+    w: float,
+    before: float,
+    u: float,
+    memory: float,
+    h: float,
+    m: RigModel,
+    law: FrictionLaw,
+) -> tuple[float, float, float]:
+    """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    arm = law.parameters
+    end, mean = bristle_after(v, 0.0, memory, h, arm)
+    force = arm.sigma0 * mean + arm.sigma1 * (end - memory) / h + arm.viscous * v
+    v_dot, w_dot = model_accelerations(phi, v, theta, w, u - force, m)
+    return v_dot, w_dot, end
+
+
+_advance = integrator(_stage)
+
+
+@compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
-    """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V]: exponential midpoint rule."""
-    turn = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
-    if turn > LARGEST_STEP * steps:
-        steps = ceil(min(turn / LARGEST_STEP, 1000.0))
-    h = dt / steps
-    half = 0.5 * h
-    arm = m.arm
-    for _ in range(steps):
-        phi, v, theta, w, z = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
-        end, mean = bristle_after(v, 0.0, z, half, arm)
-        force = arm.sigma0 * mean + arm.sigma1 * (end - z) / half + arm.viscous * v
-        v_dot, w_dot = model_accelerations(phi, v, theta, w, u - force, m)
-        v_mid = v + half * v_dot
-        w_mid = w + half * w_dot
-        end, mean = bristle_after(v_mid, 0.0, z, h, arm)
-        force = arm.sigma0 * mean + arm.sigma1 * (end - z) / h + arm.viscous * v_mid
-        v_dot, w_dot = model_accelerations(
-            phi + half * v, v_mid, theta + half * w, w_mid, u - force, m
-        )
-        x[PHI] = phi + h * v_mid
-        x[PHI_DOT] = v + h * v_dot
-        x[THETA] = theta + h * w_mid
-        x[THETA_DOT] = w + h * w_dot
-        x[BRISTLE] = end
+    """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
+    _advance(x, u, dt, steps, m, FrictionLaw(LUGRE, m.arm))
 
 
 def longest_step(m: RigModel) -> float:
