@@ -25,7 +25,7 @@ from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.composed_graph import HardwareGraph
 from furuta_graph.processes import executable
 from furuta_graph.settings import load_settings, loop
-from furuta_hw.emulator.monitor import ask
+from furuta_rig.emulator.monitor import ask
 
 SECONDS = 60.0
 PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}

@@ -18,7 +18,7 @@ setup(
     entry_points={
         "console_scripts": [
             "hardware_bridge = furuta_hw.bridge.bridge_node:main",
-            "rig_emulator = furuta_hw.emulator.rig_emulator:main",
+            "rig_emulator = furuta_rig.emulator.rig_emulator:main",
         ]
     },
     zip_safe=False,

@@ -17,7 +17,7 @@ import pytest
 
 from furuta_graph.description import NODES
 from furuta_graph.processes import executable
-from furuta_hw.emulator.monitor import ask
+from furuta_rig.emulator.monitor import ask
 
 TIMEOUT = 120.0
 GRACE = 10.0

@@ -26,7 +26,7 @@ from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.description import HARDWARE_BRIDGE, graph_nodes
 from furuta_graph.settings import load_settings, loop
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_hw.rig.rig import Rig
+from furuta_rig.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
 
 pytestmark = pytest.mark.realtime

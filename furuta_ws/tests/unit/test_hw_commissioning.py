@@ -13,13 +13,13 @@ from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
-from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.errors import DriverError, NotStillError
-from furuta_hw.protocol.frames import FrameReader, SensorsFrame
-from furuta_hw.rig.calibration import ArmEncoder, PendulumSensor, SpeedSensor
-from furuta_hw.rig.rig import Rig
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import ParameterError
+from furuta_rig.calibration import ArmEncoder, PendulumSensor, SpeedSensor
+from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
+from furuta_rig.protocol.frames import FrameReader, SensorsFrame
+from furuta_rig.rig import Rig
 from furuta_sim.parameters import InitialState
 
 HANGING = InitialState(theta=pi)

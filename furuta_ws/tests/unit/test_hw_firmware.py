@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from furuta_hw.emulator.firmware import Firmware
-from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, FrameReader, encode
+from furuta_rig.emulator.firmware import Firmware
+from furuta_rig.protocol import frames
+from furuta_rig.protocol.frames import ARMED, FAULT, WATCHDOG, FrameReader, encode
 
 SESSION = 77
 WATCHDOG_SAMPLES = 5

@@ -13,9 +13,9 @@ from cobs import cobs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from furuta_hw.emulator.firmware import Firmware
-from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import (
+from furuta_rig.emulator.firmware import Firmware
+from furuta_rig.protocol import frames
+from furuta_rig.protocol.frames import (
     FrameError,
     FrameReader,
     decode,

@@ -14,19 +14,19 @@ from furuta_graph.rigs import find_rig, rig_directory, rig_settings
 from furuta_graph.settings import load_settings, loop
 from furuta_hw.bridge.sample_clock import SLEW, SampleClock
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
-from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
-from furuta_hw.rig.calibration import PendulumSensor, SpeedSensor
-from furuta_hw.rig.channels import converter, encoder, wrapped
-from furuta_hw.rig.physical import (
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import accelerations
+from furuta_rig.calibration import PendulumSensor, SpeedSensor
+from furuta_rig.channels import converter, encoder, wrapped
+from furuta_rig.physical import (
     PhysicalParameters,
     normalised_coulomb,
     normalised_model,
     normalised_viscous,
 )
-from furuta_hw.rig.rig import Rig
-from furuta_hw.rig.rig_file import load_rig
-from furuta_model.parameters import ParameterError
-from furuta_model.pendulum import accelerations
+from furuta_rig.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
+from furuta_rig.rig import Rig
+from furuta_rig.rig_file import load_rig
 from furuta_sim.plant import convert
 
 PHYSICAL = PhysicalParameters(

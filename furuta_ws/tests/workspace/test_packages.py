@@ -30,8 +30,9 @@ LAYERS = [
     {"furuta_model"},
     {"furuta_ros"},
     {"furuta_sim", "furuta_control", "furuta_friction"},
-    # The emulated rig of furuta_hw has the simulated one behind it.
-    {"furuta_analysis", "furuta_hw", "furuta_recordings"},
+    # The emulated rig has the simulated plant behind it.
+    {"furuta_analysis", "furuta_rig", "furuta_recordings"},
+    {"furuta_hw"},
     {"furuta_identification", "furuta_graph"},
     {"furuta_studies"},
     {"furuta_figures"},
@@ -51,7 +52,10 @@ ROS_MODULES = {
 }
 # Needed by one option of one verb, and not known to rosdep.
 OPTIONAL = {"distributed"}
-PURE = ["furuta_model", "furuta_analysis", "furuta_identification", "furuta_figures"]
+PURE = [
+    *("furuta_model", "furuta_analysis", "furuta_rig", "furuta_identification"),
+    "furuta_figures",
+]
 # Here only the nodes, and the files named below, import ROS.
 WITH_NODES = [
     *("furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"),

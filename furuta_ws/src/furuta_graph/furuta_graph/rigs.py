@@ -7,9 +7,9 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 
 from furuta_graph.settings import Settings, default_settings, parameters_of
-from furuta_hw.rig.rig import Rig
-from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError, values
+from furuta_rig.rig import Rig
+from furuta_rig.rig_file import load_rig
 
 SUFFIX = ".yaml"
 

@@ -11,8 +11,8 @@ from furuta_cli.verbs.hw_bridge import arm, disarm, state
 from furuta_cli.verbs.hw_commissioning import check, friction, read, show, signs, zero
 from furuta_graph.processes import executable
 from furuta_graph.rigs import find_rig, rig_settings
-from furuta_hw.rig.rig import Rig
 from furuta_model.linear import linearize
+from furuta_rig.rig import Rig
 
 
 @click.group()

@@ -24,9 +24,9 @@ from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
-from furuta_hw.rig.rig import Rig
-from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError
+from furuta_rig.rig import Rig
+from furuta_rig.rig_file import load_rig
 from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node

@@ -10,8 +10,8 @@ import numpy as np
 
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_hw.rig.rig import Rig
 from furuta_model.parameters import ParameterError
+from furuta_rig.rig import Rig
 
 # Speed at which the arm counts as broken away: well above noise and creep [rad/s].
 BREAK_AWAY_SPEED = 0.1

@@ -9,9 +9,9 @@ from typing import Protocol
 import serial
 
 from furuta_hw.connection.rig_driver import READ_TIMEOUT
-from furuta_hw.emulator.emulated_rig import EmulatedRig
 from furuta_hw.errors import LineError
-from furuta_hw.rig.rig import Rig
+from furuta_rig.emulator.emulated_rig import EmulatedRig
+from furuta_rig.rig import Rig
 
 # The port name that stands for an emulated rig in this process.
 MOCK = "mock"

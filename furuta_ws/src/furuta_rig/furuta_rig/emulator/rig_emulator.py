@@ -19,13 +19,13 @@ from typing import Any
 
 import yaml
 
-from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
-from furuta_hw.emulator.faults import Faults, with_faults
-from furuta_hw.emulator.monitor import serve
-from furuta_hw.emulator.running_rig import RunningRig
-from furuta_hw.rig.rig import Rig
-from furuta_hw.rig.rig_file import load_rig
 from furuta_model.parameters import ParameterError, build, declared
+from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
+from furuta_rig.emulator.faults import Faults, with_faults
+from furuta_rig.emulator.monitor import serve
+from furuta_rig.emulator.running_rig import RunningRig
+from furuta_rig.rig import Rig
+from furuta_rig.rig_file import load_rig
 from furuta_sim.parameters import InitialState
 
 # Priority in the real-time scheduler. Any value precedes processes without real-time priority.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import (
+from furuta_rig.protocol import frames
+from furuta_rig.protocol.frames import (
     ARMED,
     FAULT,
     WATCHDOG,

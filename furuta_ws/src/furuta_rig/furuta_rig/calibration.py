@@ -8,8 +8,8 @@ from __future__ import annotations
 from math import pi
 from typing import Annotated, NamedTuple
 
-from furuta_hw.rig.channels import Channel, converter, encoder
 from furuta_model.parameters import About
+from furuta_rig.channels import Channel, converter, encoder
 
 _SIGN = About("+1 or -1: the direction in which codes count", "", -1, 1)
 _ZERO = About("code at zero", "codes", -1e9, 1e9)

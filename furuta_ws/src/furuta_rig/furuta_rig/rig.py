@@ -8,11 +8,11 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Annotated, NamedTuple
 
-from furuta_hw.rig.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_model.friction.parameters import LuGre
 from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
+from furuta_rig.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 
 
 class RigLine(NamedTuple):

@@ -12,16 +12,16 @@ from typing import Annotated, Any, NamedTuple
 
 import yaml
 
-from furuta_hw.rig.physical import (
+from furuta_model.linear import from_linear
+from furuta_model.parameters import About, ParameterError, build, declared, number_from_text
+from furuta_model.pendulum import FurutaPendulum
+from furuta_rig.physical import (
     PhysicalParameters,
     normalised_coulomb,
     normalised_model,
     normalised_viscous,
 )
-from furuta_hw.rig.rig import Rig
-from furuta_model.linear import from_linear
-from furuta_model.parameters import About, ParameterError, build, declared, number_from_text
-from furuta_model.pendulum import FurutaPendulum
+from furuta_rig.rig import Rig
 
 
 class LinearCoefficients(NamedTuple):

@@ -6,11 +6,11 @@ first driven, and again after ``hold``.
 
 from __future__ import annotations
 
-from furuta_hw.emulator.faults import Faults, FaultyLine
-from furuta_hw.emulator.firmware import Firmware
-from furuta_hw.rig.channels import wrapped
-from furuta_hw.rig.rig import Rig
 from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_rig.channels import wrapped
+from furuta_rig.emulator.faults import Faults, FaultyLine
+from furuta_rig.emulator.firmware import Firmware
+from furuta_rig.rig import Rig
 from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
 from furuta_sim.plant import Noise, design_plant, initial_state, move
 

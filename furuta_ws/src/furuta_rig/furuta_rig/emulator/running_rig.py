@@ -7,10 +7,10 @@ from pathlib import Path
 from time import monotonic_ns, sleep
 from typing import Any
 
-from furuta_hw.emulator.emulated_rig import EmulatedRig
-from furuta_hw.emulator.emulator_log import EmulatorLog
-from furuta_hw.emulator.faults import with_faults
-from furuta_hw.emulator.pseudo_terminal import PseudoTerminal
+from furuta_rig.emulator.emulated_rig import EmulatedRig
+from furuta_rig.emulator.emulator_log import EmulatorLog
+from furuta_rig.emulator.faults import with_faults
+from furuta_rig.emulator.pseudo_terminal import PseudoTerminal
 
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000

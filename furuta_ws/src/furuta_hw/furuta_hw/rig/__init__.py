@@ -1,1 +1,0 @@
-"""Rig files: model, calibration, line and limits of a rig."""

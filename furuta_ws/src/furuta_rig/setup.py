@@ -1,0 +1,19 @@
+from setuptools import find_packages, setup
+
+NAME = "furuta_rig"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="Rig files, serial protocol, emulated rig",
+    license="Apache-2.0",
+    maintainer="The furuta_ws developers",
+    maintainer_email="furuta_ws@users.noreply.github.com",
+    packages=find_packages(),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+    ],
+    zip_safe=False,
+)
