@@ -46,7 +46,7 @@ def model_options(function: Function) -> Function:
 def ideal_options(function: Function) -> Function:
     """``--law`` and ``--feedback`` of the verbs that analyse the ideal loop."""
     function = click.option(
-        "--law", type=click.Choice(LAWS), default="lugre", show_default=True, help="Friction law."
+        "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
     )(function)
     return feedback_option(function)
 

@@ -17,11 +17,14 @@ from furuta_studies.parameter_range import GAINS
 
 
 class AnalysisOptions(NamedTuple):
-    """Parameter files, assignments, friction law and feedback u = l·x (None: the controller's)."""
+    """Parameter files, assignments, friction law and feedback u = l·x of an analysis.
+
+    Without a law it is the plant's, without a feedback the controller's.
+    """
 
     files: tuple[Path, ...]
     assignments: tuple[str, ...]
-    law: str
+    law: str | None
     feedback: tuple[float, float, float, float] | None
     linear: bool = False
 
@@ -34,7 +37,8 @@ class AnalysisOptions(NamedTuple):
         for name, value in values.items():
             if name in GAINS:
                 gains[GAINS.index(name)] = value
-        law = friction_law(self.law, configured.plant.friction.parameters)
+        friction = configured.plant.friction
+        law = friction_law(self.law or friction.law, friction.parameters)
         l1, l2, l3, l4 = gains
         return IdealLoop(configured.plant.model, law, l1, l2, l3, l4, self.linear)
 

@@ -30,7 +30,7 @@ def command(
     out: Path | None,
     curves: Path | None,
     feedback: tuple[float, float, float, float] | None,
-    law: str,
+    law: str | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,

@@ -32,7 +32,7 @@ from furuta_studies.parameter_range import parse_range
 @model_options
 @json_option
 def command(
-    law: str,
+    law: str | None,
     feedback: tuple[float, float, float, float] | None,
     linear: bool,
     release: float,
@@ -73,7 +73,7 @@ def command(
             raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
         from furuta_figures.limit_cycle import draw_limit_cycle
 
-        draw_limit_cycle(trace(loop, cycle), cycle, law, out)
+        draw_limit_cycle(trace(loop, cycle), cycle, loop.law.name, out)
     if as_json:
         print_json(result)
     else:

@@ -29,7 +29,7 @@ DEFAULT_COUNT = 20
 @json_option
 def command(
     ranges: tuple[str, str],
-    law: str,
+    law: str | None,
     feedback: tuple[float, float, float, float] | None,
     out: Path | None,
     data: Path | None,

@@ -26,7 +26,7 @@ def command(
     figure_4: bool,
     out: Path | None,
     feedback: tuple[float, float, float, float] | None,
-    law: str,
+    law: str | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,

@@ -15,7 +15,7 @@ from rclpy.timer import Timer
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
 
-from furuta_hw.bridge.diagnostics_node import diagnostics
+from furuta_hw.bridge.diagnostics_node import rig_status
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.bridge.parameters import BridgeParameters
 from furuta_hw.bridge.sample_clock import SampleClock
@@ -218,7 +218,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._publish_diagnostics()
 
     def _publish_diagnostics(self) -> None:
-        self._diagnostics.publish(diagnostics(self))
+        status = rig_status(self.state, self.guard, self.connection, self.failure, self.samples)
+        status.name = f"{self.get_name()}: rig"
+        status.hardware_id = self.parameters.port
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
 
     def _steady_timer(self, period: float, callback: Callable[[], None]) -> Timer:
         """Make a timer that does not follow changes of the system's time."""

@@ -2,51 +2,39 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-
-if TYPE_CHECKING:
-    from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_hw.connection.rig_connection import RigConnection
+from furuta_hw.guard import Guard
 
 
-def diagnostics(bridge: HardwareBridgeNode) -> DiagnosticArray:
+def rig_status(
+    state: str, guard: Guard, connection: RigConnection | None, failure: str, samples: int
+) -> DiagnosticStatus:
     """OK while it drives, WARN while it only reads, ERROR after a stop or without a line."""
-    level, text = _summary(bridge)
-    status = DiagnosticStatus(
-        name=f"{bridge.get_name()}: rig",
-        hardware_id=bridge.parameters.port,
+    level, text = _summary(guard, connection, failure)
+    values = {"state": state, "armed": guard.armed, "stops": guard.stops, "samples": samples}
+    if connection is not None:
+        values |= _line_values(connection)
+    return DiagnosticStatus(
         level=level,
         message=text,
-        values=[KeyValue(key=key, value=str(value)) for key, value in _values(bridge).items()],
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
     )
-    message = DiagnosticArray(status=[status])
-    message.header.stamp = bridge.get_clock().now().to_msg()
-    return message
 
 
-def _summary(bridge: HardwareBridgeNode) -> tuple[bytes, str]:
-    guard, connection = bridge.guard, bridge.connection
+def _summary(guard: Guard, connection: RigConnection | None, failure: str) -> tuple[bytes, str]:
     if guard.armed:
         return DiagnosticStatus.OK, "driving"
     if connection is None or not connection.connected:
-        failure = connection.failure if connection else bridge.failure
-        return DiagnosticStatus.ERROR, failure or "no line"
+        reason = connection.failure if connection else failure
+        return DiagnosticStatus.ERROR, reason or "no line"
     return DiagnosticStatus.ERROR if guard.stops else DiagnosticStatus.WARN, guard.reason
 
 
-def _values(bridge: HardwareBridgeNode) -> dict[str, object]:
-    values: dict[str, object] = {
-        "state": bridge.state,
-        "armed": bridge.guard.armed,
-        "stops": bridge.guard.stops,
-        "samples": bridge.samples,
-    }
-    connection = bridge.connection
-    if connection is None:
-        return values
+def _line_values(connection: RigConnection) -> dict[str, int]:
     line = connection.statistics()
-    return values | {
+    return {
         "frames lost": line.lost,
         "frames corrupt": line.corrupt,
         "frames repeated": line.repeated,
