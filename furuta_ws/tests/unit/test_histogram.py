@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from furuta_sim.histogram import LAST, Histogram
+from furuta_sim.histogram import LAST_BIN, Histogram
 
 
 def test_percentiles_are_those_of_the_durations() -> None:
@@ -29,7 +29,7 @@ def test_what_is_very_late_is_not_lost() -> None:
     histogram = Histogram()
     histogram.add(5_000_000_000)
     histogram.add(-3)
-    assert list(np.flatnonzero(histogram.counts)) == [0, LAST]
+    assert list(np.flatnonzero(histogram.counts)) == [0, LAST_BIN]
     assert histogram.percentile(100.0) == pytest.approx(5.0)
 
 
