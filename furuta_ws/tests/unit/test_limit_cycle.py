@@ -8,7 +8,8 @@ from unit import reference
 
 from furuta_analysis.limit_cycles.continuation import Branch, fold_value
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, trace
+from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, place_poles

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ive
 
 from furuta_analysis.describing_functions.describing_function import static_describing_function
-from furuta_analysis.describing_functions.lugre_cycles import suspects, winding_number
+from furuta_analysis.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta_analysis.describing_functions.residual import residual
 from furuta_analysis.describing_functions.transfer import FIGURE_4, Transfer, transfer
@@ -176,7 +176,7 @@ def test_winding_number_counts_zeros() -> None:
     assert winding_number(h) == 2
     assert winding_number(np.conj(h)) == -2
     assert winding_number(h + 100.0) == 0
-    cells = suspects(h)
+    cells = candidate_cells(h)
     for root in (0.5 + 0j, -0.3 + 1j):
         inside = (
             (x[cells[:, 0], 0] <= root.real)
