@@ -5,21 +5,21 @@ Graph and chain are measured in alternation in one process.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from statistics import median
 from time import monotonic, perf_counter, perf_counter_ns, sleep, thread_time
 from typing import Any
 
 import numpy as np
-import rclpy
 from bare_chain import BareChain
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings import Settings, default_settings
+from furuta_ros.context import ros_context
 from furuta_ros.spinning import spin_until
 
 ROUNDS = 7
@@ -32,21 +32,18 @@ PAUSE = 0.05
 
 def lockstep() -> dict[str, float]:
     """Samples per second of graph and bare chain, and the median of the ratios of all rounds."""
-    _start()
-    bare = _bare_chain()
-    bare.publish_sample()
-    graph = SimulatedGraph(_settings("lockstep"))
+    with _graph_and_bare_chain("lockstep") as (graph, bare):
+        bare.publish_sample()
 
-    def bare_rate() -> float:
-        return _rate(bare.executor, lambda: bare.count)
+        def bare_rate() -> float:
+            return _rate(bare.executor, lambda: bare.count)
 
-    def graph_rate() -> float:
-        return _rate(graph.executor, lambda: graph.plant.sample)
+        def graph_rate() -> float:
+            return _rate(graph.executor, lambda: graph.plant.sample)
 
-    bare_rate(), graph_rate()  # warm-up
-    pairs = [(graph_rate(), bare_rate()) for _ in range(ROUNDS)]
-    costs = _costs(graph)
-    _stop(graph, bare)
+        bare_rate(), graph_rate()  # warm-up
+        pairs = [(graph_rate(), bare_rate()) for _ in range(ROUNDS)]
+        costs = _costs(graph)
     return costs | {
         "lockstep_vs_bare_chain": median(ours / theirs for ours, theirs in pairs),
         "lockstep_samples_per_s": median(ours for ours, _ in pairs),
@@ -78,22 +75,19 @@ def _costs(graph: SimulatedGraph) -> dict[str, float]:
 
 def realtime() -> dict[str, float]:
     """Latency from measurement to command at 1 kHz, and the fraction of commands in time."""
-    _start()
-    bare = _bare_chain()
-    graph = SimulatedGraph(_settings("realtime"))
     ours, theirs = Stopwatch(), Stopwatch()
-    plant: Any = graph.plant
-    pacing = plant.pacing
-    plant.publish_sample = ours.starting(plant.publish_sample)
-    pacing.on_command = ours.stopping(pacing.on_command)
-    bare.on_command = theirs.stopping(lambda: None)
-    for _ in range(ROUNDS):
-        _run_for(graph, ROUND_SECONDS)
-        _pace(bare, theirs.starting(bare.publish_sample))
-        ours.end_round()
-        theirs.end_round()
-    count = pacing.timing_counts
-    _stop(graph, bare)
+    with _graph_and_bare_chain("realtime") as (graph, bare):
+        plant: Any = graph.plant
+        pacing = plant.pacing
+        plant.publish_sample = ours.starting(plant.publish_sample)
+        pacing.on_command = ours.stopping(pacing.on_command)
+        bare.on_command = theirs.stopping(lambda: None)
+        for _ in range(ROUNDS):
+            _run_for(graph, ROUND_SECONDS)
+            _pace(bare, theirs.starting(bare.publish_sample))
+            ours.end_round()
+            theirs.end_round()
+        count = pacing.timing_counts
     graphs, bares = ours.percentiles(), theirs.percentiles()
     return {
         "latency_p50_s": float(np.median(graphs[:, 0])),
@@ -154,7 +148,7 @@ def machine_late_fraction() -> float:
 
 
 def _run_for(graph: SimulatedGraph, seconds: float) -> None:
-    """Let the paused graph continue for a while; the pause counts as no missed deadline."""
+    """Let the paused graph continue for a while; deadlines in the pause do not count."""
     plant = graph.plant
     _spin_for(graph.executor, PAUSE)
     plant.set_parameters([Parameter("run_until", value=plant.time + seconds)])
@@ -167,14 +161,14 @@ def _pace(bare: BareChain, tick: Callable[[], None]) -> None:
     timer.cancel()
 
 
-def _start() -> None:
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-
-
-def _stop(graph: SimulatedGraph, bare: BareChain) -> None:
-    graph.close()
-    bare.close()
-    rclpy.try_shutdown()
+@contextmanager
+def _graph_and_bare_chain(clock: str) -> Iterator[tuple[SimulatedGraph, BareChain]]:
+    with ros_context():
+        bare = _bare_chain()
+        graph = SimulatedGraph(_settings(clock))
+        yield graph, bare
+        graph.close()
+        bare.close()
 
 
 def _bare_chain() -> BareChain:

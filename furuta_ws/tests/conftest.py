@@ -1,4 +1,4 @@
-"""Shared by all tests: a ROS domain of this process's own, and a probe beside the nodes."""
+"""Fixtures for all tests: a separate ROS domain for each process, ROS, and a test bench."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bench for nodes under test: a probe beside them that publishes and collects."""
+"""A test bench for nodes: a probe node publishes to them and collects their messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The composed graph in lock-step: exactly the offline loop, repeatable to the bit."""
+"""The composed graph in lock-step: equal to the offline loop, repeatable to the last bit."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def record(settings: Settings, seconds: float, bag: Path) -> Path:
 
 
 def raw_messages(bag: Path) -> dict[str, list[bytes]]:
-    """Every topic's messages as they were on the wire."""
+    """The serialised messages of every topic."""
     messages: dict[str, list[bytes]] = {}
     with AnyReader([bag]) as reader:
         for connection, _, data in reader.messages():
@@ -43,16 +43,16 @@ def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str)
     """Nodes and offline simulation call the same functions: equal to the last bit."""
     settings = load_settings([], [f"compensation={compensation}"])
     expected = simulate(loop(settings), 3.0)
-    got = read_recorded_run(record(settings, 3.0, tmp_path / "bag"))
-    assert len(got.time) == 3000
-    np.testing.assert_array_equal(got.state, expected.state)
-    np.testing.assert_array_equal(got.friction, expected.friction)
-    np.testing.assert_array_equal(got.friction_estimate, expected.friction_estimate)
-    np.testing.assert_array_equal(got.command, expected.command)
+    recorded = read_recorded_run(record(settings, 3.0, tmp_path / "bag"))
+    assert len(recorded.time) == 3000
+    np.testing.assert_array_equal(recorded.state, expected.state)
+    np.testing.assert_array_equal(recorded.friction, expected.friction)
+    np.testing.assert_array_equal(recorded.friction_estimate, expected.friction_estimate)
+    np.testing.assert_array_equal(recorded.command, expected.command)
 
 
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
-    """Two runs with one seed are equal on every topic to the bit; another seed is not."""
+    """Two runs with one seed are equal on every topic to the last bit; another seed differs."""
     bags = [
         raw_messages(record(load_settings([], [f"seed={seed}"]), 2.0, tmp_path / name))
         for name, seed in (("a", 1), ("b", 1), ("c", 2))
@@ -61,12 +61,12 @@ def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
     assert {len(messages) for messages in bags[0].values()} == {2000}
     assert bags[0] == bags[1]
     for topic in bags[0]:
-        if topic != "friction_estimate":  # 0 V without compensation, whatever the seed
+        if topic != "friction_estimate":  # 0 V without compensation for any seed
             assert bags[0][topic] != bags[2][topic]
 
 
 def test_limit_cycle_with_ideal_sensors(ros: None, tmp_path: Path) -> None:
-    """Through the graph: 0.5106 rad, 0.0918 rad, 2.370 s, each within 1 %."""
+    """On the graph: 0.5106 rad, 0.0918 rad, 2.370 s, each within 1 %."""
     bag = record(load_settings([], IDEAL), 30.0, tmp_path / "bag")
     settled = read_recorded_run(bag).between(15.0, 30.0)
     measured = measure_oscillation(settled.state, 0.001)

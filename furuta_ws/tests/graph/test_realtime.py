@@ -18,7 +18,7 @@ pytestmark = pytest.mark.realtime
 
 
 def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
-    """Three seconds at 1 kHz: upright, most samples commanded in time, time keeps up."""
+    """Three seconds at 1 kHz: upright, most samples commanded in time, no lost time."""
     graph = SimulatedGraph(settings)
     end = monotonic() + 3.0
     spin_until(graph.executor, lambda: monotonic() > end)
@@ -27,13 +27,13 @@ def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
     seconds = graph.plant.time
     graph.close()
     assert abs(theta) < 0.2
-    # How punctual depends on the machine's load; the benchmark measures it.
+    # The exact fraction depends on the load of the machine; the benchmark measures it.
     assert count.on_time > 0.5 * count.samples > 500
     assert 2.5 < seconds < 3.5
 
 
 def test_timing_is_published(ros: None, settings: Settings) -> None:
-    """Two rows of counts, as many latencies as commands and lateness as samples, or nearly."""
+    """Two rows of counts: nearly as many latencies as commands and lateness as samples."""
     received: list[UInt64MultiArray] = []
     probe = Node("probe")
     probe.create_subscription(TIMING.type, TIMING.name, received.append, QOS)
@@ -47,7 +47,7 @@ def test_timing_is_published(ros: None, settings: Settings) -> None:
 
 
 def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None:
-    """A controller that is gone is noticed within its timeout, and the pendulum falls."""
+    """A missing controller is detected within its timeout, and the pendulum falls."""
     graph = SimulatedGraph(settings)
     plant = graph.plant
     spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
@@ -58,9 +58,9 @@ def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None
 
 
 def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> None:
-    """Without friction estimates the controller holds the pendulum by itself."""
+    """Without friction estimates the controller still balances the pendulum."""
     settings["friction_observer"]["compensation"] = "lugre"
-    # Longer than a machine stalls, shorter than this test: only a silent controller exceeds it.
+    # Longer than the machine may stall, shorter than this test: only a dead controller exceeds it.
     settings["plant"]["command_timeout"] = 1.0
     graph = SimulatedGraph(settings)
     plant, controller = graph.plant, graph.node("controller")

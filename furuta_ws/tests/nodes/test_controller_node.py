@@ -23,7 +23,7 @@ MS = 1_000_000
 
 
 class Loop:
-    """Controller with publishers for both inputs."""
+    """A controller with publishers for both inputs."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
@@ -62,14 +62,14 @@ def loop(bench: Bench) -> Loop:
 
 
 def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
-    """U = −Lx + F̂, once state and estimate are there."""
+    """The command is −Lx + F̂ as soon as state and estimate have arrived."""
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2)
 
 
 def test_estimate_may_come_before_its_state(loop: Loop) -> None:
-    """Between processes the two overtake each other; the pairs stay the same."""
+    """Between processes messages can overtake each other; the pairs stay the same."""
     loop.state(1)
     loop.estimate(0.1)
     loop.estimate(0.2)
@@ -78,7 +78,7 @@ def test_estimate_may_come_before_its_state(loop: Loop) -> None:
 
 
 def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
-    """State 2 is answered at once with the old estimate; 3 again waits for its own."""
+    """State 2 is answered at once with the old estimate; state 3 waits for its own."""
     loop.state(1)
     loop.estimate(0.1)
     loop.state(2)
@@ -91,7 +91,7 @@ def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
 
 
 def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
-    """From the second state on each is answered at once, F̂ = 0; an observer is taken up."""
+    """From the second state on each is answered at once with F̂ = 0, until an observer starts."""
     for k in range(1, 31):
         loop.state(k)
     loop.expect(*[FEEDBACK] * 29)
@@ -102,7 +102,7 @@ def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
 
 
 def test_old_estimate_becomes_zero(loop: Loop) -> None:
-    """Beyond ``friction_timeout`` (10 ms) nothing is added."""
+    """An estimate older than ``friction_timeout`` (10 ms) is not added."""
     loop.state(1)
     loop.estimate(0.1)
     loop.state(5)
@@ -111,8 +111,8 @@ def test_old_estimate_becomes_zero(loop: Loop) -> None:
     loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK)
 
 
-def test_refuses_nonsense_and_goes_on(loop: Loop) -> None:
-    """NaN in either input is counted, named and without effect."""
+def test_rejects_bad_messages_and_continues(loop: Loop) -> None:
+    """NaN in either input is counted, reported and ignored."""
     loop.state(1, (nan, 0.0, 0.0, 0.0))
     loop.estimate(nan)
     assert loop.node.refused == 2
@@ -122,7 +122,7 @@ def test_refuses_nonsense_and_goes_on(loop: Loop) -> None:
 
 
 def test_gain_and_poles_by_service(loop: Loop) -> None:
-    """A new gain is in force for the next sample; a bad one is refused and changes nothing."""
+    """A new gain applies at the next sample; a bad one is rejected and changes nothing."""
     client = ParameterClient(loop.bench.probe, loop.bench.executor)
     client.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
     loop.state(1)

@@ -1,4 +1,4 @@
-"""The node ``estimator``: messages through the core, bad ones refused."""
+"""The node ``estimator``: same results as the core, bad messages rejected."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ MS = 1_000_000
 
 
 def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
-    """Same numbers and stamp as the core gives."""
+    """Same numbers as the core, with the stamp of the measurement."""
     bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     memory, estimate = np.zeros(MEMORY), np.zeros(5)
-    made = design_estimator(EstimatorParameters())
+    design = design_estimator(EstimatorParameters())
     for k in range(5):
         x = (0.1 * k, 0.2, 0.01 * k**2, nan)
         measurement.publish(joint_state(x, k * MS, effort=0.3))
         bench.spin(lambda k=k: len(states) == k + 1)
-        estimate_state(memory, np.array([*x, 0.3]), made, estimate)
-        got = states[-1]
-        assert [*got.position, *got.velocity] == estimate[[0, 2, 1, 3]].tolist()
-        assert [*got.effort] == [estimate[4], 0.0]
-        assert got.header.stamp.nanosec == k * MS
+        estimate_state(memory, np.array([*x, 0.3]), design, estimate)
+        answer = states[-1]
+        assert [*answer.position, *answer.velocity] == estimate[[0, 2, 1, 3]].tolist()
+        assert [*answer.effort] == [estimate[4], 0.0]
+        assert answer.header.stamp.nanosec == k * MS
 
 
 def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> None:
-    """The same stamp twice gives the same estimate twice."""
+    """A repeated stamp gives the same estimate, without a new step."""
     bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
@@ -46,8 +46,8 @@ def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> 
     assert states[2] != states[3]
 
 
-def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
-    """Nonsense gets no answer and does not touch the filter."""
+def test_rejects_bad_measurements_and_continues(bench: Bench) -> None:
+    """A bad measurement gets no answer and does not change the filter."""
     node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
@@ -64,7 +64,7 @@ def test_refuses_bad_measurements_and_goes_on(bench: Bench) -> None:
 
 
 def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
-    """With ideal sensors NaN for θ̇ is refused, a number handed on."""
+    """With ideal sensors NaN for θ̇ is rejected and a number is passed on."""
     node = bench.add(EstimatorNode([Parameter("sensors.ideal", value=True)]))
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
@@ -76,7 +76,7 @@ def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
 
 
 def test_kalman_needs_the_applied_torque(bench: Bench) -> None:
-    """A measurement without effort is refused by method kalman and taken by lowpass."""
+    """A measurement without effort is rejected by method kalman and accepted by lowpass."""
     node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)

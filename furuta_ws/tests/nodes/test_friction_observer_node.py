@@ -9,7 +9,7 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 
-def test_compensation_is_switched_while_it_runs(bench: Bench) -> None:
+def test_compensation_is_switched_while_running(bench: Bench) -> None:
     """None, then Coulomb with level alpha0 and the sign of the speed, then LuGre."""
     node = bench.add(FrictionObserverNode())
     estimates = bench.collect(FRICTION_ESTIMATE)
@@ -37,7 +37,7 @@ def test_compensation_is_switched_while_it_runs(bench: Bench) -> None:
 
 
 def test_every_state_gets_one_estimate(bench: Bench) -> None:
-    """A state that comes again is answered again, with the same estimate."""
+    """A repeated state is answered with the same estimate."""
     bench.add(FrictionObserverNode())
     estimates = bench.collect(FRICTION_ESTIMATE)
     states = bench.publisher(JOINT_STATES)

@@ -1,4 +1,4 @@
-"""Messages to arrays and back; nonsense is refused before it reaches a core."""
+"""Conversion of messages to arrays and back; bad messages are rejected before the core."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def read(message: object, speed: bool = True, effort: bool = False) -> np.ndarra
 
 
 def test_round_trip() -> None:
-    """What is written is read, stamp included."""
+    """Values and stamp are read as they were written."""
     message = joint_state(STATE, 12_345_678_901, effort=0.7)
     assert read(message).tolist() == [*STATE, 0.7]
     assert stamp_nanoseconds(message) == 12_345_678_901
@@ -38,8 +38,8 @@ def test_joints_are_found_by_name() -> None:
 @pytest.mark.parametrize(
     "names", [["a", "b"], ["arm"], [], ["arm", "arm"], ["arm", "pendulum", "x"]]
 )
-def test_wrong_joint_names_are_refused(names: list[str]) -> None:
-    """The reason says which names are needed and which came."""
+def test_wrong_joint_names_are_rejected(names: list[str]) -> None:
+    """The reason gives the required names and those received."""
     with pytest.raises(RefusedError, match=r"\['arm', 'pendulum'\]"):
         read(joint_state(STATE, 0, names))
 
@@ -48,8 +48,8 @@ def test_wrong_joint_names_are_refused(names: list[str]) -> None:
 @pytest.mark.parametrize(
     "values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf]]
 )
-def test_bad_values_are_refused_and_nothing_is_written(field: str, values: list[float]) -> None:
-    """Empty, short, long and non-finite arrays leave the state as it was."""
+def test_bad_values_are_rejected_and_nothing_is_written(field: str, values: list[float]) -> None:
+    """Empty, short, long and non-finite arrays leave the state unchanged."""
     message = joint_state(STATE, 0)
     setattr(message, field, array("d", values))
     x = np.full(5, 7.0)
@@ -59,7 +59,7 @@ def test_bad_values_are_refused_and_nothing_is_written(field: str, values: list[
 
 
 def test_unmeasured_pendulum_speed_may_be_nan() -> None:
-    """A rig without a sensor for it says NaN, which only who needs it refuses."""
+    """A rig without that sensor sends NaN; only a reader that needs the speed rejects it."""
     message = joint_state((0.1, -0.2, 0.3, nan), 0)
     assert read(message, speed=False)[:3].tolist() == [0.1, -0.2, 0.3]
     with pytest.raises(RefusedError):
@@ -67,8 +67,8 @@ def test_unmeasured_pendulum_speed_may_be_nan() -> None:
 
 
 @pytest.mark.parametrize("efforts", [[], [nan, 0.0]])
-def test_missing_effort_is_nan_and_refused_where_needed(efforts: list[float]) -> None:
-    """An effort that is not there reads NaN; who needs it gets a reason."""
+def test_missing_effort_is_nan_and_rejected_if_needed(efforts: list[float]) -> None:
+    """A missing effort is NaN; a reader that needs it gets a reason."""
     message = joint_state(STATE, 0)
     message.effort = array("d", efforts)
     assert isnan(read(message)[4])
@@ -77,8 +77,8 @@ def test_missing_effort_is_nan_and_refused_where_needed(efforts: list[float]) ->
 
 
 @pytest.mark.parametrize("efforts", [[0.0], [0.0, 0.0, 0.0], [inf, 0.0]])
-def test_bad_effort_is_refused(efforts: list[float]) -> None:
-    """An effort that is there must be one number for each joint."""
+def test_bad_effort_is_rejected(efforts: list[float]) -> None:
+    """An effort must be one number for each joint."""
     message = joint_state(STATE, 0)
     message.effort = array("d", efforts)
     with pytest.raises(RefusedError):
@@ -86,7 +86,7 @@ def test_bad_effort_is_refused(efforts: list[float]) -> None:
 
 
 @pytest.mark.parametrize("value", [nan, inf, -inf])
-def test_non_finite_number_is_refused(value: float) -> None:
-    """A command or friction estimate is a finite number."""
+def test_non_finite_number_is_rejected(value: float) -> None:
+    """A command or friction estimate must be finite."""
     with pytest.raises(RefusedError, match="finite"):
         read_float(Float64(data=value))

@@ -1,4 +1,4 @@
-"""Parameters of all nodes as ROS sees them."""
+"""Parameters of all nodes, through ROS."""
 
 from __future__ import annotations
 
@@ -49,8 +49,10 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
         ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),
     ],
 )
-def test_bad_values_are_refused_whole(bench: Bench, values: dict[str, Any], reason: str) -> None:
-    """The reason names the parameter, and nothing has changed, not even the good part."""
+def test_bad_change_is_rejected_as_a_whole(
+    bench: Bench, values: dict[str, Any], reason: str
+) -> None:
+    """The reason names the parameter, and nothing has changed, not even the valid part."""
     node = bench.add(FrictionObserverNode())
     before = node.parameters
     client = ParameterClient(bench.probe, bench.executor)
@@ -69,8 +71,8 @@ def test_bad_values_are_refused_whole(bench: Bench, values: dict[str, Any], reas
         ([Parameter("sigma0", value="x")], "sigma0"),
     ],
 )
-def test_bad_start_values_are_refused(ros: None, overrides: list[Any], reason: str) -> None:
-    """A node does not start on a misspelt or impossible parameter."""
+def test_bad_start_values_are_rejected(ros: None, overrides: list[Any], reason: str) -> None:
+    """A node does not start with a misspelt or impossible parameter."""
     with pytest.raises(Exception, match=reason) as caught:
         FrictionObserverNode(overrides)
     assert isinstance(caught.value, (ParameterError, ValueError)) or "Parameter" in repr(
@@ -79,7 +81,7 @@ def test_bad_start_values_are_refused(ros: None, overrides: list[Any], reason: s
 
 
 def test_earlier_names_on_a_running_node(bench: Bench) -> None:
-    """The parameter services accept them; the change is that of today's parameter."""
+    """The parameter services accept them and change the current parameter."""
     node = bench.add(EstimatorNode())
     client = ParameterClient(bench.probe, bench.executor)
     client.set("estimator", friction_spread=0.7, filter_damping=0.8)
@@ -118,7 +120,7 @@ def test_earlier_names_from_the_node_itself(ros: None) -> None:
     ],
 )
 def test_earlier_names_at_the_start(ros: None, overrides: list[Any], expected: float) -> None:
-    """A node starts with a parameter by its earlier name; today's name takes precedence."""
+    """A node starts with a parameter by its earlier name; the current name takes precedence."""
     node = EstimatorNode(overrides)
     assert node.parameters.kalman.friction_process_noise == expected
     node.destroy_node()

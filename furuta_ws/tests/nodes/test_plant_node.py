@@ -1,4 +1,4 @@
-"""The node ``plant`` in both kinds of time."""
+"""The node ``plant`` in lock-step and in real time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def plant(bench: Bench, **values: Any) -> PlantNode:
 
 
 def test_lockstep_moves_once_per_command(bench: Bench) -> None:
-    """Sample k + 1 comes only after the command for k, one period on, as the core says."""
+    """Sample k + 1 follows only after the command for k, one period later, as the core computes."""
     node = plant(bench, clock="lockstep")
     measurements, truths = bench.collect(MEASUREMENT), bench.collect(GROUND_TRUTH)
     commands = bench.publisher(COMMAND)
@@ -44,8 +44,8 @@ def test_lockstep_moves_once_per_command(bench: Bench) -> None:
         assert [*truths[-1].position, *truths[-1].velocity] == x[[0, 2, 1, 3]].tolist()
 
 
-def test_lockstep_refuses_nan_and_waits_on(bench: Bench) -> None:
-    """A command that is no number moves nothing."""
+def test_lockstep_rejects_nan_and_keeps_waiting(bench: Bench) -> None:
+    """A command that is not finite moves nothing."""
     node = plant(bench, clock="lockstep")
     measurements = bench.collect(MEASUREMENT)
     commands = bench.publisher(COMMAND)
@@ -57,8 +57,8 @@ def test_lockstep_refuses_nan_and_waits_on(bench: Bench) -> None:
     bench.spin(lambda: len(measurements) == 2)
 
 
-def test_lockstep_pauses_and_goes_on(bench: Bench) -> None:
-    """``run_until`` stops time; raising it starts time again where it stood."""
+def test_lockstep_pauses_and_continues(bench: Bench) -> None:
+    """``run_until`` stops time; raising it continues from the same sample."""
     node = plant(bench, clock="lockstep", run_until=0.002)
     measurements = bench.collect(MEASUREMENT)
     commands = bench.publisher(COMMAND)
@@ -74,7 +74,7 @@ def test_lockstep_pauses_and_goes_on(bench: Bench) -> None:
 
 
 def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
-    """The rig stays put while nobody controls it, then falls."""
+    """The rig stays in its initial state until it is controlled, then falls."""
     node = plant(bench, sensors__ideal=True)
     truths = bench.collect(GROUND_TRUTH)
     commands = bench.publisher(COMMAND)
@@ -86,7 +86,7 @@ def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
 
 
 def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
-    """Stamps are whole periods from the start, whatever the machine's jitter."""
+    """Stamps are whole periods from the start, for any jitter of the machine."""
     node = plant(bench)
     measurements = bench.collect(MEASUREMENT)
     bench.spin(lambda: len(measurements) >= 100)
@@ -98,7 +98,7 @@ def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
 def test_realtime_keeps_its_grid_over_a_pause(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A timer that comes late while time stands still moves no deadline of later samples."""
+    """A timer that is late during a pause moves no later deadline."""
     began, period = 5_000_000_000, 1_000_000
     monkeypatch.setattr(realtime, "monotonic_ns", lambda: now)
     now = began
@@ -114,13 +114,13 @@ def test_realtime_keeps_its_grid_over_a_pause(
 
 
 def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:
-    """After ``command_timeout`` the arm no longer feels the last command."""
+    """After ``command_timeout`` the last command no longer acts on the arm."""
     node = plant(bench, command_timeout=0.02, friction__alpha0=0.0, friction__alpha1=0.0)
     commands = bench.publisher(COMMAND)
     commands.publish(Float64(data=5.0))
     bench.spin(lambda: node.pacing.timing_counts.timeouts > 10)
     driven = abs(node.x[1])
-    # 5 V for 20 ms on 45 rad/s² per volt; without the timeout it would go on rising.
+    # 5 V for 20 ms at 45 rad/s² per volt; without the timeout the speed would keep rising.
     assert 1.0 < driven < 20.0
     commands.publish(Float64(data=0.0))
     bench.spin(lambda: node.pacing.timing_counts.on_time >= 2)
@@ -143,7 +143,7 @@ def test_reset_puts_the_pendulum_back(bench: Bench) -> None:
 
 
 def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
-    """True friction is turned while it runs; the bad value of two refuses both."""
+    """True friction changes while running; one bad value of two rejects both."""
     node = plant(bench)
     assert node.set_parameters([Parameter("friction.alpha0", value=0.3)])[0].successful
     assert node.parameters.plant.friction.parameters.alpha0 == 0.3
@@ -158,7 +158,7 @@ def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
-def test_impossible_sample_time_is_refused(ros: None, value: float) -> None:
-    """Zero, negative and NaN are no sample time."""
+def test_impossible_sample_time_is_rejected(ros: None, value: float) -> None:
+    """Zero, negative and NaN are rejected as sample times."""
     with pytest.raises(Exception, match="sample_time"):
         PlantNode([Parameter("sample_time", value=value)])

@@ -1,4 +1,4 @@
-"""Equations (1) and (5) in plain Python, from the paper: what the compiled code must agree with."""
+"""Equations (1) and (5) of the paper in plain Python, as a reference for the compiled code."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def accelerations(v: float, theta: float, w: float, torque: float, p: FurutaPend
 
 
 def level(v: float, p: LuGre) -> float:
-    """g(v) of (5) with levels by direction."""
+    """g(v) of (5) with asymmetry."""
     return (p.alpha0 + p.alpha1 * np.exp(-((v / p.stribeck_velocity) ** 2))) * (
         1 + np.sign(v) * p.asymmetry
     )
@@ -38,7 +38,7 @@ def plant_rate(
 def plant_after(
     x: np.ndarray, torque: float, seconds: float, body: FurutaPendulum, lugre: LuGre
 ) -> np.ndarray:
-    """The plant's state (5,) after ``seconds`` by an implicit solver at tight tolerance."""
+    """The plant state (5,) after ``seconds`` by an implicit solver at tight tolerance."""
     solution = solve_ivp(
         plant_rate,
         (0, seconds),
@@ -54,14 +54,14 @@ def plant_after(
 def loop_rate(
     t: float, x: np.ndarray, gains: np.ndarray, body: FurutaPendulum, lugre: LuGre
 ) -> list[float]:
-    """Derivative of the plant's state under continuous feedback u = l·x."""
+    """Derivative of the plant state with continuous feedback u = l·x."""
     return plant_rate(t, x, float(gains @ x[:4]), body, lugre)
 
 
 def closed_loop(
     x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
 ) -> np.ndarray:
-    """The closed loop's path (n, 5) from ``x``, at steps of at most 5 ms."""
+    """Trajectory (n, 5) of the closed loop from ``x``, in steps of at most 5 ms."""
     solution = solve_ivp(
         loop_rate,
         (0, seconds),
@@ -75,10 +75,10 @@ def closed_loop(
     return solution.y.T
 
 
-def upper_turns(
+def upper_reversals(
     x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
 ) -> np.ndarray:
-    """States (n, 5) where the arm turns from forward motion."""
+    """States (n, 5) where the arm stops moving forward."""
 
     class Speed:
         direction = -1

@@ -1,4 +1,4 @@
-"""Batches: every run is what it is alone, whoever runs beside it; memory does not grow."""
+"""Batches: a run has the same outcome in any batch, and memory does not grow."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SECONDS = 3.0
 
 
 def loops(count: int) -> list[Loop]:
-    """Runs that differ in everything that can differ."""
+    """Runs that differ in all kinds of parameters."""
     return [
         Loop(
             PlantParameters(
@@ -35,13 +35,13 @@ def loops(count: int) -> list[Loop]:
 
 
 def bits(outcomes: Iterator[Outcome] | list[Outcome]) -> list[bytes]:
-    """Outcomes to the last bit, NaN included."""
+    """Outcomes to the last bit, with NaN."""
     return [np.array(each, dtype=float).tobytes() for each in outcomes]
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
-def test_outcomes_depend_on_nothing_but_their_own_parameters(workers: int) -> None:
-    """Not on the number of workers, nor on the batch's size and order."""
+def test_outcomes_depend_on_their_own_parameters_alone(workers: int) -> None:
+    """Not on the number of workers, nor on the size and order of the batch."""
     alone = bits([outcome(loop, SECONDS) for loop in loops(23)])
     assert len(set(alone)) == 23
     assert bits(batch(loops(23), SECONDS, workers=workers)) == alone
@@ -50,8 +50,8 @@ def test_outcomes_depend_on_nothing_but_their_own_parameters(workers: int) -> No
 
 
 @pytest.mark.parametrize("kind", ["none", "coulomb", "lugre"])
-def test_outcome_is_that_of_the_kept_series(kind: str) -> None:
-    """Statistics on the fly are those of the series, which a run that keeps them records."""
+def test_outcome_equals_that_of_the_series(kind: str) -> None:
+    """Values measured during the run equal those computed from the recorded series."""
     loop = Loop(observer=ObserverParameters(compensation=kind))
     found, record = outcome(loop, 40.0), simulate(loop, 40.0)
     half = slice(len(record.command) // 2, None)
@@ -68,18 +68,18 @@ def test_outcome_is_that_of_the_kept_series(kind: str) -> None:
     ):
         assert rms == pytest.approx(np.sqrt(np.mean(series**2)), rel=1e-12)
     if kind == "none":
-        # The middle is known from another part of the run, which moves it by some millimetres.
+        # The midpoint comes from an earlier part of the run and differs by a few milliradians.
         assert found.period_s == pytest.approx(expected.period_s, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 264])
-def test_period_from_a_few_turns(seed: int) -> None:
-    """A run that holds a handful of turns has a period, whatever the noise makes of their size."""
+def test_period_from_a_few_cycles(seed: int) -> None:
+    """A run of few cycles has a period, although noise changes their size."""
     loop = Loop(PlantParameters(seed=seed), EstimatorParameters(method="lowpass"))
     assert outcome(loop, 30.0).period_s == pytest.approx(2.68, rel=0.01)
 
 
-def test_fall_is_noticed_at_any_time() -> None:
+def test_fall_is_detected_at_any_time() -> None:
     """Also before the settled part."""
     fallen = Loop(PlantParameters(initial=InitialState(theta=1.0)))
     found = outcome(fallen, 20.0)
@@ -89,7 +89,7 @@ def test_fall_is_noticed_at_any_time() -> None:
 
 
 def test_rest_has_no_period() -> None:
-    """An arm that never moves: no size, no period, stuck all the time."""
+    """An arm at rest: zero peak to peak, no period, stuck all the time."""
     loop = Loop(
         PlantParameters(initial=InitialState(theta=0.0)),
         controller=ControllerParameters(enabled=False),
@@ -100,8 +100,8 @@ def test_rest_has_no_period() -> None:
     assert found.stuck_fraction == 1.0
 
 
-def test_memory_is_flat() -> None:
-    """A long batch of long runs holds no more than a short one of short ones."""
+def test_memory_does_not_grow() -> None:
+    """A long batch of long runs needs no more memory than a short one of short runs."""
 
     def peak(count: int, seconds: float) -> int:
         tracemalloc.start()
@@ -115,13 +115,13 @@ def test_memory_is_flat() -> None:
 
     peak(1000, 0.01)
     small = peak(50, 0.01)
-    garbage = 1_000_000  # that the collector lets pile up, however many runs there are
+    garbage = 1_000_000  # that the garbage collector may leave, for any number of runs
     assert peak(6000, 0.01) < small + garbage
     assert peak(50, 2.0) < small + garbage
 
 
-def test_batch_draws_on_its_loops_as_it_goes() -> None:
-    """An endless study can be taken from as far as one likes."""
+def test_batch_consumes_its_loops_step_by_step() -> None:
+    """The first outcomes of an endless study are available."""
     drawn = []
 
     def endless() -> Iterator[Loop]:
@@ -137,7 +137,7 @@ def test_batch_draws_on_its_loops_as_it_goes() -> None:
 
 
 def test_failure_of_a_run_is_raised() -> None:
-    """And does not hang the others."""
+    """And does not block the other runs."""
     impossible = Loop()._replace(controller=ControllerParameters(gain=(1.0,)))
     with pytest.raises(ValueError, match="unpack"):
         list(batch([Loop(), impossible, Loop()], 0.01))

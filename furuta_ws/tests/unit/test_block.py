@@ -1,4 +1,4 @@
-"""Parameters in one block of memory."""
+"""Blocks of parameters for compiled code."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from furuta_sim.plant import design_plant
 
 
 class Group(NamedTuple):
-    """A number, a switch, a count."""
+    """Numbers of each kind."""
 
     size: float
     on: bool
@@ -36,24 +36,24 @@ def sums(held: np.ndarray, x: np.ndarray) -> float:
 
 
 def test_compiled_code_reads_every_kind() -> None:
-    """Numbers, switches, nested groups and arrays come out as they went in."""
+    """Numbers, booleans, nested groups and arrays are read as they were written."""
     step = np.arange(6.0).reshape(2, 3)
     assert sums(block(Outer(Group(0.5, True, 4), step)), np.array([10.0])) == 2.0 + 30.0
     assert sums(block(Outer(Group(0.5, False, 4), step)), np.array([0.0])) == 0.0
 
 
 def test_layout_is_that_of_the_types() -> None:
-    """Another value of the same parameters never asks for another compilation."""
+    """Other values of the same parameters cause no other compilation."""
     assert block(Group(1, True, 2)).dtype == block(Group(0.5, False, 3)).dtype
     assert block(Group(1, True, 2))["size"][0] == 1.0
 
 
-def test_the_product_s_parameters() -> None:
-    """A whole rig, and an estimator with its matrices, to the last bit."""
+def test_parameters_of_the_graph() -> None:
+    """A complete rig, and an estimator with its matrices, to the last bit."""
     plant = design_plant(PlantParameters())
     held = block(plant)[0]
     assert held["friction"]["parameters"]["sigma0"] == plant.friction.parameters.sigma0
     assert held["friction"]["kind"] == plant.friction.kind
     assert held["sensors"]["potentiometer_range"] == plant.sensors.potentiometer_range
-    made = design_estimator(EstimatorParameters())
-    np.testing.assert_array_equal(block(made)[0]["kalman"]["step"], made.kalman.step)
+    design = design_estimator(EstimatorParameters())
+    np.testing.assert_array_equal(block(design)[0]["kalman"]["step"], design.kalman.step)

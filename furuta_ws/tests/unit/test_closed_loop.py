@@ -1,4 +1,4 @@
-"""The whole loop against the independent figures and the paper's observations."""
+"""The closed loop, compared with independent results and with the paper."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PHI_SIZE, THETA_SIZE, PERIOD = 0.5106, 0.0918, 2.370
 
 
 def ideal(dt: float = 1e-3, **plant: object) -> Loop:
-    """The loop with exact sensors and drive."""
+    """The loop with ideal sensors and drive."""
     sensors, actuator = Sensors(ideal=True), Actuator(bits=0)
     return Loop(
         PlantParameters(sensors=sensors, actuator=actuator, sample_time=dt, **plant),
@@ -31,14 +31,14 @@ def ideal(dt: float = 1e-3, **plant: object) -> Loop:
 
 
 def limit_cycle(loop: Loop, seconds: float = 60.0) -> Oscillation:
-    """The motion once transients are gone."""
+    """The oscillation after the transients."""
     record = simulate(loop, seconds)
     return measure_oscillation(record.state[len(record.state) // 2 :], record.sample_time)
 
 
 @pytest.mark.parametrize(("dt", "tolerance"), [(1e-3, 0.01), (1e-4, 5e-4)])
 def test_ideal_limit_cycle(dt: float, tolerance: float) -> None:
-    """Size and period are the independent figures, the closer the shorter the sample."""
+    """Peak to peak and period agree with independent results, better with shorter samples."""
     found = limit_cycle(ideal(dt))
     assert found.phi_peak_to_peak_rad == pytest.approx(PHI_SIZE, rel=tolerance)
     assert found.theta_peak_to_peak_rad == pytest.approx(THETA_SIZE, rel=tolerance)
@@ -59,7 +59,7 @@ def test_stribeck_velocity_matters_little() -> None:
 
 
 def test_frictionless_motion_is_the_linear_one() -> None:
-    """Near upright without friction the loop is that of the sampled linear system."""
+    """Near upright without friction the loop follows the sampled linear system."""
     start = np.array([2e-4, 0.0, 1e-4, 0.0])
     loop = ideal(
         friction=PlantFriction(parameters=LuGre(alpha0=0.0, alpha1=0.0)),
@@ -78,8 +78,8 @@ def test_frictionless_motion_is_the_linear_one() -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_compensation_shrinks_the_paper_rigs_limit_cycle(seed: int) -> None:
-    """With the rig's sensors the arm swings about half a radian; compensated, a quarter."""
+def test_compensation_reduces_the_limit_cycle(seed: int) -> None:
+    """With the paper's sensors the arm swings about half a radian; compensated, a quarter of it."""
 
     def size(kind: str) -> float:
         loop = Loop(PlantParameters(seed=seed), observer=ObserverParameters(compensation=kind))
@@ -92,7 +92,7 @@ def test_compensation_shrinks_the_paper_rigs_limit_cycle(seed: int) -> None:
 
 
 def test_asymmetry_shifts_the_limit_cycle() -> None:
-    """More friction forward than backward holds the arm off centre, on one side by sign."""
+    """More friction forward than backward shifts the arm off centre, to the side of its sign."""
     forward, backward = (
         simulate(ideal(friction=PlantFriction(parameters=LuGre(asymmetry=asymmetry))), 60.0).state[
             30000:, PHI
@@ -109,8 +109,8 @@ def run(seed: int) -> Record:
     return simulate(Loop(PlantParameters(seed=seed)), 2.0)
 
 
-def test_seed_decides() -> None:
-    """The same seed gives the same run to the last bit, another seed another run."""
+def test_seed_determines_the_run() -> None:
+    """The same seed gives the same run to the last bit, another seed a different run."""
     first, again, other = run(5), run(5), run(6)
     for one, two in zip(first[1:], again[1:], strict=True):
         assert np.array_equal(one, two)
@@ -118,7 +118,7 @@ def test_seed_decides() -> None:
 
 
 def test_a_run_in_parts_is_the_same_run() -> None:
-    """A simulation stopped and continued gives what one run gives, to the last bit."""
+    """A simulation stopped and continued equals one long run to the last bit."""
     loop = Loop(PlantParameters(seed=5), observer=ObserverParameters("adaptive"))
     simulation = Simulation(loop)
     parts = [simulation.run(seconds) for seconds in (0.5, 0.001, 1.499)]
@@ -128,7 +128,7 @@ def test_a_run_in_parts_is_the_same_run() -> None:
 
 
 def test_parameters_change_between_two_samples() -> None:
-    """A change takes effect at once and leaves the past in place."""
+    """A change applies at the next sample and does not alter the past."""
     simulation = Simulation(Loop(PlantParameters(seed=5)))
     before = simulation.run(2.0)
     simulation.loop = simulation.loop._replace(observer=ObserverParameters("coulomb"))
@@ -139,7 +139,7 @@ def test_parameters_change_between_two_samples() -> None:
 
 
 def test_record() -> None:
-    """One row per sample from the initial state on, in time with the sample time."""
+    """One row per sample from the initial state, with times from the sample time."""
     record = simulate(Loop(PlantParameters(initial=InitialState(0.1, 0.2, 0.03, 0.4))), 0.25)
     assert record.state.shape == (250, 4)
     assert record.estimate.shape == (250, 5)
@@ -149,15 +149,15 @@ def test_record() -> None:
     assert np.abs(record.command).max() <= 10.0
 
 
-def test_fallen_pendulum_is_left_alone() -> None:
-    """Started beyond the fall angle the drive stays at 0 V and the pendulum ends hanging low."""
+def test_fallen_pendulum_gets_no_voltage() -> None:
+    """Started beyond the fall angle, the command stays 0 V and the pendulum ends hanging."""
     record = simulate(ideal(initial=InitialState(theta=1.0)), 20.0)
     assert not np.any(record.command)
     assert np.abs(record.state[:, THETA]).max() > np.pi
 
 
-def test_switched_off_the_pendulum_falls() -> None:
-    """Without control it leaves upright as e^{√33 t}, the pole of (3), the arm held by friction."""
+def test_pendulum_falls_without_control() -> None:
+    """It leaves upright as e^{√33 t}, the pole of (3), while friction holds the arm."""
     loop = ideal(initial=InitialState(theta=1e-4))
     record = simulate(loop._replace(controller=ControllerParameters(enabled=False)), 0.8)
     theta = record.state[:, THETA]

@@ -1,4 +1,4 @@
-"""The compensations on the simulated rig: the paper's order, drift, and hard conditions."""
+"""Compensations on the simulated rig: the paper's order, drift, and hard conditions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from furuta_studies.tuning.tunable_loop import SimulatedLoop
 from furuta_studies.tuning.tuning import tune
 
 ENCODER_COUNT = 2 * pi / 250
-# Fixed beforehand: the seed that the compensator is tuned with, and ten others.
+# Chosen in advance: the seed for tuning, and ten others.
 TUNING_SEED, SEEDS = 0, range(1, 11)
 
 
@@ -36,7 +36,7 @@ def silent(message: str, seconds: float) -> None:
 
 @pytest.fixture(scope="module")
 def tuned() -> ObserverParameters:
-    """The compensator as ``tune`` leaves it on the paper's rig."""
+    """The compensator that ``tune`` finds on the paper's rig."""
     loop = Loop(PlantParameters(seed=TUNING_SEED))
     rig = SimulatedLoop(loop)
     return tune(rig, loop.observer, loop.estimator, TuningPlan(), silent).after.observer
@@ -45,7 +45,7 @@ def tuned() -> ObserverParameters:
 def test_the_papers_order(tuned: ObserverParameters) -> None:
     """Over 30 s: none > Coulomb > LuGre > tuned LuGre, the last within one encoder count.
 
-    The first three on each seed; LuGre's and the tuned one's ranges touch, so their means.
+    Compared for each seed where the ranges are separate, otherwise by the means.
     """
     sizes = {}
     for name, observer in (
@@ -61,12 +61,12 @@ def test_the_papers_order(tuned: ObserverParameters) -> None:
     assert np.max(sizes["tuned"]) < np.min(sizes["coulomb"])
 
 
-def drifting(observer: ObserverParameters, knowing: bool = False) -> float:
-    """Arm, peak to peak [rad], mean over three seeds, while the level drifts ±30 % over 60 s."""
-    return float(np.mean([_drifting(observer, knowing, seed) for seed in range(3)]))
+def drifting(observer: ObserverParameters, known_level: bool = False) -> float:
+    """Arm peak to peak [rad], mean over three seeds, while the level drifts ±30 % over 60 s."""
+    return float(np.mean([_drifting(observer, known_level, seed) for seed in range(3)]))
 
 
-def _drifting(observer: ObserverParameters, knowing: bool, seed: int) -> float:
+def _drifting(observer: ObserverParameters, known_level: bool, seed: int) -> float:
     loop = Loop(PlantParameters(seed=seed), observer=observer)
     simulation = Simulation(loop)
     parts = []
@@ -75,29 +75,29 @@ def _drifting(observer: ObserverParameters, knowing: bool, seed: int) -> float:
         true, known = loop.plant.friction.parameters, observer.friction
         simulation.loop = loop._replace(
             plant=loop.plant._replace(friction=PlantFriction(parameters=at_level(true, factor))),
-            observer=observer._replace(friction=at_level(known, factor) if knowing else known),
+            observer=observer._replace(friction=at_level(known, factor) if known_level else known),
         )
         parts.append(simulation.run(0.1).state[:, 0])
     return float(np.ptp(np.concatenate(parts)[15_000:]))
 
 
 def at_level(friction: LuGre, factor: float) -> LuGre:
-    """The same friction with its levels times a factor."""
+    """The same friction with its levels multiplied by a factor."""
     return friction._replace(alpha0=factor * friction.alpha0, alpha1=factor * friction.alpha1)
 
 
 @pytest.mark.parametrize("as_tuned", [False, True])
 def test_adaptive_follows_a_drifting_level(tuned: ObserverParameters, as_tuned: bool) -> None:
-    """Within twice what the same compensator leaves that is told the level; a fixed one is not."""
+    """It leaves at most twice what a compensator that knows the level leaves; a fixed one more."""
     lugre = tuned if as_tuned else ObserverParameters("lugre")
-    told = drifting(lugre, knowing=True)
-    assert drifting(lugre._replace(compensation="adaptive")) < 2 * told
-    assert drifting(lugre) > 4 * told
+    reference = drifting(lugre, known_level=True)
+    assert drifting(lugre._replace(compensation="adaptive")) < 2 * reference
+    assert drifting(lugre) > 4 * reference
 
 
 @pytest.mark.parametrize("kind", COMPENSATIONS)
 def test_hard_conditions(kind: str) -> None:
-    """10 rad/s, 10 ms, noise of 1 rad/s: F̂ stays within its bound, nothing becomes infinite."""
+    """10 rad/s, 10 ms, noise of 1 rad/s: F̂ stays within its bound, all values stay finite."""
     dt = 0.01
     sensors = Sensors(tachometer_noise=1.0, tachometer_range=20.0)
     for seed in range(5):
@@ -115,8 +115,8 @@ def test_hard_conditions(kind: str) -> None:
             )
         )
         run = simulation.run(30.0)
-        made = design_compensator(observer)
-        bounds = [largest_estimate(v, made) for v in run.estimate[:, 1]]
+        compensator = design_compensator(observer)
+        bounds = [largest_estimate(v, compensator) for v in run.estimate[:, 1]]
         assert np.all(np.isfinite(run.estimate))
         assert np.all(np.isfinite(run.state))
         assert np.all(np.abs(run.friction_estimate) <= np.array(bounds) * (1 + 1e-9))
@@ -125,19 +125,19 @@ def test_hard_conditions(kind: str) -> None:
 @pytest.mark.parametrize("before", COMPENSATIONS)
 @pytest.mark.parametrize("after", COMPENSATIONS)
 def test_switching_on_the_rig(before: str, after: str) -> None:
-    """From any compensation to any other: F̂ is at once the new one's, the pendulum stays up."""
+    """From any compensation to any other: F̂ changes at once, the pendulum stays upright."""
     simulation = Simulation(Loop(PlantParameters(seed=3), observer=ObserverParameters(before)))
     simulation.run(5.0)
     simulation.loop = simulation.loop._replace(observer=ObserverParameters(after))
     run = simulation.run(5.0)
-    made = design_compensator(ObserverParameters(after))
-    assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], made)
+    compensator = design_compensator(ObserverParameters(after))
+    assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], compensator)
     assert np.max(np.abs(run.state[:, 2])) < 0.1
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_experiments_of_the_paper(name: str) -> None:
-    """Each figure's amplitude beside its prediction, the friction by direction from Fig. 6 on."""
+    """Each figure's amplitude with its prediction; friction by direction from Fig. 6 on."""
     found = run_experiment(name, Loop(), 20.0, silent)
     size, predicted = found.measured.phi_peak_to_peak_rad, found.predicted_phi_peak_to_peak_rad
     assert found.loop.plant.friction.parameters.asymmetry == (0.0 if name == "fig5" else 0.05)
@@ -151,7 +151,7 @@ def test_experiments_of_the_paper(name: str) -> None:
 
 
 def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
-    """At every noise the Kalman filter leaves less than the low-pass, and less noise is better."""
+    """The Kalman filter leaves less than the low-pass at every noise; less noise is better."""
     rows = run_sensitivity(
         Loop(), {"lugre": ObserverParameters("lugre")}, (0.25, 4.0), (1, 2), 20.0
     )
@@ -160,7 +160,7 @@ def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
     assert found["kalman", 0.25] < found["lowpass", 0.25] < found["lowpass", 4.0]
 
 
-def test_sensitivity_leaves_out_what_sees_nothing() -> None:
+def test_sensitivity_omits_compensations_without_observed_friction() -> None:
     """With the low-pass there is no stiction compensation to measure."""
     observers = {kind: ObserverParameters(kind) for kind in ("coulomb", "stiction")}
     rows = run_sensitivity(Loop(), observers, (1.0,), (1,), 5.0)

@@ -1,4 +1,4 @@
-"""Friction estimates: bounded always, right when the model is."""
+"""Friction estimates: always bounded, and exact for an exact model."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from furuta_model.friction.parameters import LuGre
 DT = 1e-3
 
 
-def signals(v: float, phi: float = 0.0, seen: float = nan) -> np.ndarray:
-    """An estimate (5,) with arm speed, arm angle and the friction seen."""
-    return np.array([phi, v, 0.0, 0.0, seen])
+def signals(v: float, phi: float = 0.0, observed: float = nan) -> np.ndarray:
+    """An estimate (5,) with arm speed, arm angle and observed friction."""
+    return np.array([phi, v, 0.0, 0.0, observed])
 
 
 def compensators(**parameters: object) -> dict[str, Compensator]:
@@ -38,18 +38,18 @@ def compensators(**parameters: object) -> dict[str, Compensator]:
 
 
 def test_none_and_coulomb() -> None:
-    """None is 0 V; Coulomb is α₀ sgn(v) by direction plus the viscous part, 0 at rest."""
+    """None is 0 V; Coulomb is α₀ sgn(v) with asymmetry and viscous part, 0 at v = 0."""
     lugre = LuGre(alpha0=0.2, asymmetry=0.1, viscous=0.5)
-    made = compensators(friction=lugre)
+    by_kind = compensators(friction=lugre)
     for v, expected in ((2.0, 0.22 + 1.0), (1e-9, 0.22), (0.0, 0.0), (-2.0, -0.18 - 1.0)):
         x = signals(v, phi=0.3)
-        assert estimate_friction(np.zeros(MEMORY), x, made["coulomb"]) == pytest.approx(expected)
-        assert estimate_friction(np.zeros(MEMORY), x, made["none"]) == 0.0
+        assert estimate_friction(np.zeros(MEMORY), x, by_kind["coulomb"]) == pytest.approx(expected)
+        assert estimate_friction(np.zeros(MEMORY), x, by_kind["none"]) == 0.0
 
 
 @pytest.mark.parametrize("kind", COMPENSATIONS)
 def test_bounded_for_any_motion(kind: str) -> None:
-    """No speed, noise, step, K or Γ takes ẑ or F̂ beyond what the parameters allow."""
+    """No speed, noise, step, K or Γ drives ẑ or F̂ beyond the limits of the parameters."""
     rng = np.random.default_rng(14)
     for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
         lugre = LuGre(viscous=0.1, asymmetry=asymmetry)
@@ -61,8 +61,8 @@ def test_bounded_for_any_motion(kind: str) -> None:
         memory = np.zeros(MEMORY)
         for _ in range(500):
             v = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-6, 3)
-            seen = rng.choice([nan, rng.normal(0, 10)])
-            estimate = estimate_friction(memory, signals(v, rng.normal(0, 10), seen), observer)
+            observed = rng.choice([nan, rng.normal(0, 10)])
+            estimate = estimate_friction(memory, signals(v, rng.normal(0, 10), observed), observer)
             assert abs(estimate) <= bound + lugre.viscous * abs(v)
             assert abs(estimate) <= largest_estimate(v, observer) * (1 + 1e-9)
             assert abs(lugre.sigma0 * memory[0]) <= bound
@@ -70,7 +70,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
 def test_converges_to_the_true_bristle(dt: float) -> None:
-    """Without model error a wrong ẑ is forgotten, and F̂ is the F of (5)."""
+    """Without model error an initial error of ẑ decays, and F̂ is the F of (5)."""
     lugre = LuGre(viscous=0.1, asymmetry=0.2)
     observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
     memory, z = np.array([-0.0025, 0.0, 0.0]), 0.0025
@@ -92,8 +92,8 @@ def test_converges_to_the_true_bristle(dt: float) -> None:
     assert estimate == pytest.approx(force, rel=1e-5)
 
 
-def test_correction_pulls_towards_the_reference() -> None:
-    """At rest K moves ẑ by −Kφt, up to the level; sliding, F̂ settles at g(1 − Kφ/v)."""
+def test_correction_moves_towards_the_reference() -> None:
+    """At v = 0 K moves ẑ by −Kφt, up to the level; while sliding F̂ settles at g(1 − Kφ/v)."""
     lugre = LuGre(alpha1=0.0)
     observer = compensators(friction=lugre, observer_gain=0.01, sample_time=DT)["lugre"]
     memory, resting = np.zeros(MEMORY), signals(0.0, phi=0.2)
@@ -111,40 +111,40 @@ def test_correction_pulls_towards_the_reference() -> None:
     assert estimate == pytest.approx(0.21 * (1 - 0.01 * 0.2 / 0.1))
 
 
-def test_switching_finds_the_observer_converged() -> None:
-    """The observer runs under every kind: after a switch F̂ is as if it had always been used."""
+def test_observer_has_converged_at_a_switch() -> None:
+    """The observer runs with every kind: after a switch F̂ is as if it had always been used."""
     rng = np.random.default_rng(15)
-    made = compensators()
+    by_kind = compensators()
     kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
     kinds = ("none", "coulomb", "stiction", "lugre")
     for k, x in enumerate(rng.normal(0, 0.1, (400, 5))):
         kind = kinds[k // 100]
-        expected = estimate_friction(kept, x, made["lugre"])
-        found = estimate_friction(switched, x, made[kind])
+        expected = estimate_friction(kept, x, by_kind["lugre"])
+        found = estimate_friction(switched, x, by_kind[kind])
         assert np.array_equal(kept, switched)
         assert kind != "lugre" or found == expected
 
 
-def test_adaptive_begins_where_lugre_is() -> None:
-    """A switch from one to the other changes F̂ by nothing: same ẑ, factor 1."""
-    made = compensators()
+def test_adaptive_starts_from_the_estimate_of_lugre() -> None:
+    """A switch between the two does not change F̂: same ẑ, factor 1."""
+    by_kind = compensators()
     memory = np.zeros(MEMORY)
     for v in 0.3 * np.sin(np.arange(500) * 0.01):
-        estimate_friction(memory, signals(v, seen=0.3), made["lugre"])
+        estimate_friction(memory, signals(v, observed=0.3), by_kind["lugre"])
     other = memory.copy()
-    after = signals(v, seen=0.3)
-    assert estimate_friction(memory, after, made["lugre"]) == pytest.approx(
-        estimate_friction(other, after, made["adaptive"]), rel=1e-12
+    after = signals(v, observed=0.3)
+    assert estimate_friction(memory, after, by_kind["lugre"]) == pytest.approx(
+        estimate_friction(other, after, by_kind["adaptive"]), rel=1e-12
     )
 
 
 def test_stiction() -> None:
-    """Sliding it is Coulomb's; at rest what is seen, up to breakaway in that direction."""
+    """Coulomb while sliding; at rest the observed friction, up to breakaway in its direction."""
     lugre = LuGre(alpha0=0.2, alpha1=0.1, stribeck_velocity=0.05, asymmetry=0.1, viscous=0.5)
-    made = compensators(friction=lugre)["stiction"]
+    compensator = compensators(friction=lugre)["stiction"]
 
-    def estimate(v: float, seen: float) -> float:
-        return estimate_friction(np.zeros(MEMORY), signals(v, seen=seen), made)
+    def estimate(v: float, observed: float) -> float:
+        return estimate_friction(np.zeros(MEMORY), signals(v, observed=observed), compensator)
 
     assert estimate(0.06, -5.0) == pytest.approx(0.2 * 1.1 + 0.5 * 0.06)
     assert estimate(0.04, 0.15) == 0.15
@@ -155,38 +155,38 @@ def test_stiction() -> None:
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
 def test_adaptation_finds_the_levels_of_both_directions(dt: float) -> None:
-    """From levels half and twice as high F̂ comes to the friction seen, each way by itself."""
+    """From half and twice the level, F̂ converges to the observed friction in each direction."""
     true = LuGre(alpha0=0.3, alpha1=0.03, asymmetry=0.25)
     for level in (0.15, 0.6):
         wrong = LuGre(alpha0=level, alpha1=0.1 * level)
-        made = compensators(friction=wrong, observer_gain=0.0, sample_time=dt)["adaptive"]
+        compensator = compensators(friction=wrong, observer_gain=0.0, sample_time=dt)["adaptive"]
         observer = compensators(friction=true, observer_gain=0.0, sample_time=dt)["lugre"]
-        memory, truth = np.zeros(MEMORY), np.zeros(MEMORY)
+        memory, true_memory = np.zeros(MEMORY), np.zeros(MEMORY)
         for v in 0.6 * np.sin(np.arange(0, 20, dt)):
-            seen = estimate_friction(truth, signals(v), observer)
-            estimate_friction(memory, signals(v, seen=seen), made)
+            observed = estimate_friction(true_memory, signals(v), observer)
+            estimate_friction(memory, signals(v, observed=observed), compensator)
         assert level * (1 + memory[1]) == pytest.approx(0.3 * 1.25, rel=0.02)
         assert level * (1 + memory[2]) == pytest.approx(0.3 * 0.75, rel=0.02)
 
 
-def test_adaptation_needs_motion_and_something_seen() -> None:
-    """At rest, or with no friction seen, the levels stay."""
-    made = compensators()["adaptive"]
+def test_adaptation_needs_motion_and_observed_friction() -> None:
+    """At rest, or without observed friction, the levels do not change."""
+    compensator = compensators()["adaptive"]
     memory = np.zeros(MEMORY)
-    for v, seen in ((0.0, 1.0), (0.5, nan)):
+    for v, observed in ((0.0, 1.0), (0.5, nan)):
         for _ in range(100):
-            estimate_friction(memory, signals(v, seen=seen), made)
+            estimate_friction(memory, signals(v, observed=observed), compensator)
         assert memory[1:].tolist() == [0.0, 0.0]
 
 
-def test_estimate_has_no_jump_at_reversal() -> None:
-    """Through a slow reversal LuGre's F̂ is continuous, where Coulomb's jumps by twice the level."""
-    made = compensators()
+def test_estimate_is_continuous_at_a_reversal() -> None:
+    """In a slow reversal the F̂ of LuGre is continuous; that of Coulomb jumps by two levels."""
+    by_kind = compensators()
     largest = {}
     for kind in ("coulomb", "lugre"):
         memory = np.zeros(MEMORY)
         speeds = 0.2 * np.cos(np.arange(0, 3, DT))
-        series = [estimate_friction(memory, signals(v), made[kind]) for v in speeds]
+        series = [estimate_friction(memory, signals(v), by_kind[kind]) for v in speeds]
         largest[kind] = max(abs(after - before) for before, after in pairwise(series[500:]))
     assert largest["coulomb"] == pytest.approx(0.42)
     assert largest["lugre"] < 0.01

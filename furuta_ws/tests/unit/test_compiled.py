@@ -1,4 +1,4 @@
-"""The cache of compiled functions: quick when nothing changed, never out of date."""
+"""The cache of compiled functions: used when nothing changed, never stale."""
 
 from __future__ import annotations
 
@@ -52,10 +52,10 @@ def write(folder: Path, **modules: str) -> None:
 
 
 def run(folder: Path, script: str = SCRIPT, **environment: str) -> tuple[float, int]:
-    """Result and number of cache hits of the script in a fresh interpreter."""
+    """Result and number of cache hits of the script in a new interpreter."""
     kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     python_path = os.pathsep.join([str(folder), kept.get("PYTHONPATH", "")])
-    # Python's own cache cannot tell edits of equal length within a second apart.
+    # Python's own cache cannot distinguish edits of equal length within a second.
     kept |= {"PYTHONPATH": python_path, "PYTHONDONTWRITEBYTECODE": "1"} | environment
     output = subprocess.run(
         [sys.executable, "-c", script],
@@ -70,7 +70,7 @@ def run(folder: Path, script: str = SCRIPT, **environment: str) -> tuple[float, 
 
 
 def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
-    """A second run is a hit; an edit two calls down in another module, or of a constant, counts."""
+    """A second run is a hit; an edit of an indirect callee or of a constant is not."""
     write(tmp_path, constant=CONSTANT, callee=CALLEE, caller=CALLER)
     assert run(tmp_path) == (7.0, 0)
     assert run(tmp_path) == (7.0, 1)
@@ -80,8 +80,8 @@ def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
     assert run(tmp_path) == (24.0, 0)
 
 
-def test_cache_directory_is_honoured(tmp_path: Path) -> None:
-    """With NUMBA_CACHE_DIR set the machine code goes there and is found again."""
+def test_cache_directory_is_used(tmp_path: Path) -> None:
+    """With NUMBA_CACHE_DIR set, the machine code is stored and found there."""
     source, cache = tmp_path / "source", tmp_path / "cache"
     source.mkdir()
     write(source, constant=CONSTANT, callee=CALLEE, caller=CALLER)
@@ -92,7 +92,7 @@ def test_cache_directory_is_honoured(tmp_path: Path) -> None:
 
 
 def test_callee_through_its_module(tmp_path: Path) -> None:
-    """An edit counts also where the callee is called as ``module.function``."""
+    """An edit also counts if the callee is called as ``module.function``."""
     write(tmp_path, constant=CONSTANT, callee=CALLEE)
     through = CALLER.replace("from callee_module import callee", "import callee_module")
     write(tmp_path, caller=through.replace("callee(x) + SHIFT", "callee_module.callee(x) + SHIFT"))
@@ -102,7 +102,7 @@ def test_callee_through_its_module(tmp_path: Path) -> None:
 
 
 def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
-    """Exchanging two fields of a parameter tuple in another module does not exchange values."""
+    """Swapping two fields of a parameter tuple in another module does not swap their values."""
     script = "from callee_module import Group\n" + SCRIPT.replace("3.0", "Group(low=1.0, high=2.0)")
     write(tmp_path, callee=GROUP.format("low", "high"), caller=READER)
     assert run(tmp_path, script) == (1.0, 0)
@@ -126,6 +126,6 @@ def _third(x: float) -> float:
 
 
 def test_one_function_of_several_by_kind() -> None:
-    """``by_kind`` calls the function of that index."""
+    """``by_kind`` calls the function with that index."""
     chosen = by_kind([_first, _second, _third])
     assert [chosen(kind, 3.0) for kind in range(3)] == [4.0, 6.0, -3.0]

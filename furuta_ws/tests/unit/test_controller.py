@@ -1,4 +1,4 @@
-"""State feedback: sign convention, limits, and when it gives up."""
+"""State feedback: sign convention, limits, fall and catch."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ RNG = np.random.default_rng(13)
 
 
 def memory_of(balancing: bool = True) -> np.ndarray:
-    """The memory of a controller that holds the pendulum, or does not."""
+    """The memory of a controller that balances the pendulum, or does not."""
     memory = np.zeros(MEMORY)
     memory[BALANCING] = balancing
     return memory
 
 
 def command(x: list[float] | np.ndarray, friction: float = 0.0, **parameters: object) -> float:
-    """U of a controller that holds the pendulum."""
+    """Command u [V] of a controller that balances the pendulum."""
     feedback = design_controller(ControllerParameters(**{"gain": GAIN} | parameters))
     return control(memory_of(), np.array(x, dtype=float), friction, feedback)
 
 
 def test_feedback_is_minus_lx() -> None:
-    """Inside the limits u = −Lx + F̂."""
+    """Within the limits u = −Lx + F̂."""
     for x in RNG.uniform(-0.1, 0.1, (50, 4)):
         friction = RNG.uniform(-1, 1)
         assert command(x, friction) == pytest.approx(-np.dot(GAIN, x) + friction)
 
 
 def test_exact_estimate_cancels_friction() -> None:
-    """With F̂ = F the arm accelerates as without friction; with the printed minus it doubles."""
+    """With F̂ = F the arm accelerates as without friction; the printed minus would double it."""
     body = FurutaPendulum()
     for x in RNG.uniform(-0.1, 0.1, (50, 4)):
         _, v, theta, w = x
@@ -54,7 +54,7 @@ def test_exact_estimate_cancels_friction() -> None:
 
 
 def test_gain_from_the_poles() -> None:
-    """Without explicit gain the poles on the nominal model decide: here those of the paper."""
+    """Without explicit gain, L follows from the poles: here those of the paper."""
     l1, l2, l3, l4 = ControllerParameters().feedback_gain
     a = np.array([[0, 1, 0, 0], [0, 0, -11, 0], [0, 0, 0, 1], [0, 0, 33, 0]])
     closed = a - np.outer([0, 45, 0, -29], [l1, l2, l3, l4])
@@ -64,7 +64,7 @@ def test_gain_from_the_poles() -> None:
 
 @pytest.mark.parametrize("limit", [0.0, 2.5, 10.0])
 def test_saturation(limit: float) -> None:
-    """The command never exceeds the limit, friction estimate included, and keeps its sign."""
+    """The command, including F̂, never exceeds the limit and keeps its sign."""
     for x in RNG.uniform(-1, 1, (50, 4)) * [50, 50, 0.19, 50]:
         friction = RNG.uniform(-5, 5)
         expected = np.clip(-np.dot(GAIN, x) + friction, -limit, limit)
@@ -72,14 +72,14 @@ def test_saturation(limit: float) -> None:
 
 
 def test_disabled() -> None:
-    """Not enabled it commands 0 V, whatever the state and the friction estimate."""
+    """If not enabled, the command is 0 V for any state and friction estimate."""
     assert command([1, 1, 0.1, 1], 0.2, enabled=False) == 0.0
     assert command([1, 1, 0.1, 1], 0.2) != 0.0
 
 
 @pytest.mark.parametrize("side", [-1, 1])
-def test_falls_and_catches(side: int) -> None:
-    """Beyond fall_angle it lets go, and takes over again only within catch_angle."""
+def test_fall_and_catch(side: int) -> None:
+    """Beyond fall_angle the command is 0 V until the pendulum is within catch_angle."""
     feedback = design_controller(
         ControllerParameters(gain=GAIN, fall_angle=0.7, catch_angle=0.2, voltage_limit=100.0)
     )
@@ -91,8 +91,8 @@ def test_falls_and_catches(side: int) -> None:
     assert driven == [False, False, True, True, True, False, False, False, False, True]
 
 
-def test_disabled_controller_still_watches_the_pendulum() -> None:
-    """A pendulum that fell while disabled is not driven when enabled in between."""
+def test_disabled_controller_detects_a_fall() -> None:
+    """A pendulum that fell while disabled is not driven when enabled beyond catch_angle."""
     memory = memory_of()
     disabled = design_controller(ControllerParameters(gain=GAIN, enabled=False))
     enabled = design_controller(ControllerParameters(gain=GAIN))
@@ -101,7 +101,7 @@ def test_disabled_controller_still_watches_the_pendulum() -> None:
 
 
 def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
-    """What excitation adds to the command, sample by sample."""
+    """The excitation added to the command, sample by sample."""
     plain = ControllerParameters(gain=GAIN, voltage_limit=1e3)
     p = plain._replace(excitation=ExcitationParameters(**parameters))
     memory, state = memory_of(), np.array(x)
@@ -112,7 +112,7 @@ def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", ["steps", "sine", "multisine"])
 def test_excitation_has_its_amplitude_and_period(kind: str) -> None:
-    """It repeats after its period, reaches its amplitude and no more, and has no mean."""
+    """It has its period, its amplitude and zero mean."""
     signal = excited([0.1, 0.2, 0.01, 0.0], 1000, kind=kind, amplitude=0.7, period=0.5)
     np.testing.assert_allclose(signal[:499], signal[500:999], atol=1e-9)
     assert np.max(np.abs(signal)) == pytest.approx(0.7, rel=2e-3)
@@ -120,13 +120,13 @@ def test_excitation_has_its_amplitude_and_period(kind: str) -> None:
 
 
 def test_no_excitation_by_default() -> None:
-    """Off, the command is the feedback's to the last bit."""
+    """Without excitation the command is that of the feedback to the last bit."""
     assert not np.any(excited([0.1, 0.2, 0.01, 0.0], 50, amplitude=0.7))
 
 
 @pytest.mark.parametrize("outside", [(2, -0.11), (0, 0.6), (1, 3.1)])
-def test_excitation_is_silent_outside_its_limits(outside: tuple[int, float]) -> None:
-    """Beyond a limit nothing is added and its time stands still."""
+def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> None:
+    """Beyond a limit nothing is added and the phase is kept."""
     excitation = ExcitationParameters(
         "steps", 0.5, period=0.004, tilt_limit=0.1, excursion_limit=0.5, speed_limit=3.0
     )
@@ -142,7 +142,7 @@ def test_excitation_is_silent_outside_its_limits(outside: tuple[int, float]) -> 
 
 
 def test_excitation_stays_within_the_limits_of_the_command() -> None:
-    """Nor does it drive a pendulum that was given up."""
+    """It also does not drive a fallen pendulum."""
     excitation = ExcitationParameters("steps", 50.0, tilt_limit=3.0)
     feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
     assert control(memory_of(), np.zeros(4), 0.0, feedback) == 10.0
@@ -162,7 +162,7 @@ def test_open_loop_drives_a_hanging_pendulum() -> None:
 
 
 def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
-    """A mode starts afresh: after open loop the pendulum is caught within catch_angle only."""
+    """A mode starts without memory: after open loop balancing starts within catch_angle only."""
     modes = [design_controller(ControllerParameters(mode=m)) for m in ("open_loop", "balance")]
     memory, tilted, upright = memory_of(), np.array([0, 0, 0.5, 0]), np.array([0, 0, 0.1, 0])
     open_loop, balance = modes
@@ -173,7 +173,7 @@ def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
 
 
 def test_off() -> None:
-    """Mode off is 0 V, excitation included."""
+    """Mode off gives 0 V, also with excitation."""
     excitation = ExcitationParameters("steps", 0.5)
     off = design_controller(ControllerParameters(mode="off", excitation=excitation))
     assert control(memory_of(), np.array([1, 1, 0.1, 1]), 0.2, off) == 0.0

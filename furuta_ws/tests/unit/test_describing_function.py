@@ -1,4 +1,4 @@
-"""Describing functions: against integration in time, closed forms, and each other."""
+"""Describing functions, compared with integration in time, closed forms, and each other."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ UNEQUAL = LuGre(viscous=0.3, asymmetry=0.25)
 
 
 def fundamental(force: np.ndarray, phase: np.ndarray, amplitude: float) -> complex:
-    """N from samples of the force over whole periods of v = A sin(phase)."""
+    """N from samples of the force over full periods of v = A sin(phase)."""
     return complex(2j * np.mean(force * np.exp(-1j * phase)) / amplitude)
 
 
 def simulated(amplitude: float, omega: float, p: LuGre) -> complex:
     """LuGre's N from equation (5) integrated in time over one period.
 
-    The period's map of z is linear, so two periods give the start from which z returns to itself.
+    z after a period is linear in z before, so two integrations give the periodic solution.
     """
 
     def rate(t: float, z: np.ndarray) -> np.ndarray:
@@ -63,7 +63,7 @@ def simulated(amplitude: float, omega: float, p: LuGre) -> complex:
 @pytest.mark.parametrize("p", [LuGre(), UNEQUAL])
 @pytest.mark.parametrize("amplitude", [1e-3, 0.04, 0.3, 10.0])
 def test_static_laws_by_quadrature(kind: int, p: LuGre, amplitude: float) -> None:
-    """N is the first Fourier coefficient of F(A sin x), real, whatever the asymmetry."""
+    """N is the first Fourier coefficient of F(A sin x), real for any asymmetry."""
     law = FrictionLaw(kind, p)
 
     def coefficient(weight: object) -> float:
@@ -132,8 +132,8 @@ def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omeg
     assert z == pytest.approx(exact, rel=2e-6)
 
 
-def test_twice_the_steps_change_nothing() -> None:
-    """The number of steps per quarter cycle is enough, also for a sharp Stribeck curve."""
+def test_number_of_steps_is_sufficient() -> None:
+    """Twice the steps per quarter cycle give the same N, also for a sharp Stribeck curve."""
     sharp = LuGre(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)
     for law in (FrictionLaw(LUGRE), FrictionLaw(LUGRE, sharp)):
         for amplitude in np.geomspace(1e-5, 30, 12):
@@ -145,7 +145,7 @@ def test_twice_the_steps_change_nothing() -> None:
 
 
 def test_limits_of_lugre() -> None:
-    """A spring and damper at small amplitude, Coulomb friction at large, the asymmetry apart."""
+    """A spring and damper at small amplitude, Coulomb friction at large, without asymmetry."""
     p = LuGre(viscous=0.1)
     law = FrictionLaw(LUGRE, p)
     for omega in (0.5, 5.0, 50.0):
@@ -161,7 +161,7 @@ def test_limits_of_lugre() -> None:
 
 
 def test_asymmetry_enters_in_second_order_only() -> None:
-    """The exact fundamental with unequal levels differs from the mean level's as its square."""
+    """With unequal levels the fundamental differs from that of the mean level as a²."""
     equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))
     errors = [
         abs(simulated(0.1, 3.0, LuGre(asymmetry=each)) / equal - 1.0) for each in (0.1, 0.2, 0.4)
@@ -172,6 +172,6 @@ def test_asymmetry_enters_in_second_order_only() -> None:
 
 
 @pytest.mark.parametrize(("amplitude", "omega"), [(0, 1), (1, 0), (-1, 1), (float("nan"), 1)])
-def test_impossible_oscillations_are_refused(amplitude: float, omega: float) -> None:
+def test_impossible_oscillations_are_rejected(amplitude: float, omega: float) -> None:
     with pytest.raises(ParameterError, match="above 0"):
         describing_function(amplitude, omega, FrictionLaw())

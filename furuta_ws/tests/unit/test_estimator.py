@@ -1,4 +1,4 @@
-"""The filter that estimates the pendulum's angle and speed, against scipy's."""
+"""The low-pass estimator of the pendulum, compared with scipy."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from furuta_model.sensors import Sensors
 
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
-    """Estimates (n, 5) for measurements (n, 5), from a filter without past."""
-    memory, made = np.zeros(MEMORY), design_estimator(p)
+    """Estimates (n, 5) for measurements (n, 5), from a new filter."""
+    memory, design = np.zeros(MEMORY), design_estimator(p)
     result = np.full_like(measurements, 99.0)
     for measurement, estimate in zip(measurements, result, strict=True):
-        estimate_state(memory, measurement, made, estimate)
+        estimate_state(memory, measurement, design, estimate)
     return result
 
 
 def of_theta(theta: np.ndarray) -> np.ndarray:
-    """Measurements (n, 5) of the pendulum's angle, without speed as on the rig."""
+    """Measurements (n, 5) of the pendulum angle, without its speed as on the rig."""
     measurements = np.zeros((len(theta), 5))
     measurements[:, 2], measurements[:, 3] = theta, np.nan
     return measurements
@@ -30,8 +30,8 @@ def of_theta(theta: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("bandwidth", [2.0, 200.0, 2e4])
 @pytest.mark.parametrize("damping", [0.3, 1.0, 3.0])
 @pytest.mark.parametrize("dt", [1e-4, 1e-3, 0.02])
-def test_filter_is_scipys(bandwidth: float, damping: float, dt: float) -> None:
-    """Angle and speed are the states of ω²/(s² + 2ζωs + ω²), its input linear between samples."""
+def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -> None:
+    """Angle and speed are the states of ω²/(s² + 2ζωs + ω²) with linearly interpolated input."""
     a = [[0, 1], [-(bandwidth**2), -2 * damping * bandwidth]]
     system = StateSpace(a, [[0], [bandwidth**2]], np.eye(2), np.zeros((2, 1)))
     theta = np.cumsum(np.random.default_rng(10).normal(0, 0.01, 300)) + 0.3
@@ -46,14 +46,14 @@ def test_filter_is_scipys(bandwidth: float, damping: float, dt: float) -> None:
 
 
 def test_no_jump_at_the_start() -> None:
-    """A pendulum that stands still is estimated so from the first sample on."""
+    """A pendulum at rest is estimated at rest from the first sample."""
     found = estimates(of_theta(np.full(500, 0.4)), EstimatorParameters("lowpass"))
     assert found[:, 2] == pytest.approx(0.4)
     assert found[:, 3] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_steady_ramp() -> None:
-    """Of a ramp the speed is exact and the angle late by 2ζ/ω."""
+    """On a ramp the speed is exact and the angle lags by 2ζ/ω."""
     p = EstimatorParameters("lowpass")
     time = np.arange(500) * p.sample_time
     found = estimates(of_theta(1.5 * time), p)[-1]
@@ -61,8 +61,8 @@ def test_steady_ramp() -> None:
     assert found[2] == pytest.approx(1.5 * (time[-1] - 2 * 0.7 / 200), rel=1e-9)
 
 
-def test_lowpass_takes_the_arm_as_measured() -> None:
-    """Arm angle and speed go through unchanged; of the friction it knows nothing."""
+def test_lowpass_passes_the_arm_through() -> None:
+    """Arm angle and speed are unchanged; friction is not observed."""
     measurements = np.random.default_rng(11).normal(size=(20, 5))
     found = estimates(measurements, EstimatorParameters("lowpass"))
     assert np.array_equal(found[:, :2], measurements[:, :2])
@@ -70,16 +70,16 @@ def test_lowpass_takes_the_arm_as_measured() -> None:
 
 
 @pytest.mark.parametrize("method", ["kalman", "lowpass"])
-def test_ideal_sensors_need_no_estimate(method: str) -> None:
-    """With all states measured exactly the estimate is the measurement."""
+def test_ideal_measurements_are_not_filtered(method: str) -> None:
+    """With ideal sensors the estimate is the measurement."""
     measurements = np.random.default_rng(12).normal(size=(20, 5))
     found = estimates(measurements, EstimatorParameters(method, sensors=Sensors(ideal=True)))
     assert np.array_equal(found[:, :4], measurements[:, :4])
 
 
 @pytest.mark.parametrize("methods", [("kalman", "lowpass"), ("lowpass", "kalman")])
-def test_a_change_of_method_begins_at_the_last_estimate(methods: tuple[str, str]) -> None:
-    """No jump beyond what the two methods differ by; begun afresh, the speed would drop to 0."""
+def test_new_method_starts_from_the_last_estimate(methods: tuple[str, str]) -> None:
+    """No jump beyond the difference of the methods; a restart would set the speed to 0."""
     time = np.arange(400) * 1e-3
     theta = 0.1 * np.sin(5.0 * time)
     before, after = (design_estimator(EstimatorParameters(each)) for each in methods)

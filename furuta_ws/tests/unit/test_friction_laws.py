@@ -1,4 +1,4 @@
-"""Every friction law under the one interface, in the plant and in analysis."""
+"""All friction laws under one interface, in the plant and in the analysis."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STICKING = [law.name for law in ALL if not law.bristle]
 
 
 def plant(law: str, p: LuGre, dt: float) -> PlantParameters:
-    """A rig with ideal sensors and a fine drive."""
+    """A rig with ideal sensors and a drive of high resolution."""
     return PlantParameters(
         friction=PlantFriction(law, p),
         sensors=Sensors(ideal=True),
@@ -54,35 +54,35 @@ def test_closed_forms_are_the_integrals_of_the_level(law: Law) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("v", [0.4, 0.01, -0.01, -0.4])
-def test_a_steady_slide_has_the_steady_friction(law: str, v: float) -> None:
-    """What the plant computes at a constant speed ends at the law's steady friction."""
-    made = friction_law(law, P)
-    if made.bristle:
-        _, memory = bristle_force(v, 0.0, 1e4, made)
+def test_steady_slide_has_the_steady_friction(law: str, v: float) -> None:
+    """At constant speed the plant reaches the steady friction of the law."""
+    friction = friction_law(law, P)
+    if friction.bristle:
+        _, memory = bristle_force(v, 0.0, 1e4, friction)
     else:
-        memory = sticking_force(v, v, np.sign(v) * 1e6, made)
-    assert friction_force(v, memory, made) == pytest.approx(steady_friction(v, made))
+        memory = sticking_force(v, v, np.sign(v) * 1e6, friction)
+    assert friction_force(v, memory, friction) == pytest.approx(steady_friction(v, friction))
 
 
 @pytest.mark.parametrize("law", STICKING)
 def test_the_arm_truly_sticks(law: str) -> None:
     """Below the breakaway level the arm does not move at all, and friction is the torque."""
-    body, made = FurutaPendulum(), friction_law(law, P)
+    body, friction = FurutaPendulum(), friction_law(law, P)
     x = np.array([0.3, 0.0, np.pi, 0.0, 0.0])
     for _ in range(2000):
-        advance(x, 0.2, 1e-3, substeps_for(1e-3, body, P), body, made)
+        advance(x, 0.2, 1e-3, substeps_for(1e-3, body, P), body, friction)
     assert x[0] == pytest.approx(0.3, abs=1e-12)
     assert x[4] == pytest.approx(0.2, rel=1e-9)
     for _ in range(200):
-        advance(x, 0.4, 1e-3, substeps_for(1e-3, body, P), body, made)
+        advance(x, 0.4, 1e-3, substeps_for(1e-3, body, P), body, friction)
     assert x[0] > 0.31
-    assert x[4] == pytest.approx(sliding_level(x[1], 1.0, made), rel=1e-3)
+    assert x[4] == pytest.approx(sliding_level(x[1], 1.0, friction), rel=1e-3)
 
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("p", [LuGre(), LuGre(alpha1=0.0, asymmetry=0.1)])
-def test_limit_cycle_is_the_exact_one(law: str, p: LuGre) -> None:
-    """The plant's limit cycle at 0.2 ms is the event-driven solution's within 0.5 %."""
+def test_limit_cycle_agrees_with_the_exact_one(law: str, p: LuGre) -> None:
+    """The limit cycle of the plant at 0.2 ms is within 0.5 % of the event-driven solution."""
     dt = 2e-4
     controller = ControllerParameters(sample_time=dt)
     loop = Loop(

@@ -18,7 +18,7 @@ def surplus(v: float, z: float, p: LuGre) -> float:
 
 
 def surplus_over_bound(v: float, p: LuGre) -> float:
-    """Its minimum over all deflections of the bristle, in both directions."""
+    """The minimum over all deflections of the bristle, in both directions."""
     least = np.inf
     for direction in (1.0, -1.0):
         reach = (p.alpha0 + p.alpha1) * (1 + direction * p.asymmetry) / p.sigma0

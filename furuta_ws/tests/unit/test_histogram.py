@@ -1,4 +1,4 @@
-"""Counts of how late things were."""
+"""Histograms of durations."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ import math
 import numpy as np
 import pytest
 
-from furuta_sim.histogram import LAST, Histogram
+from furuta_sim.histogram import LAST_BIN, Histogram
 
 
 def test_percentiles_are_those_of_the_durations() -> None:
-    """To the microsecond that a bin is wide."""
+    """Within the bin width of a microsecond."""
     durations = np.random.default_rng(1).exponential(200e-6, 10_000)
     histogram = Histogram()
     for each in durations:
         histogram.add(int(each * 1e9))
     assert histogram.total == 10_000
-    for share in (1.0, 50.0, 99.0, 99.9):
-        assert histogram.percentile(share) == pytest.approx(
-            np.percentile(durations, share, method="inverted_cdf"), abs=1.1e-6
+    for percent in (1.0, 50.0, 99.0, 99.9):
+        assert histogram.percentile(percent) == pytest.approx(
+            np.percentile(durations, percent, method="inverted_cdf"), abs=1.1e-6
         )
     assert histogram.largest == int(durations.max() * 1e9)
 
 
-def test_what_is_very_late_is_not_lost() -> None:
-    """It is in the last bin and in the largest, and a percentile there is no guess below it."""
+def test_long_durations_are_counted() -> None:
+    """In the last bin and in the largest duration, which is then the percentile."""
     histogram = Histogram()
     histogram.add(5_000_000_000)
     histogram.add(-3)
-    assert list(np.flatnonzero(histogram.counts)) == [0, LAST]
+    assert list(np.flatnonzero(histogram.counts)) == [0, LAST_BIN]
     assert histogram.percentile(100.0) == pytest.approx(5.0)
 
 
 def test_coarse_bins_hold_everything() -> None:
-    """Sums over wider bins, the last with all that was later."""
+    """Sums over wider bins; the last one also counts longer durations."""
     histogram = Histogram()
     for microseconds in (0, 19, 20, 4990, 30_000):
         histogram.add(microseconds * 1000)
@@ -44,5 +44,5 @@ def test_coarse_bins_hold_everything() -> None:
 
 
 def test_nothing_counted() -> None:
-    """No percentile."""
+    """There are no percentiles."""
     assert math.isnan(Histogram().percentile(50.0))

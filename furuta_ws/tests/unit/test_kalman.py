@@ -1,4 +1,4 @@
-"""The Kalman filter against the textbook recursion, and on the simulated rig."""
+"""The Kalman filter, compared with the textbook recursion, and on the simulated rig."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from furuta_friction.compensation import ObserverParameters
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantParameters
 
-# The linear model that the paper identified, with the friction as a fifth state.
+# The identified linear model of the paper, with the friction as a fifth state.
 SYSTEM = np.array(
     [
         [0, 1, 0, 0, 0],
@@ -31,15 +31,15 @@ TORQUE = np.array([0, 45, 0, -29, 0], dtype=float)
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
     """Estimates (n, 5) for measurements (n, 5)."""
-    memory, made = np.zeros(MEMORY), design_estimator(p)
+    memory, design = np.zeros(MEMORY), design_estimator(p)
     result = np.zeros_like(measurements)
     for measurement, estimate in zip(measurements, result, strict=True):
-        estimate_state(memory, measurement, made, estimate)
+        estimate_state(memory, measurement, design, estimate)
     return result
 
 
 def sampled(dt: float, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Transition, input and noise covariance by integrating their differential equations."""
+    """Transition, input and noise covariance by integration of their differential equations."""
     size = len(SYSTEM)
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:
@@ -58,8 +58,8 @@ def sampled(dt: float, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
-def test_is_the_textbook_filter(dt: float) -> None:
-    """Gains as the covariance recursion settles to; estimates as predict and correct give."""
+def test_agrees_with_the_textbook_filter(dt: float) -> None:
+    """The gain is the limit of the covariance recursion; estimates as by predict and correct."""
     sensors = Sensors(encoder_counts=0)
     p = EstimatorParameters(sensors=sensors, sample_time=dt)
     noise = np.diag(
@@ -72,7 +72,7 @@ def test_is_the_textbook_filter(dt: float) -> None:
     transition, torque, spread = sampled(dt, q)
     reads = np.zeros((2, 5))
     reads[0, 1] = reads[1, 2] = 1.0
-    # φ is not part of the filter: it is observed by nothing that the others depend on.
+    # φ is not part of the filter: no other state or output depends on it.
     part = np.ix_(range(1, 5), range(1, 5))
     covariance = np.eye(4)
     for _ in range(round(20 / dt)):
@@ -93,7 +93,7 @@ def test_is_the_textbook_filter(dt: float) -> None:
 
 
 def test_angle_stays_within_the_count_and_is_better_than_it() -> None:
-    """φ̂ is never off the encoder's reading by more than half a count, and mostly far less."""
+    """φ̂ is within half a count of the encoder, and mostly far more accurate."""
     loop = Loop(PlantParameters(seed=5), observer=ObserverParameters("coulomb"))
     record = simulate(loop, 30.0)
     count = 2 * pi / 250
@@ -104,23 +104,23 @@ def test_angle_stays_within_the_count_and_is_better_than_it() -> None:
     assert np.std(error[10_000:]) < 0.5 * np.std((reading - record.state[:, 0])[10_000:])
 
 
-def test_sees_friction_and_speeds_better_than_the_lowpass() -> None:
-    """In the limit cycle F is found within a tenth, speeds with half the low-pass's error."""
+def test_observes_friction_and_improves_on_the_lowpass() -> None:
+    """In the limit cycle F is within a tenth, and speeds have half the error of the low-pass."""
     errors = {}
     for method in ("kalman", "lowpass"):
         record = simulate(Loop(PlantParameters(seed=6), EstimatorParameters(method)), 30.0)
         settled = slice(10_000, None)
         errors[method] = np.std((record.estimate[:, :4] - record.state)[settled], axis=0)
         if method == "kalman":
-            seen = record.estimate[settled, 4] - record.friction[settled]
-            assert np.std(seen) < 0.1 * np.ptp(record.friction[settled])
+            friction_error = record.estimate[settled, 4] - record.friction[settled]
+            assert np.std(friction_error) < 0.1 * np.ptp(record.friction[settled])
     assert errors["kalman"][1] < 0.7 * errors["lowpass"][1]
     assert errors["kalman"][2] < 0.5 * errors["lowpass"][2]
     assert errors["kalman"][3] < 0.5 * errors["lowpass"][3]
 
 
-def test_survives_a_wrong_model() -> None:
-    """Five percent of error in inertia and gravity do not bring the loop down."""
+def test_tolerates_model_errors() -> None:
+    """With 5 % error in inertia and gravity the pendulum stays upright."""
     plant = PlantParameters(seed=7)
     model = plant.model._replace(
         alpha=1.05 * plant.model.alpha,
@@ -132,8 +132,8 @@ def test_survives_a_wrong_model() -> None:
 
 
 @pytest.mark.parametrize("dt", [1e-4, 1e-2, 0.05])
-def test_bounded_for_bounded_readings(dt: float) -> None:
-    """Whatever the sensors say and the drive applies, the estimate grows no further than that."""
+def test_bounded_for_bounded_measurements(dt: float) -> None:
+    """The estimate does not keep growing at full-scale random measurements and torques."""
     rng = np.random.default_rng(8)
     measurements = rng.choice([-1.0, 1.0], (3000, 5)) * [10.0, 10.0, 0.8, nan, 10.0]
     found = estimates(measurements, EstimatorParameters(sample_time=dt))
@@ -142,8 +142,8 @@ def test_bounded_for_bounded_readings(dt: float) -> None:
     assert np.all(np.max(np.abs(late), axis=0) <= 3 * np.max(np.abs(early), axis=0))
 
 
-def test_begins_anew_without_torque() -> None:
-    """A measurement without the applied torque is taken as it stands."""
+def test_restarts_without_torque() -> None:
+    """A measurement without applied torque is taken as the estimate."""
     measurements = np.full((3, 5), [0.1, 0.2, 0.3, nan, 0.0])
     measurements[1] = [1.0, 2.0, 0.5, nan, nan]
     found = estimates(measurements, EstimatorParameters())
@@ -152,7 +152,7 @@ def test_begins_anew_without_torque() -> None:
 
 
 def test_any_allowed_sensor_has_a_filter() -> None:
-    """From perfect sensors to useless ones the gain exists and the filter is stable."""
+    """From perfect to very noisy sensors the gain exists and the filter is stable."""
     for bits in (0, 1, 12):
         for noise in (0.0, 1e-3, 1.0):
             sensors = Sensors(

@@ -1,4 +1,4 @@
-"""Exact periodic motions against independent integration and against what they must do."""
+"""Exact periodic motions, compared with independent integration and known properties."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from unit import reference
 
 from furuta_analysis.limit_cycles.continuation import Branch, fold_value
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, trace
+from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.parameters import LuGre
 from furuta_model.linear import DesiredPoles, place_poles
@@ -27,7 +28,7 @@ PAPER = LuGre()
 def ideal(
     lugre: LuGre = PAPER, kind: int = LUGRE, linear: bool = False, **poles: float
 ) -> IdealLoop:
-    """The loop with poles placed as the paper does, unless told otherwise."""
+    """The loop with the poles of the paper by default."""
     return IdealLoop(BODY, FrictionLaw(kind, lugre), *_gain(**poles), linear)
 
 
@@ -35,8 +36,8 @@ def _gain(**poles: float) -> tuple[float, ...]:
     return tuple(float(-each) for each in place_poles(BODY, DesiredPoles(**poles)))
 
 
-def test_figures_of_the_paper() -> None:
-    """0.5106 rad, 0.0918 rad, 2.370 s within 0.05 % of the digits given."""
+def test_values_of_the_paper() -> None:
+    """0.5106 rad, 0.0918 rad, 2.370 s within 0.05 % and the digits given."""
     cycle = limit_cycle(ideal())
     assert cycle.kind == "oscillation"
     assert cycle.stable
@@ -59,7 +60,7 @@ SETS = {
 
 @pytest.mark.parametrize("name", SETS)
 def test_independent_integration_closes_the_orbit(name: str) -> None:
-    """Radau on plain equations returns after the period, with the amplitudes, within 0.01 %."""
+    """Radau on the plain equations returns after the period with the same amplitudes, to 0.01 %."""
     lugre, poles = SETS[name]
     loop = ideal(lugre, **poles)
     cycle = limit_cycle(loop)
@@ -75,7 +76,7 @@ def test_independent_integration_closes_the_orbit(name: str) -> None:
 
 @pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
 def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
-    """A stiff, well damped LuGre bristle comes to the law with its true stuck phase."""
+    """With a stiff, well damped bristle LuGre approaches the law that truly sticks."""
     lugre = LuGre(alpha1=0.0 if kind != STRIBECK else 0.05)
     sharp = limit_cycle(ideal(lugre, kind))
     errors = [
@@ -88,7 +89,7 @@ def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
 
 
 def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
-    """While stuck the holding force stays within the breakaway level, and it ends there."""
+    """While stuck the holding force is within the breakaway level, and it ends at the level."""
     loop = ideal(LuGre(alpha1=0.1), STICTION)
     motion = trace(loop, limit_cycle(loop))
     stuck = motion.state[:, 1] == 0.0
@@ -100,7 +101,7 @@ def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
 @pytest.mark.parametrize("law", [COULOMB, LUGRE])
 @pytest.mark.parametrize("l2", [1.0, 7.0])
 def test_positive_speed_feedback_alone_rotates(law: int, l2: float) -> None:
-    """Fig. 4 c and d: steady rotation where l₂v is the friction at that speed."""
+    """Fig. 4 c and d: steady rotation at the speed where l₂v is the friction."""
     loop = IdealLoop(BODY, FrictionLaw(law), 0.0, l2, 60.0, 20.0)
     motion = limit_cycle(loop)
     assert motion.kind == "rotation"
@@ -110,20 +111,20 @@ def test_positive_speed_feedback_alone_rotates(law: int, l2: float) -> None:
     assert l2 * speed == pytest.approx(0.21 + (bump if law == LUGRE else 0.0), rel=1e-6)
 
 
-def test_without_arm_feedback_friction_drives_it_away() -> None:
+def test_without_arm_feedback_friction_accelerates_the_arm() -> None:
     """Fig. 4 b: no limit cycle; friction accelerates the arm without bound."""
     assert (
         limit_cycle(IdealLoop(BODY, FrictionLaw(COULOMB), 0.0, 0.0, 60.0, 20.0)).kind == "unbounded"
     )
 
 
-def test_no_friction_comes_to_rest() -> None:
-    """A stable loop with next to no friction level ends at rest."""
+def test_loop_without_friction_comes_to_rest() -> None:
+    """A stable loop with nearly no friction ends at rest."""
     assert limit_cycle(ideal(LuGre(alpha0=0.0, alpha1=0.0, viscous=0.01))).kind == "rest"
 
 
 def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
-    """From turn to turn a small disturbance shrinks by the largest multiplier."""
+    """From reversal to reversal a small disturbance decays by the largest multiplier."""
     loop = IdealLoop(BODY, FrictionLaw(), 10.0, 4.0, 60.0, 20.0)
     cycle = limit_cycle(loop)
     largest = abs(cycle.floquet_multipliers[0])
@@ -131,13 +132,13 @@ def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
     disturbed = start.copy()
     disturbed[0] += 1e-3
     gains = np.array([10.0, 4.0, 60.0, 20.0])
-    turns = reference.upper_turns(disturbed, gains, 5 * cycle.period_s, BODY, LuGre())
+    turns = reference.upper_reversals(disturbed, gains, 5 * cycle.period_s, BODY, LuGre())
     off = [abs(turn[0] - start[0]) for turn in turns]
     assert off[3] / off[2] == pytest.approx(largest, rel=0.02)
 
 
 def test_amplitude_scales_with_the_friction_level() -> None:
-    """The linear loop has no size of its own: twice the Coulomb level, twice the cycle."""
+    """The linear loop has no amplitude of its own: twice the Coulomb level, twice the cycle."""
     one = limit_cycle(ideal(LuGre(alpha0=0.21), COULOMB, linear=True))
     two = limit_cycle(ideal(LuGre(alpha0=0.42), COULOMB, linear=True))
     assert two.phi_peak_to_peak_rad == pytest.approx(2 * one.phi_peak_to_peak_rad, rel=1e-6)
@@ -145,7 +146,7 @@ def test_amplitude_scales_with_the_friction_level() -> None:
 
 
 def branch(low: float = 0.0, high: float = 0.3) -> list:
-    """The cycle over viscous friction, round the fold."""
+    """The cycle over viscous friction, through the fold."""
 
     def loop_at(viscous: float) -> IdealLoop:
         return ideal(LuGre(viscous=viscous))
@@ -154,7 +155,7 @@ def branch(low: float = 0.0, high: float = 0.3) -> list:
 
 
 def test_branch_folds_where_the_cycle_disappears() -> None:
-    """Below the fold's viscosity there is a limit cycle, above it none."""
+    """Below the viscous friction of the fold there is a limit cycle, above it none."""
     points = branch()
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
     value = fold_value(points, fold)
@@ -164,8 +165,8 @@ def test_branch_folds_where_the_cycle_disappears() -> None:
     assert multiplier == pytest.approx(1.0, abs=0.15)
 
 
-def test_unstable_cycle_separates_what_comes_back_from_what_does_not() -> None:
-    """A release just inside the unstable cycle ends in the stable one, just outside it falls."""
+def test_unstable_cycle_bounds_the_region_of_attraction() -> None:
+    """A start just inside the unstable cycle ends in the stable one, just outside it falls."""
     unstable = next(p for p in branch() if not p.cycle.stable and p.value < 0.15)
     loop = ideal(LuGre(viscous=unstable.value))
     point = np.array(unstable.cycle.point)
@@ -174,7 +175,7 @@ def test_unstable_cycle_separates_what_comes_back_from_what_does_not() -> None:
 
 
 def test_map_does_not_depend_on_workers() -> None:
-    """A map's points are the single answers, however many threads made them."""
+    """The points of a map equal single results for any number of threads."""
     values = [5.0, 7.0, 9.0]
 
     def loop_at(first: float, second: float) -> IdealLoop:
@@ -185,8 +186,8 @@ def test_map_does_not_depend_on_workers() -> None:
     assert maps[0][4].cycle == limit_cycle(loop_at(7.0, 7.0))
 
 
-def test_impossible_loops_are_refused() -> None:
-    """No answer to a question that makes no sense."""
+def test_impossible_loops_are_rejected() -> None:
+    """Invalid models and feedbacks are parameter errors."""
     with pytest.raises(ParameterError, match="gamma"):
         limit_cycle(IdealLoop(FurutaPendulum(gamma=1.0), FrictionLaw(), 1.0, 1.0, 1.0, 1.0))
     with pytest.raises(ParameterError, match="finite"):

@@ -25,7 +25,7 @@ def pendulums(count: int) -> list[FurutaPendulum]:
 
 @pytest.mark.parametrize("p", [P, *pendulums(5)])
 def test_linearize_is_the_jacobian(p: FurutaPendulum) -> None:
-    """A and B are the finite differences of the nonlinear model about upright."""
+    """A and B are finite differences of the nonlinear model about upright."""
 
     def rate(x: np.ndarray, torque: float) -> np.ndarray:
         v_dot, w_dot = accelerations(x[1], x[2], x[3], torque, p)
@@ -39,13 +39,13 @@ def test_linearize_is_the_jacobian(p: FurutaPendulum) -> None:
 
 
 def test_rig_numbers() -> None:
-    """The default pendulum has the rig's identified a23, a43, b21, b41, exactly."""
+    """The default pendulum has exactly the identified a23, a43, b21, b41 of the rig."""
     a, b = linearize(P)
     assert (a[1, 2], a[3, 2], b[1], b[3]) == pytest.approx((-11, 33, 45, -29), rel=1e-12)
 
 
 def test_from_linear_rig_numbers() -> None:
-    """The rig's four numbers give α, β, γ, δ as exact fractions by Cramer's rule."""
+    """The four numbers of the rig give α, β, γ, δ as exact fractions by Cramer's rule."""
     a23, a43, b21, b41 = (Fraction(each) for each in (-11, 33, 45, -29))
     delta = a23 / b41
     determinant = 1 / (a43 / delta * b21 - b41**2)
@@ -56,7 +56,7 @@ def test_from_linear_rig_numbers() -> None:
 
 
 def test_from_linear_inverts_linearize() -> None:
-    """Any pendulum comes back from its own linear model."""
+    """Any pendulum is recovered from its linear model."""
     for p in pendulums(20):
         a, b = linearize(p)
         assert from_linear(a[1, 2], a[3, 2], b[1], b[3]) == pytest.approx(p, rel=1e-9)
@@ -69,7 +69,7 @@ def test_open_loop_poles() -> None:
 
 
 def test_polynomial() -> None:
-    """(s² + 9.8s + 49)(s² + 7s + 25), multiplied out by hand."""
+    """(s² + 9.8s + 49)(s² + 7s + 25), expanded by hand."""
     assert DesiredPoles().polynomial == pytest.approx([1, 16.8, 142.6, 588, 1225])
 
 
@@ -84,7 +84,7 @@ def test_polynomial() -> None:
     ],
 )
 def test_place_poles(p: FurutaPendulum, poles: DesiredPoles) -> None:
-    """The closed loop has the wanted poles, and L is that of python-control."""
+    """The closed loop has the desired poles, and L agrees with python-control."""
     a, b = linearize(p)
     assert np.linalg.matrix_rank(control.ctrb(a, b[:, None])) == 4
     wanted = [
@@ -98,7 +98,7 @@ def test_place_poles(p: FurutaPendulum, poles: DesiredPoles) -> None:
 
 
 def test_place_double_poles() -> None:
-    """Two equal pairs, which python-control's place refuses and its acker allows."""
+    """Two equal pairs, which python-control's place rejects and its acker accepts."""
     a, b = linearize(P)
     gain = place_poles(P, DesiredPoles(6.0, 0.7, 6.0, 0.7))
     root = 6 * (-0.7 + 1j * np.sqrt(1 - 0.49))

@@ -27,7 +27,7 @@ SPEEDS = [0.001, 0.02, 0.05, 0.3, 5.0, 100.0]
 @pytest.mark.parametrize("p", [LuGre(), UNEQUAL, LuGre(asymmetry=-0.5)])
 @pytest.mark.parametrize("v", [*SPEEDS, *(-v for v in SPEEDS)])
 def test_steady_state_is_the_stribeck_curve(p: LuGre, v: float) -> None:
-    """After a long time F is g(v) of that direction plus the viscous part, against the motion."""
+    """After a long time F is g(v) of that direction plus the viscous part."""
     z, mean = bristle_after(v, 0.0, 0.0, 1e4, p)
     expected = np.sign(v) * reference.level(v, p) + p.viscous * v
     assert friction(v, z, p) == pytest.approx(expected)
@@ -36,7 +36,7 @@ def test_steady_state_is_the_stribeck_curve(p: LuGre, v: float) -> None:
 
 
 def test_levels_by_hand() -> None:
-    """The curve starts at α₀ + α₁, ends at α₀, and each direction has its own scale."""
+    """The curve falls from α₀ + α₁ to α₀; each direction has its own factor."""
     assert stribeck_level(0.0, LuGre()) == pytest.approx(0.232)
     assert stribeck_level(0.05, LuGre()) == pytest.approx(0.21 + 0.022 / np.e)
     assert stribeck_level(10.0, UNEQUAL) == pytest.approx(0.252)
@@ -50,7 +50,7 @@ def test_levels_by_hand() -> None:
 @pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.1, 1.0])
 @pytest.mark.parametrize("correction", [0.0, -0.4])
 def test_bristle_after_is_exact(rate: float, dt: float, correction: float) -> None:
-    """End and mean are those of a stiff solver at tight tolerance, whatever the rate and step."""
+    """End and mean agree with a stiff solver at tight tolerance for any rate and step."""
     p = LuGre(sigma0=1e5, alpha0=0.2, alpha1=0.0)
     v, z = -rate * p.alpha0 / p.sigma0, 1.7e-6
     exact = solve_ivp(
@@ -70,7 +70,7 @@ def test_bristle_after_is_exact(rate: float, dt: float, correction: float) -> No
 
 @pytest.mark.parametrize("side", [-1, 1])
 def test_no_jump_between_series_and_quotient(side: int) -> None:
-    """Both forms give the closed form's value where they meet, computed with more digits."""
+    """Both forms give the value of the closed form, computed with more digits, where they meet."""
     p = LuGre(alpha1=0.0)
     v, correction, z = 0.03, 0.1, -1e-3
     rate = np.longdouble(p.sigma0) * v / np.longdouble(p.alpha0)
@@ -100,7 +100,7 @@ def test_bound_is_kept() -> None:
 
 
 def test_odd_without_asymmetry() -> None:
-    """The two directions mirror each other exactly when the levels are equal."""
+    """With equal levels the two directions are exactly antisymmetric."""
     rng = np.random.default_rng(4)
     p = LuGre(viscous=0.1)
     for v, z in rng.normal(0, [0.5, 0.003], (100, 2)):
@@ -120,7 +120,7 @@ def test_presliding_is_a_spring_and_damper() -> None:
 
 
 def test_no_levels_no_friction() -> None:
-    """With α₀ = α₁ = 0 the bristle carries nothing, at any speed."""
+    """With α₀ = α₁ = 0 there is no bristle force at any speed."""
     p = LuGre(alpha0=0.0, alpha1=0.0)
     for v in (*SPEEDS, *(-v for v in SPEEDS)):
         z, mean = bristle_after(v, 0.0, 0.0, 1e-3, p)

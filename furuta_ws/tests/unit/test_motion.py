@@ -1,4 +1,4 @@
-"""The plant's integration over a sample, against an implicit solver on the plain equations."""
+"""Integration of the plant over a sample, compared with an implicit solver."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DT = 1e-3
 def advanced(
     start: list[float], torque: float, seconds: float, lugre: LuGre, dt: float = DT, finer: int = 1
 ) -> np.ndarray:
-    """States (n + 1, 5) at every sample, with ``finer`` times the usual substeps."""
+    """States (n + 1, 5) at every sample, with ``finer`` times the usual number of substeps."""
     x, law = np.array(start), friction_law("lugre", lugre)
     states = [x.copy()]
     for _ in range(round(seconds / dt)):
@@ -29,7 +29,7 @@ def advanced(
 
 @pytest.mark.parametrize("lugre", [LuGre(), LuGre(viscous=0.02, asymmetry=0.3)])
 def test_stick_and_slip_match_the_implicit_solver(lugre: LuGre) -> None:
-    """A hanging pendulum drags the arm through slips and stops; 3 s end where Radau ends."""
+    """A hanging pendulum moves the arm through slips and stops; 3 s end where Radau ends."""
     start = [0.0, 0.0, np.pi - 1.5, 0.0, 0.0]
     states = advanced(start, 0.05, 3.0, lugre)
     moving = np.abs(states[:, 1]) > 0.05
@@ -40,7 +40,7 @@ def test_stick_and_slip_match_the_implicit_solver(lugre: LuGre) -> None:
 
 
 def test_second_order() -> None:
-    """Half the substep leaves a quarter of the error."""
+    """Half the substep gives a quarter of the error."""
     start = [0.0, 3.0, 0.4, -1.0, 0.21 / 80]
     expected = reference.plant_after(np.array(start), 0.3, 0.2, BODY, LuGre())
     errors = [
@@ -53,7 +53,7 @@ def test_second_order() -> None:
 
 @pytest.mark.parametrize("speed", [100.0, -100.0])
 def test_bounded_at_long_samples_and_high_speed(speed: float) -> None:
-    """At 10 ms and 100 rad/s friction only ever takes energy, where explicit Euler explodes."""
+    """At 10 ms and 100 rad/s friction only dissipates energy; explicit Euler would diverge."""
     start = [0.0, speed, 0.1, 0.0, 0.0]
     states = advanced(start, 0.0, 20.0, LuGre(), dt=0.01)
     energies = np.array([energy(x, BODY) for x in states])
@@ -65,7 +65,7 @@ def test_bounded_at_long_samples_and_high_speed(speed: float) -> None:
 
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
 def test_full_drive_stays_finite(dt: float) -> None:
-    """Ten seconds of 10 V end fast but finite, with no more energy than the drive put in."""
+    """Ten seconds at 10 V end fast but finite, with no more energy than the drive supplied."""
     start = [0.0, 0.0, 0.05, 0.0, 0.0]
     states = advanced(start, 10.0, 10.0, LuGre(), dt)
     assert np.all(np.isfinite(states))
@@ -75,7 +75,7 @@ def test_full_drive_stays_finite(dt: float) -> None:
 
 @pytest.mark.parametrize("sigma1", [1.5, 20.0])
 def test_stiff_bristle(sigma1: float) -> None:
-    """With σ₀ = 1e5 the usual substeps still follow the true motion of a stuck arm."""
+    """With σ₀ = 1e5 the usual substeps still follow the motion of a stuck arm."""
     lugre = LuGre(sigma0=1e5, sigma1=sigma1)
     start = [0.0, 0.0, 0.05, 0.0, 0.0]
     states = advanced(start, 0.1, 0.4, lugre)
@@ -86,7 +86,7 @@ def test_stiff_bristle(sigma1: float) -> None:
 
 
 def test_substeps_resolve_the_stuck_arm() -> None:
-    """The fastest eigenvalue of the stuck plant times the substep stays below a quarter."""
+    """The fastest eigenvalue of the stuck plant times the substep is below a quarter."""
     rng = np.random.default_rng(5)
     for _ in range(100):
         lugre = LuGre(
@@ -110,14 +110,14 @@ def test_substeps_resolve_the_stuck_arm() -> None:
 
 
 def test_energy_without_friction() -> None:
-    """Frictionless motion keeps its energy to the integrator's order."""
+    """Motion without friction conserves energy to the order of the integrator."""
     states = advanced([0.0, 2.0, 0.3, -1.0, 0.0], 0.0, 5.0, LuGre(alpha0=0.0, alpha1=0.0))
     energies = np.array([energy(x, BODY) for x in states])
     assert np.ptp(energies) < 1e-3 * np.ptp(BODY.delta * np.cos(states[:, 2]))
 
 
-def test_friction_takes_energy() -> None:
-    """Sliding at constant friction loses F times the distance."""
+def test_friction_dissipates_energy() -> None:
+    """Sliding at constant friction dissipates F times the distance."""
     lugre = LuGre(alpha1=0.0)
     states = advanced([0.0, 5.0, np.pi, 0.0, 0.21 / 80], 0.0, 0.1, lugre)
     lost = energy(states[0], BODY) - energy(states[-1], BODY)

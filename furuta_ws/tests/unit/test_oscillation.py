@@ -1,4 +1,4 @@
-"""Measures of an oscillation, on signals whose size and period are known."""
+"""Measurement of oscillations, on signals with known size and period."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TIME = np.arange(0, 30, DT)
 
 
 def states(phi: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
-    """States (n, 4) with the arm's speed by differences."""
+    """States (n, 4) with the arm speed by differences."""
     x = np.zeros((len(phi), 4))
     x[:, 0], x[:, 1] = phi, np.gradient(phi, DT)
     if theta is not None:
@@ -24,7 +24,7 @@ def states(phi: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, 2.5, 4.0])
 def test_sine_on_an_offset(phase: float) -> None:
-    """Amplitudes and period of sines come out, whatever phase and offset."""
+    """Peak to peak and period of sines are exact for any phase and offset."""
     turn = 2 * np.pi * TIME / 2.3701 + phase
     found = measure_oscillation(states(5 + 0.25 * np.sin(turn), 0.04 * np.sin(turn) - 1), DT)
     assert found.phi_peak_to_peak_rad == pytest.approx(0.5, rel=1e-5)
@@ -33,15 +33,15 @@ def test_sine_on_an_offset(phase: float) -> None:
 
 
 def test_period_of_a_noisy_signal() -> None:
-    """Noise that crosses the middle many times does not shorten the period."""
+    """Noise that crosses the midpoint many times does not shorten the period."""
     noise = np.random.default_rng(16).normal(0, 0.01, len(TIME))
     signal = 0.25 * np.sin(2 * np.pi * TIME / 2.0) + noise
     assert np.sum(np.diff(np.sign(signal)) != 0) > 100
     assert period(signal, DT) == pytest.approx(2.0, rel=1e-2)
 
 
-def test_period_with_a_rest_in_the_middle() -> None:
-    """A signal that waits at its middle, trembling, has the period of its large motion."""
+def test_period_with_a_rest_at_the_midpoint() -> None:
+    """A noisy signal that rests at its midpoint has the period of its large motion."""
     turn = (TIME / 3.0) % 1
     signal = np.interp(turn, [0, 0.2, 0.4, 0.6, 0.8, 1.0], [0, 1, 0, 0, -1, 0])
     trembling = 0.02 * np.sin(2 * np.pi * TIME * 40)
@@ -54,19 +54,19 @@ def test_period_with_a_rest_in_the_middle() -> None:
     ids=["rest", "too small", "drift", "one crossing"],
 )
 def test_no_period(signal: np.ndarray) -> None:
-    """What does not come back twice has no period."""
+    """A signal with fewer than two crossings has no period."""
     assert math.isnan(period(signal, DT))
 
 
 def test_stuck_fraction() -> None:
-    """The part of time at rest is that of the plateaus."""
+    """The fraction of time stuck is that of the plateaus."""
     turn = (TIME / 2.0) % 1
     phi = np.interp(turn, [0, 0.3, 0.5, 0.8, 1.0], [0, 0.4, 0.4, 0, 0])
     assert measure_oscillation(states(phi), DT).stuck_fraction == pytest.approx(0.4, abs=2e-3)
 
 
 def test_fell() -> None:
-    """Fallen is beyond the horizontal at any time, to either side, even if it came back."""
+    """Below the horizontal at any time, to either side, even if the pendulum came back."""
     theta = np.zeros(100)
     assert not fell(states(theta, theta))
     for tilt, expected in ((1.5, False), (-1.5, False), (1.6, True), (-1.6, True)):

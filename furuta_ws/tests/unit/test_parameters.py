@@ -1,4 +1,4 @@
-"""Declared parameters: values in, a checked group out, and back."""
+"""Declared parameters: values are converted to a validated group and back."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def names(parameters: list[tuple[str, Declared]]) -> list[str]:
 
 
 class Inner(NamedTuple):
-    """A group inside."""
+    """A nested group."""
 
     gain: Annotated[float, About("gain", "V/rad", 0.0, 5.0)] = 1.0
     taps: Annotated[tuple[float, ...], About("taps", "", -1.0)] = ()
 
 
 class Outer(NamedTuple):
-    """Groups nested with a name and without."""
+    """Groups nested with and without a name."""
 
     named: Inner = Inner()
     inline: Annotated[LuGre, INLINE] = LuGre()
@@ -55,7 +55,7 @@ def test_names_of_nested_groups() -> None:
 
 @pytest.mark.parametrize("node", NODES)
 def test_defaults_are_allowed(node: str) -> None:
-    """Built from nothing, a group is its defaults, and each default is a value it may have."""
+    """A group built without values has its defaults, and all defaults are allowed."""
     group: Any = NODES[node].parameters
     assert build(group, {}) == group()
     assert build(group, values(group())) == group()
@@ -63,14 +63,14 @@ def test_defaults_are_allowed(node: str) -> None:
 
 @pytest.mark.parametrize("node", NODES)
 def test_round_trip(node: str) -> None:
-    """Any allowed values survive build and values unchanged."""
+    """Allowed values survive ``build`` and ``values`` unchanged."""
     rng = np.random.default_rng(6)
     for _ in range(20):
         given: dict[str, Any] = {}
         for each in declared(NODES[node].parameters):
             low, high = max(each.about.low, -1e3), min(each.about.high, 1e3)
             if each.name.startswith("model.") or each.name.endswith(("_angle", "sample_time")):
-                continue  # not free of each other
+                continue  # coupled by a condition
             if each.kind is float:
                 given[each.name] = rng.uniform(low, high)
             elif each.kind is int:
@@ -86,8 +86,8 @@ def test_round_trip(node: str) -> None:
 
 
 @pytest.mark.parametrize(("node", "each"), NUMBERS, ids=names(NUMBERS))
-def test_range_is_held(node: str, each: Declared) -> None:
-    """Both limits are allowed; beyond, the message has name, range, unit and what was given."""
+def test_range_is_checked(node: str, each: Declared) -> None:
+    """Both limits are allowed; the message names parameter, range, unit and the given value."""
     about = each.about
     for limit, outward in ((about.low, -1), (about.high, 1)):
         if math.isinf(limit):
@@ -105,31 +105,34 @@ def test_range_is_held(node: str, each: Declared) -> None:
 
 @pytest.mark.parametrize(("node", "each"), NUMBERS, ids=names(NUMBERS))
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, True, "1", None, [1.0]], ids=str)
-def test_no_number(node: str, each: Declared, wrong: Any) -> None:
-    """NaN, infinities, truth values, text and nothing are no numbers, and the message says so."""
+def test_not_a_number(node: str, each: Declared, wrong: Any) -> None:
+    """NaN, infinities, booleans, text and None are rejected as numbers, and the message says so."""
     with pytest.raises(ParameterError, match=rf"^{each.name} must be (finite|a number|an integer)"):
         build(NODES[node].parameters, {each.name: wrong})
 
 
 def test_whole_numbers() -> None:
-    """A float takes an integer and is a float; an integer takes no float."""
-    made = build(PlantParameters, {"friction.sigma0": 80, "seed": 7})
-    assert (made.friction.parameters.sigma0, type(made.friction.parameters.sigma0)) == (80.0, float)
-    assert (made.seed, type(made.seed)) == (7, int)
+    """A float accepts an integer and is a float; an integer rejects a float."""
+    built = build(PlantParameters, {"friction.sigma0": 80, "seed": 7})
+    assert (built.friction.parameters.sigma0, type(built.friction.parameters.sigma0)) == (
+        80.0,
+        float,
+    )
+    assert (built.seed, type(built.seed)) == (7, int)
     with pytest.raises(ParameterError, match=r"seed must be an integer, given 7\.0"):
         build(PlantParameters, {"seed": 7.0})
 
 
 @pytest.mark.parametrize("given", [1, "true", None])
-def test_truth_values(given: Any) -> None:
-    """Only true and false are truth values."""
+def test_booleans(given: Any) -> None:
+    """Only true and false are booleans."""
     with pytest.raises(ParameterError, match="enabled must be a bool, given"):
         build(ControllerParameters, {"enabled": given})
 
 
 @pytest.mark.parametrize(("node", "each"), [(n, e) for n, e in ALL if e.about.choices])
 def test_choices(node: str, each: Declared) -> None:
-    """Each choice is taken; another word is refused with the list of choices."""
+    """Each choice is accepted; any other word is rejected with the list of choices."""
     for choice in each.about.choices:
         assert values(build(NODES[node].parameters, {each.name: choice}))[each.name] == choice
     listed = f"{each.name} must be one of {', '.join(each.about.choices)}, given 'other'"
@@ -149,8 +152,8 @@ def test_choices(node: str, each: Declared) -> None:
         ({"fall_angle": 0.1}, r"catch_angle must not exceed fall_angle, given 0\.2 > 0\.1"),
     ],
 )
-def test_what_does_not_go_together(given: dict[str, Any], message: str) -> None:
-    """Values that are wrong only together are refused too."""
+def test_contradictory_values_are_rejected(given: dict[str, Any], message: str) -> None:
+    """Values that are wrong only in combination are rejected too."""
     with pytest.raises(ParameterError, match=message):
         build(ControllerParameters, given)
 
@@ -164,7 +167,7 @@ def test_what_does_not_go_together(given: dict[str, Any], message: str) -> None:
     ],
 )
 def test_any_wrong_value_is_a_parameter_error(given: dict[str, Any]) -> None:
-    """Whatever is given, the refusal is a ParameterError."""
+    """Any wrong value raises ParameterError."""
     with pytest.raises(ParameterError):
         build(ControllerParameters, given)
 
@@ -180,5 +183,5 @@ def test_any_wrong_value_is_a_parameter_error(given: dict[str, Any]) -> None:
     ],
 )
 def test_allowed_in_words(about: About, words: str) -> None:
-    """What is allowed reads as a user would say it."""
+    """The allowed values as text."""
     assert about.allowed == words

@@ -1,4 +1,4 @@
-"""The rigid body: equation (1) against mechanics itself."""
+"""The rigid body: equation (1), compared with mechanics."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def gradient(function, at: np.ndarray, step: float) -> np.ndarray:
 
 @pytest.mark.parametrize("situation", SITUATIONS[:20])
 def test_accelerations_obey_lagrange(situation: np.ndarray) -> None:
-    """d/dt ∂L/∂q̇ − ∂L/∂q, differentiated numerically, is the torque on the arm and nothing else."""
+    """d/dt ∂L/∂q̇ − ∂L/∂q, differentiated numerically, is the torque on the arm alone."""
     phi, v, theta, w, torque = situation
     q, rate = np.array([phi, theta]), np.array([v, w])
     acceleration = np.array(accelerations(v, theta, w, torque, P))
@@ -47,7 +47,7 @@ def test_accelerations_obey_lagrange(situation: np.ndarray) -> None:
 
 
 def test_accelerations_solve_the_mass_matrix_form() -> None:
-    """The closed-form inverse agrees with a linear solver, for any admissible inertia."""
+    """The closed form agrees with a linear solver, for any admissible inertia."""
     for _, v, theta, w, torque in SITUATIONS:
         alpha, beta, delta = RNG.uniform(0.01, 2, 3)
         p = FurutaPendulum(alpha, beta, RNG.uniform(0.1, 0.95) * np.sqrt(alpha * beta), delta)
@@ -56,14 +56,14 @@ def test_accelerations_solve_the_mass_matrix_form() -> None:
 
 
 def test_mirror_image() -> None:
-    """Turning every angle, speed and torque round turns the accelerations round."""
+    """Negating all angles, speeds and torques negates the accelerations."""
     for _, v, theta, w, torque in SITUATIONS:
         mirrored = accelerations(-v, -theta, -w, -torque, P)
         assert mirrored == pytest.approx(-np.array(accelerations(v, theta, w, torque, P)))
 
 
-def test_both_equilibria_rest() -> None:
-    """Upright and hanging nothing moves; hanging pulls back and upright pushes on."""
+def test_equilibria() -> None:
+    """Upright and hanging are equilibria, unstable and stable."""
     for theta, direction in ((0.0, 1.0), (np.pi, -1.0)):
         assert accelerations(0.0, theta, 0.0, 0.0, P) == pytest.approx((0, 0), abs=1e-12)
         assert direction * accelerations(0.0, theta + 0.01, 0.0, 0.0, P)[1] > 0
@@ -80,7 +80,7 @@ def test_energy_is_kinetic_plus_potential() -> None:
 
 @pytest.mark.parametrize("amplitude", [0.0, 0.5])
 def test_power_balance(amplitude: float) -> None:
-    """Energy changes by the work of the torque: not at all without one."""
+    """The energy changes by the work of the torque; without torque it is constant."""
 
     def rate(t: float, x: np.ndarray) -> list[float]:
         _, v, theta, w, _ = x
@@ -92,18 +92,18 @@ def test_power_balance(amplitude: float) -> None:
     x = solve_ivp(rate, (0, 5), start, method="DOP853", rtol=1e-11, atol=1e-12).y
     gained = np.array([energy(each, P) for each in x[:4].T]) - energy(start[:4], P)
     assert gained == pytest.approx(x[4], abs=1e-8)
-    assert np.ptp(x[2]) > np.pi  # it turned over, so the nonlinear terms took part
+    assert np.ptp(x[2]) > np.pi  # it rotated fully, so the nonlinear terms matter
 
 
-def test_indefinite_inertia_is_refused() -> None:
-    """αβ ≤ γ² is no body; the message holds the three values."""
+def test_indefinite_inertia_is_rejected() -> None:
+    """αβ ≤ γ² is rejected; the message holds the three values."""
     with pytest.raises(ParameterError, match=r"alpha = 0\.1, beta = 0\.4, gamma = 0\.2"):
         build(FurutaPendulum, {"alpha": 0.1, "beta": 0.4, "gamma": 0.2})
     assert build(FurutaPendulum, {"alpha": 0.1, "beta": 0.4, "gamma": 0.199}).determinant > 0
 
 
-def test_turned_is_the_sine_and_cosine_of_the_sum() -> None:
-    """Within rounding for any angle and any turn, small or large."""
+def test_rotate_is_the_sine_and_cosine_of_the_sum() -> None:
+    """To rounding for any angle and any rotation, small or large."""
     rng = np.random.default_rng(9)
     for angle in rng.uniform(-np.pi, np.pi, 500):
         turn = rng.choice([-1, 1]) * 10 ** rng.uniform(-9, 1)

@@ -1,4 +1,4 @@
-"""Predicted limit cycles: residuals, nothing lost, stability, and the simulated motion."""
+"""Predicted limit cycles: residuals, completeness, stability, and the simulated motion."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ive
 
 from furuta_analysis.describing_functions.describing_function import static_describing_function
-from furuta_analysis.describing_functions.lugre_cycles import suspects, winding_number
+from furuta_analysis.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta_analysis.describing_functions.residual import residual
 from furuta_analysis.describing_functions.transfer import FIGURE_4, Transfer, transfer
@@ -23,7 +23,7 @@ PLACED = -place_poles(P, DesiredPoles())
 
 
 def brute_force(g: Transfer, p: LuGre, prediction: Prediction) -> list[tuple[float, float]]:
-    """(X, ω) of cells in which both parts of 1/G + N change sign, N by its closed form."""
+    """(X, ω) of cells in which both parts of 1/G + N change sign, with N in closed form."""
     omega = np.geomspace(*prediction.omega_range_rad_s, 1500)[None, :]
     deflection = np.geomspace(*prediction.phi_amplitude_range_rad, 1500)[:, None]
     k = p.sigma0 * deflection / p.alpha0
@@ -41,7 +41,7 @@ def brute_force(g: Transfer, p: LuGre, prediction: Prediction) -> list[tuple[flo
 
 
 def random_loop(rng: np.random.Generator) -> tuple[Transfer, LuGre]:
-    """A feedback near pole placement and a bristle, often without damping of its own."""
+    """A feedback near pole placement and a bristle, often without damping."""
     omega1, omega2, zeta1, zeta2 = rng.uniform([0.5, 0.5, 0.02, 0.02], [20, 20, 1.5, 1.5])
     gain = -place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2)) * rng.uniform(0.8, 1.2, 4)
     p = LuGre(
@@ -56,7 +56,7 @@ def random_loop(rng: np.random.Generator) -> tuple[Transfer, LuGre]:
 @pytest.mark.parametrize("kind", range(len(LAWS)))
 @pytest.mark.parametrize("feedback", [tuple(PLACED), *FIGURE_4.values()])
 def test_every_cycle_balances(kind: int, feedback: tuple[float, ...]) -> None:
-    """1 + GN vanishes at each predicted cycle; where φ is fed back there is one, else none."""
+    """1 + GN vanishes at each predicted cycle; there is one if φ is fed back, else none."""
     g, law = transfer(P, feedback), FrictionLaw(kind)
     prediction = predict_cycles(g, law)
     assert prediction.complete
@@ -84,7 +84,7 @@ def test_prediction_of_the_rig() -> None:
 @pytest.mark.parametrize(
     ("gain", "p", "stable"),
     [
-        # Bristles without damping of their own.
+        # Bristles without damping.
         (
             (26.405, 3.6467, 58.786, 6.479),
             LuGre(alpha1=0.0, sigma0=25.906, sigma1=0.0),
@@ -103,8 +103,8 @@ def test_several_cycles(gain: tuple[float, ...], p: LuGre, stable: list[bool]) -
     assert [cycle.stable for cycle in prediction.cycles] == stable
 
 
-def test_stability_is_where_the_poles_go() -> None:
-    """Stable cycles are those whose loop, with N at a larger amplitude, has stable poles only."""
+def test_stability_agrees_with_the_poles() -> None:
+    """A cycle is stable if the loop with N at a larger amplitude has only stable poles."""
     rng = np.random.default_rng(8)
     law = FrictionLaw(COULOMB)
     verdicts = []
@@ -119,8 +119,8 @@ def test_stability_is_where_the_poles_go() -> None:
     assert verdicts.count(False) > 20
 
 
-def test_nothing_is_lost() -> None:
-    """The same cycles as an independent scan of a closed form on two million cells."""
+def test_no_cycle_is_missed() -> None:
+    """The same cycles as in an independent scan of a closed form on two million cells."""
     rng = np.random.default_rng(7)
     counts = []
     for _ in range(15):
@@ -141,7 +141,7 @@ def test_nothing_is_lost() -> None:
 
 
 def test_small_cycles_are_found_too() -> None:
-    """With friction of a nanovolt the cycles shrink in proportion, and none is dropped."""
+    """With friction of a nanovolt the cycles shrink in proportion, and none is missed."""
     g = transfer(P, PLACED)
     for kind in range(len(LAWS)):
         p = LuGre(alpha0=0.21e-9, alpha1=0.022e-9, stribeck_velocity=1e-6, sigma0=80.0)
@@ -150,7 +150,7 @@ def test_small_cycles_are_found_too() -> None:
 
 
 def test_frictionless_and_viscous_loops_have_none() -> None:
-    """No friction, no cycle; viscous friction beyond 1/|G| at the crossing ends it as well."""
+    """No cycle without friction, or with viscous friction beyond 1/|G| at the crossing."""
     g = transfer(P, PLACED)
     for kind in range(len(LAWS)):
         assert predict_cycles(g, FrictionLaw(kind, LuGre(alpha0=0.0, alpha1=0.0))).cycles == ()
@@ -161,7 +161,7 @@ def test_frictionless_and_viscous_loops_have_none() -> None:
 
 
 def test_bias_is_the_asymmetry() -> None:
-    """Unequal levels leave the cycle as it is and add a mean force."""
+    """Unequal levels do not change the cycle and add a mean force."""
     g = transfer(P, PLACED)
     (equal,) = predict_cycles(g, FrictionLaw(COULOMB)).cycles
     (unequal,) = predict_cycles(g, FrictionLaw(COULOMB, LuGre(asymmetry=0.1))).cycles
@@ -169,14 +169,14 @@ def test_bias_is_the_asymmetry() -> None:
 
 
 def test_winding_number_counts_zeros() -> None:
-    """Zeros of a polynomial count +1, of its conjugate −1, and a suspect cell holds each."""
+    """Zeros of a polynomial count +1, of its conjugate −1; a candidate cell holds each."""
     x, y = np.meshgrid(np.linspace(-2, 2, 40), np.linspace(-2, 2, 41), indexing="ij")
     s = x + 1j * y
     h = (s - 0.5) * (s + 0.3 - 1j)
     assert winding_number(h) == 2
     assert winding_number(np.conj(h)) == -2
     assert winding_number(h + 100.0) == 0
-    cells = suspects(h)
+    cells = candidate_cells(h)
     for root in (0.5 + 0j, -0.3 + 1j):
         inside = (
             (x[cells[:, 0], 0] <= root.real)

@@ -1,4 +1,4 @@
-"""Earlier names of parameters, and earlier values."""
+"""Earlier names and values of parameters."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Inner(NamedTuple):
 
 
 class Outer(NamedTuple):
-    """A parameter that replaced a switch in another group."""
+    """A group with a parameter that replaced a switch in another group."""
 
     mode: Annotated[
         str,
@@ -41,7 +41,7 @@ class Outer(NamedTuple):
 
 @pytest.fixture(autouse=True)
 def every_warning() -> None:
-    """Warnings that an earlier test has seen are new again."""
+    """Warnings that an earlier test has caused appear again."""
     warn_once.cache_clear()
 
 
@@ -53,7 +53,7 @@ def node(monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_full_earlier_names() -> None:
-    """They are relative to the group that declares the parameter."""
+    """Earlier names are relative to the group that declares the parameter."""
     assert set(renamed(Outer)) == {"inner.spread", "inner.open_loop"}
     assert renamed(Outer)["inner.spread"].parameter.name == "inner.noise"
 
@@ -68,7 +68,7 @@ def test_full_earlier_names() -> None:
     ],
 )
 def test_translation(given: dict[str, Any], expected: dict[str, Any], warning: str) -> None:
-    """Names and values are today's, and the warning says what to write instead."""
+    """Names and values are the current ones, and the warning says what to write instead."""
     values, warnings = with_current_names(Outer, given)
     assert values == expected
     assert type(next(iter(values.values()))) is type(next(iter(expected.values())))
@@ -77,7 +77,7 @@ def test_translation(given: dict[str, Any], expected: dict[str, Any], warning: s
 
 
 def test_the_current_name_takes_precedence() -> None:
-    """Whichever of the two is given first."""
+    """In either order of the two."""
     for given in (
         {"inner.spread": 2.0, "inner.noise": 3.0},
         {"inner.noise": 3.0, "inner.spread": 2.0},
@@ -86,7 +86,7 @@ def test_the_current_name_takes_precedence() -> None:
 
 
 def test_current_names_need_no_warning() -> None:
-    """Values by today's names are returned as they are."""
+    """Values by current names are returned unchanged."""
     assert with_current_names(Outer, {"mode": "balance"}) == ({"mode": "balance"}, [])
 
 
@@ -95,14 +95,14 @@ def test_current_names_need_no_warning() -> None:
     ["inner.spread=2", "mine.inner.spread=2", "spread=2", "mine.inner.spread=2e0"],
 )
 def test_assignments(node: str, assignment: str, caplog: Any) -> None:
-    """The command line accepts earlier names as it accepts today's, with one warning."""
+    """The command line accepts earlier names, with one warning."""
     assert load_settings([], [assignment, assignment])[node] == {"inner.noise": 2.0}
     assert [each.levelno for each in caplog.records] == [logging.WARNING]
     assert "mine: parameter inner.spread is now called inner.noise" in caplog.text
 
 
 def test_assigned_values(node: str, caplog: Any) -> None:
-    """Earlier values are translated; any other value is checked as today's."""
+    """Earlier values are translated; any other value is validated as a current one."""
     assert load_settings([], ["mine.inner.open_loop=true"])[node] == {"mode": "open_loop"}
     assert "use mode=open_loop instead of inner.open_loop=True" in caplog.text
     with pytest.raises(ParameterError, match=r"mode must be one of balance, open_loop, given 'x'"):
@@ -112,7 +112,7 @@ def test_assigned_values(node: str, caplog: Any) -> None:
 
 
 def test_parameter_file_of_an_earlier_version(tmp_path: Path, caplog: Any) -> None:
-    """A file with the estimator's earlier names loads; so does one kept with an old bag."""
+    """A file with earlier names of the estimator loads, also one stored with an old bag."""
     file = tmp_path / "parameters.yaml"
     file.write_text(
         "/estimator:\n  ros__parameters: {friction_spread: 0.5, pendulum_spread: 1e-1}\n"
@@ -126,7 +126,7 @@ def test_parameter_file_of_an_earlier_version(tmp_path: Path, caplog: Any) -> No
 
 
 def test_recorded_changes_of_an_earlier_version(caplog: Any) -> None:
-    """Changes that a bag holds are translated too."""
+    """Changes in a bag are translated too."""
     assert with_current_parameter_names(
         "estimator", {"friction_spread": 0.5, "method": "kalman"}
     ) == {

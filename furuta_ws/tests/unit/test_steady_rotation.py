@@ -1,4 +1,4 @@
-"""Nyquist curves that start on the negative real axis: the arm rotates, and simulations agree."""
+"""Nyquist curves that start on the negative real axis: the arm rotates, as in simulations."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def speeds(
     ],
 )
 def test_lugre_ends_in_rotation(feedback: tuple[float, ...], start: InitialState) -> None:
-    """From wherever it starts, the arm of cases c and d ends at one of the two speeds."""
+    """From any start the arm of cases c and d ends at one of the two speeds."""
     expected = [each.rate_rad_s for each in steady_rotations(P, feedback, FrictionLaw())]
     assert expected[0] == -expected[1] > 0.0
     end = speeds(feedback, LuGre(), start)[-1]
@@ -66,7 +66,7 @@ def test_lugre_ends_in_rotation(feedback: tuple[float, ...], start: InitialState
 
 @pytest.mark.parametrize("feedback", FREE.values(), ids=FREE)
 def test_coulomb_rotates_at_fc_over_l2(feedback: tuple[float, ...]) -> None:
-    """While it slides forward, the arm settles at Fc/l2 with the pendulum upright."""
+    """While sliding forward the arm settles at Fc/l2 with the pendulum upright."""
 
     def rate(_: float, x: np.ndarray) -> list[float]:
         v_dot, w_dot = reference.accelerations(*x[1:], float(np.dot(feedback, x)) - 0.21, P)
@@ -84,7 +84,7 @@ def test_coulomb_rotates_at_fc_over_l2(feedback: tuple[float, ...]) -> None:
 
 
 @pytest.mark.parametrize("kind", range(len(LAWS)))
-def test_the_feedback_cancels_friction(kind: int) -> None:
+def test_feedback_cancels_friction(kind: int) -> None:
     """l₂v is F at every rotation, with viscous part and unequal levels."""
     law = FrictionLaw(kind, LuGre(viscous=0.3, asymmetry=0.2, alpha1=0.1))
     for rotation in steady_rotations(P, FIGURE_4["c"], law):
@@ -93,8 +93,8 @@ def test_the_feedback_cancels_friction(kind: int) -> None:
     assert len(steady_rotations(P, FIGURE_4["c"], law)) == 2
 
 
-def test_a_steep_stribeck_curve_makes_it_unstable() -> None:
-    """Said of both laws that have the slope, and the simulated arm leaves the rotation."""
+def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
+    """For both laws with the slope; the simulated arm leaves the rotation."""
     for kind in (STRIBECK, LUGRE):
         law = FrictionLaw(kind, STEEP)
         assert [each.stable for each in steady_rotations(P, FIGURE_4["d"], law)] == [False] * 2
@@ -108,12 +108,12 @@ def test_a_steep_stribeck_curve_makes_it_unstable() -> None:
     "feedback", [FIGURE_4["a"], FIGURE_4["b"], (0, -1, 60, 20), (0, 0.2, 1, 1)]
 )
 def test_no_rotation(feedback: tuple[float, ...]) -> None:
-    """None with φ fed back, nor where l2 is not above the viscous part."""
+    """None if φ is fed back, or if l2 is at most the viscous friction."""
     assert steady_rotations(P, feedback, FrictionLaw(COULOMB, LuGre(viscous=0.3))) == ()
 
 
 def test_case_b_accelerates() -> None:
-    """With neither φ nor its speed fed back, friction drives the arm on at δFc/a₂."""
+    """If neither φ nor its speed is fed back, friction accelerates the arm at δFc/a₂."""
     v = speeds(FIGURE_4["b"], LuGre(), InitialState(0, 0.2, 0.0, 0), 30.0)
     early = np.diff(v[[10_000, 20_000]])[0] / 2.0  # from 2 s to 4 s
     note = loop_note(P, FIGURE_4["b"], FrictionLaw())
@@ -123,8 +123,8 @@ def test_case_b_accelerates() -> None:
     assert np.all(np.diff(v[10_000::1000]) > 0.0)
 
 
-def test_an_overdamped_loop_comes_to_rest_aside() -> None:
-    """Where the slowest pole is real the arm creeps to l1 φ = F, and the note warns of it."""
+def test_overdamped_loop_comes_to_rest_off_centre() -> None:
+    """If the slowest pole is real the arm creeps to l1 φ = F, and the note warns of it."""
     feedback = (0.1, 1.0, 60.0, 20.0)
     assert "The slowest pole is real" in loop_note(P, feedback, FrictionLaw())
     assert "The slowest pole" not in loop_note(P, FIGURE_4["a"], FrictionLaw())
@@ -133,8 +133,8 @@ def test_an_overdamped_loop_comes_to_rest_aside() -> None:
     assert abs(np.sum(v) * 2e-4) == pytest.approx(0.232 / 0.1, rel=1e-2)
 
 
-def test_note_tells_an_unstable_loop() -> None:
-    """A feedback that does not hold the pendulum is said to be one; drift alone is not."""
+def test_note_reports_an_unstable_loop() -> None:
+    """A feedback that does not stabilise the pendulum is reported; drift alone is not."""
     assert "unstable (a pole with real part" in loop_note(P, (0, 0, 0, 0), FrictionLaw())
     assert "unstable (a pole" not in loop_note(P, FIGURE_4["b"], FrictionLaw())
     assert "stable" not in loop_note(P, FIGURE_4["a"], FrictionLaw())

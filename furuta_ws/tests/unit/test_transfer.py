@@ -1,4 +1,4 @@
-"""G(s) of equation (10): against the state space, python-control and dense curves."""
+"""G(s) of equation (10), compared with state space, python-control and sampled curves."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def closed_loop(p: FurutaPendulum, feedback: tuple[float, ...]) -> tuple[np.ndar
 @pytest.mark.parametrize("p", [P, OTHER])
 @pytest.mark.parametrize("feedback", FEEDBACKS)
 def test_equation_10_is_the_state_space(p: FurutaPendulum, feedback: tuple[float, ...]) -> None:
-    """G(jω) is C(jω − A − Bl)⁻¹B, for −F enters where u does."""
+    """G(jω) is C(jω − A − Bl)⁻¹B, because −F acts where u does."""
     a, b = closed_loop(p, feedback)
     g = transfer(p, feedback)
     for omega in np.geomspace(0.01, 1e3, 30):
@@ -41,7 +41,7 @@ def test_equation_10_is_the_state_space(p: FurutaPendulum, feedback: tuple[float
 
 
 def test_coefficients_are_those_of_python_control() -> None:
-    """Numerator and denominator, normalised, and the frequency response."""
+    """Normalised numerator and denominator, and the frequency response."""
     a, b = closed_loop(P, PLACED)
     theirs = control.ss2tf(control.ss(a, b[:, None], np.eye(4)[[PHI_DOT]], 0))
     g = transfer(P, PLACED)
@@ -55,7 +55,7 @@ def test_coefficients_are_those_of_python_control() -> None:
 
 @pytest.mark.parametrize("feedback", FEEDBACKS)
 def test_poles_are_eigenvalues(feedback: tuple[float, ...]) -> None:
-    """The poles are the closed loop's eigenvalues, less the free φ where l1 = 0."""
+    """The poles are the eigenvalues of the closed loop, except that of φ if l1 = 0."""
     a, _ = closed_loop(P, feedback)
     eigenvalues = list(np.linalg.eigvals(a))
     g = transfer(P, feedback)
@@ -67,7 +67,7 @@ def test_poles_are_eigenvalues(feedback: tuple[float, ...]) -> None:
 
 
 def curve_crossings(g: Transfer) -> list[float]:
-    """ω at which a dense curve passes the negative real axis."""
+    """ω at which a finely sampled curve crosses the negative real axis."""
     omega = np.geomspace(1e-4, 1e4, 400_000)
     values = g.at(omega)
     sign = np.flatnonzero(np.diff(np.sign(values.imag)) != 0)
@@ -75,7 +75,7 @@ def curve_crossings(g: Transfer) -> list[float]:
 
 
 def test_crossings_are_those_of_the_curve() -> None:
-    """No meeting with the negative real axis is missing or too many, for random feedbacks."""
+    """No crossing of the negative real axis is missed or added, for random feedbacks."""
     rng = np.random.default_rng(5)
     counts = set()
     for feedback in [*FEEDBACKS, *rng.normal(0, [5, 5, 30, 10], (40, 4))]:
@@ -89,7 +89,7 @@ def test_crossings_are_those_of_the_curve() -> None:
 
 
 def test_figure_4() -> None:
-    """Case a crosses in an oscillation, b not at all, c and d at ω = 0 with G(0) = −1/l2."""
+    """Case a crosses once in an oscillation, b never, c and d at ω = 0 with G(0) = −1/l2."""
     a, b, c, d = (transfer(P, feedback) for feedback in FIGURE_4.values())
     (crossing,) = a.crossings
     assert crossing == pytest.approx((3.0570, -1.71373), rel=1e-4)
@@ -102,7 +102,7 @@ def test_figure_4() -> None:
     assert a.static_gain == 0.0
 
 
-def test_a_stable_loop_with_arm_feedback_crosses_once() -> None:
+def test_stable_loop_with_arm_feedback_crosses_once() -> None:
     """Roots of real and imaginary part interlace, so any stable l1 ≠ 0 gives one limit cycle."""
     rng = np.random.default_rng(6)
     for omega1, omega2, zeta1, zeta2 in rng.uniform(0.2, [20, 20, 1.5, 1.5], (50, 4)):
@@ -111,7 +111,7 @@ def test_a_stable_loop_with_arm_feedback_crosses_once() -> None:
 
 
 def test_quadratic_roots_keep_their_digits() -> None:
-    """Roots twenty decades apart both come out, a double one comes once."""
+    """Roots twenty decades apart are both exact; a double root appears once."""
     small, large = real_quadratic_roots(1.0, -1e10, 1.0)
     assert small == pytest.approx(1e-10, rel=1e-12)
     assert large == pytest.approx(1e10)
@@ -121,6 +121,6 @@ def test_quadratic_roots_keep_their_digits() -> None:
 
 
 @pytest.mark.parametrize("feedback", [(1, 2, 3), (1, 2, 3, float("nan")), (1, 2, 3, float("inf"))])
-def test_bad_feedback_is_refused(feedback: tuple[float, ...]) -> None:
+def test_bad_feedback_is_rejected(feedback: tuple[float, ...]) -> None:
     with pytest.raises(ParameterError, match="four finite numbers"):
         transfer(P, feedback)

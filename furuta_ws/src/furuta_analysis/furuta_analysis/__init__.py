@@ -1,1 +1,1 @@
-"""The loop without ROS, and what is measured on it."""
+"""Simulation and analysis of the closed loop, without ROS."""

@@ -1,1 +1,1 @@
-"""State estimator and stabilising controller: a core and a node each."""
+"""State estimator and controller: a core and a node each."""

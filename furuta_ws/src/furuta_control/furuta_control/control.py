@@ -1,8 +1,8 @@
-"""The controller: a supervisor over its modes, and one sample of it.
+"""Computes the command in the selected mode: the registry of modes and one sample of any of them.
 
-In every mode an excitation signal may be added; the sum is limited to the voltage range. To add a
-mode, write its file in ``modes/`` and add it here: a row of :data:`MODES`, its parameters, its
-branch in :func:`_mode_command`.
+An excitation signal can be added in every active mode; the sum is limited to the voltage range. To
+add a mode, write its file in ``modes/`` and add it here: a row of :data:`MODES`, its parameters,
+and its branch in :func:`_mode_command`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import numpy as np
 
 from furuta_control.excitation import (
     NONE,
-    TURN,
+    TWO_PI,
     Excitation,
     ExcitationParameters,
-    excitation,
+    design_excitation,
     shape,
     within_limits,
 )
@@ -31,13 +31,13 @@ from furuta_model.pendulum import FurutaPendulum
 # Name and meaning.
 MODES = {
     "balance": "state feedback about upright with friction compensation",
-    "open_loop": "the excitation signal alone, at any pendulum angle: to identify a hanging one",
+    "open_loop": "the excitation signal alone, at any pendulum angle, for identification",
     "off": "0 V",
 }
 BALANCE, OPEN_LOOP, OFF = range(3)
 _MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
 
-# The controller's memory: the phase of the excitation, then each mode's own.
+# The controller's memory: the phase of the excitation, then the memory of each mode.
 PHASE = 0
 BALANCING = 1
 MEMORY = 2
@@ -48,7 +48,7 @@ INACTIVE = (0.0, False)
 class ControllerParameters(NamedTuple):
     """Parameters of the node ``controller``."""
 
-    enabled: Annotated[bool, About("drive the arm; 0 V where false")] = True
+    enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
     mode: Annotated[
         str,
         About(
@@ -62,19 +62,19 @@ class ControllerParameters(NamedTuple):
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
         tuple[float, ...],
-        About("explicit L of u = -Lx in place of pole placement: four numbers, or empty", "V/x"),
+        About("explicit L of u = -Lx instead of pole placement: four numbers, or empty", "V/x"),
     ] = ()
     model: FurutaPendulum = FurutaPendulum()
     voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
     fall_angle: Annotated[
-        float, About("pendulum angle beyond which the controller gives up: 0 V", "rad", 0.01, 3.0)
+        float, About("pendulum angle beyond which the command is 0 V", "rad", 0.01, 3.0)
     ] = 0.7
     catch_angle: Annotated[
-        float, About("pendulum angle within which it takes over again", "rad", 0.0, 3.0)
+        float, About("pendulum angle within which balancing starts again", "rad", 0.0, 3.0)
     ] = 0.2
     friction_timeout: Annotated[
         float,
-        About("how long a friction estimate serves when no newer one comes, then 0 V", "s", 0, 10),
+        About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     sample_time: Annotated[
@@ -82,7 +82,7 @@ class ControllerParameters(NamedTuple):
     ] = 0.001
 
     def check(self) -> None:
-        """Refuse a gain of the wrong length and angles in the wrong order."""
+        """Reject a gain of the wrong length, and a catch angle larger than the fall angle."""
         if len(self.gain) not in (0, 4):
             raise ParameterError(
                 "gain must be empty or four numbers (phi, phi_dot, theta, theta_dot), "
@@ -96,14 +96,14 @@ class ControllerParameters(NamedTuple):
 
     @property
     def feedback_gain(self) -> tuple[float, float, float, float]:
-        """L of u = −Lx: given explicitly, or by pole placement on the nominal model, eq. (7)."""
+        """L of u = −Lx: the explicit one, or by pole placement on the nominal model, eq. (7)."""
         gain: Iterable[float] = self.gain or place_poles(self.model, self.poles)
         l1, l2, l3, l4 = (float(each) for each in gain)
         return l1, l2, l3, l4
 
 
 class ControllerDesign(NamedTuple):
-    """What :func:`control` computes with."""
+    """The controller as :func:`control` uses it."""
 
     enabled: bool
     mode: int
@@ -119,7 +119,7 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
         p.enabled,
         mode,
         Balance(*p.feedback_gain, p.fall_angle, p.catch_angle),
-        excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
+        design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
         p.voltage_limit,
     )
 
@@ -132,7 +132,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDes
         return 0.0
     if p.excitation.kind != NONE and within_limits(x, p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
-        memory[PHASE] = (memory[PHASE] + p.excitation.step) % TURN
+        memory[PHASE] = (memory[PHASE] + p.excitation.step) % TWO_PI
     return min(max(u, -p.voltage_limit), p.voltage_limit)
 
 
@@ -140,7 +140,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDes
 def _mode_command(
     memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
 ) -> tuple[float, bool]:
-    """The mode's command u [V], and whether it drives at all."""
+    """Command u [V] of the mode, and whether the mode is active."""
     if p.mode == BALANCE:
         memory[BALANCING] = balance.balances(memory[BALANCING], x, p.balance)
         if memory[BALANCING] == 0.0:

@@ -19,21 +19,21 @@ from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
 
-# Estimates that can still be under way: the depth of the topic's queue.
-UNDER_WAY = QOS.depth
+# Largest number of estimates in transit: the depth of the topic's queue.
+MAX_IN_TRANSIT = QOS.depth
 
 
 class ControllerNode(FurutaNode[ControllerParameters]):
     """Stabilises the pendulum.
 
     Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
-    per state, as soon as state and friction estimate are both there, in whichever order.
+    per state, as soon as both the state and its friction estimate have arrived, in either order.
 
-    Estimates carry no stamp, so they are matched to states by counting. If the next state comes
-    before the estimate for the last one, the estimate is missing: that state is answered at
-    once with the newest estimate, or with 0 V when that is older than ``friction_timeout``; the
-    missing one is not matched to a later state when it does come, unless so many are missing
-    that they must be lost.
+    Estimates carry no stamp, so they are matched to states by counting. If a state arrives before
+    the estimate for the previous one, that estimate is late. The new state is then answered at
+    once with the newest estimate, or with F̂ = 0 V if that is older than ``friction_timeout``. The
+    late estimate is not matched to a later state when it arrives. If as many estimates in a row are
+    late as the queue can hold, they count as lost and are no longer expected.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -42,7 +42,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._stamp = -1
         self._friction = 0.0
         self._friction_stamp = -1
-        self._surplus = 0  # estimates less states
+        self._surplus = 0  # number of estimates minus number of states
         self._missed_in_a_row = 0
         self._command = Float64()
         self.missed_estimates = 0
@@ -53,7 +53,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
 
     def parameters_changed(self, parameters: ControllerParameters) -> None:
-        """Place the poles anew."""
+        """Redesign the controller; its memory is kept."""
         self._design = block(design_controller(parameters))
         _control(self._memory.copy(), self._x, 0.0, self._design)
 
@@ -67,7 +67,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         if self._surplus == 0:
             self._answer()
         elif self._surplus < -1:
-            self._go_without_estimate()
+            self._answer_without_estimate()
 
     def _on_friction(self, message: Float64) -> None:
         friction = read_float(message)
@@ -83,10 +83,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._missed_in_a_row = 0
         self._publish(self._friction)
 
-    def _go_without_estimate(self) -> None:
+    def _answer_without_estimate(self) -> None:
         self.missed_estimates += 1
         self._missed_in_a_row += 1
-        if self._missed_in_a_row >= UNDER_WAY:
+        if self._missed_in_a_row >= MAX_IN_TRANSIT:
             self._surplus = -1
         self.get_logger().warning(
             f"no friction estimate in time ({self.missed_estimates} so far)",

@@ -1,8 +1,8 @@
-"""State estimation from the sensors: the registry of methods, and one sample of any of them.
+"""Estimates the state from the measurement: the registry of methods and one sample of any of them.
 
-Measurement and estimate are (5,): x, then the applied torque and the observed friction [V]
+Measurement and estimate are (5,): x, then the applied torque or the observed friction [V]
 (:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it here:
-a row of :data:`METHODS`, its parameters, its design, its branch in the two functions at the end.
+a row of :data:`METHODS`, its parameters, its design, and its branch in the functions at the end.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from furuta_model.state import OBSERVED_FRICTION, RIGID_STATES, SIGNALS, THETA_D
 
 
 class Method(NamedTuple):
-    """A method of estimation: whether it observes friction, whether it needs the applied torque."""
+    """A method: whether it observes the friction, and whether it needs the applied torque."""
 
     name: str
     meaning: str
@@ -36,7 +36,7 @@ class Method(NamedTuple):
 METHODS = (
     Method(
         "kalman",
-        "fuses all sensors with the applied torque and observes the friction too",
+        "fuses all sensors and the applied torque, and observes the friction",
         observes_friction=True,
         needs_applied_torque=True,
     ),
@@ -53,7 +53,7 @@ _NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 _OBSERVES_FRICTION = tuple(method.observes_friction for method in METHODS)
 
-# The estimator's memory: its estimate, the method that runs (0: none yet), the method's own.
+# The estimator's memory: the estimate, the running method (0: none yet), the method's memory.
 RUNNING = SIGNALS
 OWN = RUNNING + 1
 MEMORY = OWN + lowpass.MEMORY
@@ -73,17 +73,17 @@ class EstimatorParameters(NamedTuple):
 
     @property
     def rig(self) -> NominalRig:
-        """What every method knows of the rig."""
+        """The nominal rig that every method uses."""
         return NominalRig(self.model, self.sensors, self.sample_time)
 
     @property
     def chosen(self) -> Method:
-        """The method that the parameters name."""
+        """The method that the parameters select."""
         return METHODS[_NAMES.index(self.method)]
 
 
 class EstimatorDesign(NamedTuple):
-    """What :func:`estimate_state` computes with."""
+    """The estimator as :func:`estimate_state` uses it."""
 
     method: int
     ideal: bool
@@ -93,7 +93,7 @@ class EstimatorDesign(NamedTuple):
 
 @lru_cache(maxsize=64)
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
-    """The estimator that the parameters describe; cached, for its design takes a millisecond."""
+    """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
     return EstimatorDesign(
         _NAMES.index(p.method),
         p.sensors.ideal,
@@ -108,8 +108,8 @@ def estimate_state(
 ) -> None:
     """One sample: ``memory`` (MEMORY,) is updated, ``estimate`` (5,) written.
 
-    A method that takes over from another one begins at the other's estimate. What is measured
-    exactly is not filtered; then the method only observes the friction, if it does.
+    After a change of method the new one starts from the estimate of the previous one. Ideal
+    measurements are not filtered; the method is then used only to observe the friction, if it can.
     """
     if p.ideal and not _OBSERVES_FRICTION[p.method]:
         for i in range(RIGID_STATES):
@@ -138,7 +138,7 @@ def estimate_state(
 
 @inlined
 def _begin(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
-    """Set a method's own memory; the estimate in ``memory`` is set already."""
+    """Initialise the method's memory; the estimate in ``memory`` is already set."""
     if p.method == LOWPASS:
         lowpass.begin(memory, OWN, measurement, p.lowpass)
 

@@ -18,18 +18,19 @@ from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
-# Deviation of an interval that does not count, and how many in a row are worth a word.
+# Relative deviation of an interval that is tolerated.
 TOLERANCE = 0.01
-MANY = 100
+# Number of deviating intervals in a row that causes a warning.
+WARN_AFTER = 100
 
 
 class EstimatorNode(FurutaNode[EstimatorParameters]):
-    """Estimates the state from what the sensors say.
+    """Estimates the state from the measurement.
 
-    Subscribes to ``measurement``, whose effort of the arm is the torque applied since the last
-    one [V]; publishes ``joint_states`` with the measurement's stamp, effort of the arm the
-    estimated friction [V] (NaN under method lowpass). A measurement that comes again (same
-    stamp) is answered again without a new step.
+    Subscribes to ``measurement`` (effort of the arm: the torque applied since the last one [V]);
+    publishes ``joint_states`` with the stamp of the measurement (effort of the arm: the observed
+    friction [V], NaN with method lowpass). If a measurement is repeated (same stamp), the last
+    estimate is published again without a new step.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -38,17 +39,17 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         self._estimate = np.zeros(SIGNALS)
         self._writer = JointWriter()
         self._last_stamp = -1
-        self._odd_intervals = 0
+        self._deviating_intervals = 0
         super().__init__("estimator", EstimatorParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(JOINT_STATES)
         self.subscribe_to(MEASUREMENT, self._on_measurement)
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
-        """Sample the filters anew; their memory stays."""
-        made = design_estimator(parameters)
-        self._ideal = made.ideal
-        self._estimator = block(made)
+        """Redesign the estimator; its memory is kept."""
+        design = design_estimator(parameters)
+        self._ideal = design.ideal
+        self._estimator = block(design)
         self._interval = parameters.sample_time * NANOSECONDS
         _estimate(self._memory.copy(), self._measurement, self._estimator, self._estimate)
 
@@ -57,14 +58,14 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         if stamp != self._last_stamp:
             self._read(message)
             _estimate(self._memory, self._measurement, self._estimator, self._estimate)
-            filled = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
-            filled.header.stamp = message.header.stamp
+            answer = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
+            answer.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
         self._publisher.publish(self._writer.message)
 
     def _read(self, message: JointState) -> None:
-        """Take the measurement if it has what the estimator needs."""
+        """Read the measurement; reject it if it lacks a value that the estimator needs."""
         read_joints(
             message,
             self._measurement,
@@ -73,14 +74,14 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         )
 
     def _check_interval(self, interval: int) -> None:
-        """Tell when the measurements keep coming at another interval than the filter is for."""
+        """Warn if measurements keep arriving at an interval other than the sample time."""
         if abs(interval - self._interval) <= TOLERANCE * self._interval:
-            self._odd_intervals = 0
+            self._deviating_intervals = 0
             return
-        self._odd_intervals += 1
-        if self._odd_intervals == MANY:
+        self._deviating_intervals += 1
+        if self._deviating_intervals == WARN_AFTER:
             self.get_logger().warning(
-                f"measurements come every {interval / NANOSECONDS:g} s, but sample_time is "
+                f"measurements arrive every {interval / NANOSECONDS:g} s, but sample_time is "
                 f"{self.parameters.sample_time:g} s"
             )
 

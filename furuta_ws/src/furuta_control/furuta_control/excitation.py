@@ -1,8 +1,8 @@
-"""An excitation signal added to the command, so that a recording identifies more of the rig.
+"""Excitation signal, added to the command to make recordings more informative for identification.
 
-Outside its limits of angle and speed the signal is zero and its phase stands still, until the
-feedback has brought arm and pendulum back. In mode ``open_loop`` it is the whole command, and the
-angle of the pendulum does not limit it.
+Outside its limits of angle and speed the signal is zero and its phase is kept until the feedback
+has brought arm and pendulum back. In mode ``open_loop`` it is the whole command, and the angle of
+the pendulum does not limit it.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from furuta_model.state import PHI, PHI_DOT, THETA
 
 NONE, STEPS, SINE, MULTISINE = range(4)
 KINDS = ("none", "steps", "sine", "multisine")
-TURN = 2.0 * np.pi
-# Harmonics of the multisine, of equal size.
+TWO_PI = 2.0 * np.pi
+# Number of harmonics of the multisine, all with the same amplitude.
 HARMONICS = 8
-# Largest value of their sum.
+# Largest value of the sum of the harmonics.
 MULTISINE_PEAK = 3.781
 
 
 class ExcitationParameters(NamedTuple):
-    """What is added to the command, and within which limits."""
+    """The excitation signal and its limits."""
 
     kind: Annotated[
         str,
@@ -35,23 +35,23 @@ class ExcitationParameters(NamedTuple):
             choices=KINDS,
         ),
     ] = "none"
-    amplitude: Annotated[float, About("its largest value", "V", 0.0, 1e3)] = 1.0
-    period: Annotated[float, About("time after which it repeats", "s", 0.01, 1e3)] = 4.0
+    amplitude: Annotated[float, About("amplitude of the signal", "V", 0.0, 1e3)] = 1.0
+    period: Annotated[float, About("period of the signal", "s", 0.01, 1e3)] = 4.0
     tilt_limit: Annotated[
-        float, About("pendulum angle beyond which it is silent", "rad", 0.0, 3.0)
+        float, About("pendulum angle beyond which the signal is 0 V", "rad", 0.0, 3.0)
     ] = 0.1
     excursion_limit: Annotated[
-        float, About("arm angle beyond which it is silent", "rad", 0.0, 1e3)
+        float, About("arm angle beyond which the signal is 0 V", "rad", 0.0, 1e3)
     ] = 1.0
     speed_limit: Annotated[
-        float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
+        float, About("arm speed beyond which the signal is 0 V", "rad/s", 0.0, 1e3)
     ] = 2.0
 
 
 class Excitation(NamedTuple):
-    """What the signal is computed with; ``step`` is its phase in a sample [rad].
+    """The signal as the compiled functions use it; ``step`` is its phase per sample [rad].
 
-    With ``any_tilt`` the pendulum's angle does not limit it.
+    With ``any_tilt`` the angle of the pendulum does not limit the signal.
     """
 
     kind: int
@@ -63,15 +63,17 @@ class Excitation(NamedTuple):
     any_tilt: bool
 
 
-def excitation(p: ExcitationParameters, sample_time: float, any_tilt: bool = False) -> Excitation:
-    """The signal for samples of ``sample_time`` [s]."""
-    step = TURN * min(sample_time / p.period, 0.5)
+def design_excitation(
+    p: ExcitationParameters, sample_time: float, any_tilt: bool = False
+) -> Excitation:
+    """The signal that the parameters describe, for samples of ``sample_time`` [s]."""
+    step = TWO_PI * min(sample_time / p.period, 0.5)
     return Excitation(KINDS.index(p.kind), p.amplitude, step, *p[3:], any_tilt)
 
 
 @inlined
 def within_limits(x: np.ndarray, p: Excitation) -> bool:
-    """Whether arm and pendulum of the state ``x`` are within the limits."""
+    """Whether arm and pendulum in state ``x`` are within the limits."""
     return (
         (p.any_tilt or abs(x[THETA]) <= p.tilt_limit)
         and abs(x[PHI]) <= p.excursion_limit
@@ -81,7 +83,7 @@ def within_limits(x: np.ndarray, p: Excitation) -> bool:
 
 @compiled
 def shape(kind: int, phase: float) -> float:
-    """Value at ``phase`` [rad], -1 to 1."""
+    """Value of the signal at ``phase`` [rad], -1 to 1."""
     if kind == STEPS:
         return 1.0 if phase < np.pi else -1.0
     if kind == SINE:
@@ -91,7 +93,7 @@ def shape(kind: int, phase: float) -> float:
 
 @compiled
 def multisine(phase: float) -> float:
-    """Sum of the harmonics, with Schroeder's phases (1970), which keep the peak low."""
+    """Sum of the harmonics with Schroeder phases (1970), which give a low peak."""
     total = 0.0
     for k in range(1, HARMONICS + 1):
         total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)

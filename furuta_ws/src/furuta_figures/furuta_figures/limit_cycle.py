@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from furuta_analysis.limit_cycles.continuation import BranchPoint
-from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, Trajectory
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta_figures.figure import saved_figure, style_axis
 from furuta_model.state import PHI, PHI_DOT, THETA
 

@@ -1,9 +1,9 @@
-"""Friction compensation: the registry of compensators, and one sample of any of them.
+"""Friction compensation: the registry of compensators and one sample of any of them.
 
-A compensator makes a friction estimate F̂ [V] from the state estimate. The observed friction is
-what the estimator finds between applied torque and motion; it is NaN where the estimator finds
-none. To add a compensator, write its file in ``compensators/`` and add it here: a row of
-:data:`ALL`, its parameters if it has any, its branch in :func:`estimate_friction`.
+A compensator computes the friction estimate F̂ [V] from the state estimate. The observed friction is
+the estimator's, from applied torque and motion; it is NaN if the estimator does not observe
+friction. To add a compensator, write its file in ``compensators/`` and add it here: a row of
+:data:`ALL`, its parameters if it has any, and its branch in :func:`estimate_friction`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Compensation(NamedTuple):
 ALL = (
     Compensation("none", "0 V"),
     Compensation("coulomb", "eq. (4) with level alpha0"),
-    Compensation("stiction", "that, and at rest what is held", needs_observed_friction=True),
+    Compensation("stiction", "that; at rest the observed friction", needs_observed_friction=True),
     Compensation("lugre", "the observer (9)"),
     Compensation("adaptive", "the same with levels that adapt", needs_observed_friction=True),
 )
@@ -42,7 +42,7 @@ NONE, COULOMB, STICTION, LUGRE, ADAPTIVE = range(5)
 COMPENSATIONS = tuple(each.name for each in ALL)
 _MEANINGS = "; ".join(f"{each.name}: {each.meaning}" for each in ALL)
 
-# The compensators' memory: ẑ of the observer, the two factors of the adaptation.
+# Size of the compensators' memory: ẑ of the observer, and the two factors of the adaptation.
 MEMORY = 3
 
 
@@ -55,7 +55,7 @@ class ObserverParameters(NamedTuple):
         float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
     ] = 0.01
     adaptation_gain: Annotated[
-        float, About("adaptive: rate at which a level follows while the arm slides", "1/s", 0, 1e3)
+        float, About("adaptive: rate at which a level adapts while the arm slides", "1/s", 0, 1e3)
     ] = 20.0
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
@@ -63,12 +63,12 @@ class ObserverParameters(NamedTuple):
 
     @property
     def chosen(self) -> Compensation:
-        """The compensation that the parameters name."""
+        """The compensation that the parameters select."""
         return ALL[COMPENSATIONS.index(self.compensation)]
 
 
 class Compensator(NamedTuple):
-    """What :func:`estimate_friction` computes with."""
+    """The compensator as :func:`estimate_friction` uses it."""
 
     kind: int
     friction: LuGre
@@ -92,7 +92,7 @@ def design_compensator(p: ObserverParameters) -> Compensator:
 def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
     """F̂ [V] for the state estimate (5,); ``memory`` (MEMORY,) is updated.
 
-    The observer runs under every compensation, so that it has converged when one switches to it.
+    The observer runs with every compensation, so it has converged when the user switches to it.
     """
     v, observed = estimate[PHI_DOT], estimate[OBSERVED_FRICTION]
     correction = -p.observer_gain * estimate[PHI]
@@ -112,6 +112,6 @@ def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) 
 
 @compiled
 def largest_estimate(v: float, p: Compensator) -> float:
-    """The largest F̂ [V], either way, at speed v [rad/s], whatever came before."""
+    """Upper limit of |F̂| [V] at speed v [rad/s], for any history."""
     factor = LARGEST_FACTOR if p.kind == ADAPTIVE else 1.0
     return factor * highest_level(p.friction) + p.friction.viscous * abs(v)

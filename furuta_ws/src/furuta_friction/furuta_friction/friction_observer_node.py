@@ -29,8 +29,8 @@ from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 class FrictionObserverNode(FurutaNode[ObserverParameters]):
     """Estimates the friction in the arm's joint.
 
-    Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. A
-    state that comes again (same stamp) is answered again without a new step.
+    Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. If a
+    state is repeated (same stamp), the last estimate is published again without a new step.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -44,7 +44,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self.subscribe_to(JOINT_STATES, self._on_state)
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
-        """Take the compensator that the parameters name; its memory stays."""
+        """Switch to the compensator that the parameters describe; the memory is kept."""
         self._compensator = block(design_compensator(parameters))
         _estimate(self._memory.copy(), self._x, self._compensator)
 
@@ -58,12 +58,12 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self._publisher.publish(self._estimate)
 
     def _check_observed_friction(self) -> None:
-        """Tell when the compensation lacks the observed friction that it needs."""
+        """Warn if the compensation needs the observed friction and does not get it."""
         chosen = self.parameters.chosen
         if chosen.needs_observed_friction and isnan(self._x[OBSERVED_FRICTION]):
             self.get_logger().warning(
-                f"compensation {chosen.name} needs effort in joint_states, the friction that an "
-                "estimator with method kalman observes",
+                f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
+                "use an estimator that observes it (method kalman)",
                 throttle_duration_sec=WARNING_PERIOD,
             )
 

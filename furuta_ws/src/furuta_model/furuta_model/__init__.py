@@ -1,1 +1,1 @@
-"""Furuta pendulum and friction: pure mathematics, no ROS."""
+"""Mathematics of the Furuta pendulum and of friction, without ROS."""

@@ -1,8 +1,8 @@
-"""Parameters in one block of memory, for the nodes' calls of compiled code.
+"""Packs parameters into one block of memory, for the nodes' calls of compiled code.
 
-A call from Python takes a named tuple apart field by field, which costs a microsecond for every
-ten and so more than the sample's arithmetic; a block is handed on whole. In compiled code its
-``block[0]`` has the tuple's fields.
+A call from Python unpacks a named tuple field by field. That takes a microsecond for every ten
+fields, more than the arithmetic of the sample. A block is passed as one argument. In compiled code
+``block[0]`` has the fields of the tuple.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import numpy as np
 
 
 def block(parameters: NamedTuple) -> np.ndarray:
-    """The numbers, arrays and named tuples of a named tuple as a structured array (1,)."""
-    made = np.zeros(1, _layout(parameters))
-    made[0] = _content(parameters)
-    return made
+    """Pack the numbers, arrays and named tuples of a named tuple into a structured array (1,)."""
+    packed = np.zeros(1, _layout(parameters))
+    packed[0] = _content(parameters)
+    return packed
 
 
 def _layout(value: Any, kind: Any = None) -> np.dtype:
-    """By the declared types: an int in a float's place must not ask for another compilation."""
+    """Use the declared types: an int given for a float must not cause another compilation."""
     if hasattr(value, "_fields"):
         kinds = get_type_hints(type(value))
         fields = zip(value._fields, value, strict=True)

@@ -1,8 +1,8 @@
-"""Compilation of the functions that run every sample.
+"""Compiles the functions that run every sample, and caches the machine code.
 
-Numba caches a compiled function by the content of *its own* file, so editing a function
-that it calls elsewhere would leave the old machine code in use. The cache here is keyed on
-everything a function was compiled from.
+Numba caches a compiled function by the content of *its own* file. After an edit of a function that
+it calls from another file, the old machine code would stay in use. The cache key here covers
+everything that a function was compiled from.
 """
 
 from __future__ import annotations
@@ -25,57 +25,59 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def compiled(function: Function, cached: bool = True, **options: Any) -> Function:
     """Compile ``function`` in nopython mode, cached beside its installed source.
 
-    No fast-math: results do not depend on the compiler's freedom to reorder. ``options`` are
-    those of numba. A function made by another function (a closure) cannot be cached; it is
-    compiled into the cached functions that call it.
+    Fast-math is off, so the compiler does not reorder arithmetic and results are reproducible.
+    ``options`` are those of numba. A closure cannot be cached; it is compiled into the cached
+    functions that call it.
     """
     digest = _digest(function)
     cache = _cache_directory(inspect.getfile(function)) / digest[:16]
     config: Any = numba.config
-    before = config.CACHE_DIR
+    previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache)
     try:
         dispatcher: Any = numba.njit(cache=cached, nogil=True, error_model="numpy", **options)(
             function
         )
     finally:
-        config.CACHE_DIR = before
+        config.CACHE_DIR = previous
     dispatcher.furuta_digest = digest
     return cast(Function, dispatcher)
 
 
 def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
-    """One compiled function ``f(kind, *arguments)`` that calls ``functions[kind]``.
+    """Return a compiled function ``f(kind, *arguments)`` that calls ``functions[kind]``.
 
-    The functions take and return the same types, numbers and named tuples of numbers.
+    All functions take and return the same types: numbers and named tuples of numbers.
     """
     first, *others = functions
     if not others:
         return compiled(lambda kind, *arguments: first(*arguments), cached=False)
     rest = by_kind(others)
 
-    def choose(kind: int, *arguments: Any) -> Any:
+    def dispatch(kind: int, *arguments: Any) -> Any:
         if kind == 0:
             return first(*arguments)
         return rest(kind - 1, *arguments)
 
-    return compiled(choose, cached=False)
+    return compiled(dispatch, cached=False)
 
 
 def inlined(function: Function, **options: Any) -> Function:
-    """Compile ``function``, which makes no array, into those that call it.
+    """Compile ``function`` and inline it into its callers. It must not make an array.
 
-    For what is called every sample and hands arrays on. Their owner outlives the call, so their
-    references need not be counted: counting takes a third of the whole loop's time.
+    Use it for functions that are called every sample and take arrays. The caller owns the arrays
+    for the whole call, so their references need not be counted. Counting would take a third of the
+    time of the closed loop.
     """
     return compiled(function, forceinline=True, _nrt=False, **options)
 
 
 def _digest(function: Callable[..., Any]) -> str:
-    """Hash of this file, the function's, and all that its machine code depends on elsewhere.
+    """Hash of this file, the function's file, and what the machine code depends on elsewhere.
 
-    That is, through its globals, the modules among them, and its closure: compiled functions
-    that it calls, numbers that it uses, and the named tuples that it makes or takes.
+    That is what the function reaches through its globals, through modules among them, and through
+    its closure: compiled functions that it calls, numbers that it uses, and named tuples that it
+    makes or takes.
     """
     content = hashlib.sha256(_file_digest(__file__).encode())
     content.update(_file_digest(inspect.getfile(function)).encode())
@@ -104,7 +106,7 @@ def _add(content: Any, name: str, used: Any) -> None:
 
 
 def _annotated(function: Callable[..., Any]) -> set[str]:
-    """Names in the function's annotations, which are text here."""
+    """Names in the function's annotations, which are strings."""
     return {
         name for text in function.__annotations__.values() for name in re.findall(r"\w+", str(text))
     }
@@ -117,7 +119,7 @@ def _file_digest(path: str) -> str:
 
 @cache
 def _cache_directory(source: str) -> Path:
-    """``__pycache__`` beside the source or, where that cannot be written, the user's cache."""
+    """``__pycache__`` beside the source, or the user's cache if that is not writable."""
     if os.environ.get("NUMBA_CACHE_DIR"):
         return Path(os.environ["NUMBA_CACHE_DIR"])
     if os.access(Path(source).parent, os.W_OK):

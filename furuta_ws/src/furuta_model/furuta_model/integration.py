@@ -1,17 +1,17 @@
-r"""One sample of the plant: rigid body and friction together under constant voltage.
+r"""Integrates the plant over one sample: rigid body and friction under constant voltage.
 
-An exponential midpoint rule. Under a law with bristle, eq. (5), each stage moves the bristle by
-its exact solution at the stage's speed and drives the body with the exact mean of the friction
-over that stage; σ₁ż integrates to σ₁Δz whatever the rate of the bristle, so speed never limits the
-step. The error is of second order in the substep. What remains explicit is the bristle as a spring
-and damper between arm and ground, and the rotation of the body; substeps keep the rates of both
-times the step small.
+The method is an exponential midpoint rule. For a law with bristle, eq. (5), each stage moves the
+bristle by its exact solution at the stage's speed and drives the body with the exact mean of the
+friction over that stage. σ₁ż integrates to σ₁Δz at any rate of the bristle, so the speed does not
+limit the step. The error is of second order in the substep. Two parts are explicit: the bristle as
+a spring and damper between arm and ground, and the rotation of the body. Substeps keep the rates
+of both, times the step, small.
 
-Under a law without bristle friction brings the arm to rest within a step where its level allows
-that, and then holds it. The arm truly sticks; a reversal is late by at most one substep.
+For a law without bristle, friction brings the arm to rest within a step if its level is high
+enough, and then holds it. The arm truly sticks; a reversal is late by at most one substep.
 
-The rule serves any rigid body (:func:`integrator`): the paper's pendulum and, in identification,
-one on a tilted base.
+The rule works for any rigid body (:func:`integrator`): the paper's pendulum and, in
+identification, one on a tilted base.
 """
 
 from __future__ import annotations
@@ -24,9 +24,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import (
-    BRISTLE as HAS_BRISTLE,
-)
-from furuta_model.friction.laws import (
+    HAS_BRISTLE,
     FrictionLaw,
     bristle_force,
     sticking_force,
@@ -35,20 +33,20 @@ from furuta_model.friction.parameters import LuGre
 from furuta_model.pendulum import FurutaPendulum, accelerations_at, rotate
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
-# Rate of the stuck arm on its bristle times the substep: the midpoint rule is stable below 2.
+# Largest rate times substep of the arm stuck on its bristle. The midpoint rule is stable below 2.
 LARGEST_STEP = 0.25
-# Bound of the work per sample: reached only at speeds that no rig survives.
-MOST_SUBSTEPS = 10_000
+# Limits the computing time per sample; reached only at speeds far above those of any rig.
+MAX_SUBSTEPS = 10_000
 
 # One stage of the rule: accelerations (φ̈, θ̈) [rad/s²] under the mean friction over the stage, and
 # the friction law's memory at its end. Its arguments: φ, φ̇, θ, sin θ, cos θ, θ̇ at which the stage
-# is evaluated, φ̇ at the start of the step, u [V], the memory at the start, the length of the stage
-# [s], body and friction law.
+# is evaluated, φ̇ at the start of the substep, u [V], the memory at the start, the length of the
+# stage [s], body and friction law.
 Stage = Callable[..., tuple[float, float, float]]
 
 
 def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
-    """Substeps that keep the stuck arm well resolved over a sample of ``dt`` [s]."""
+    """Number of substeps that resolve the stuck arm over a sample of ``dt`` [s]."""
     mobility = pendulum.beta / pendulum.determinant
     spring = sqrt(friction.sigma0 * mobility)
     damper = (friction.sigma1 + friction.viscous) * mobility
@@ -57,25 +55,27 @@ def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
 
 
 def integrator(stage: Stage) -> Callable[..., None]:
-    """The midpoint rule for a body and its friction, given by its ``stage`` (compiled).
+    """Make the midpoint rule for a body and its friction, given by its ``stage`` (compiled).
 
-    The function made has the arguments of :func:`advance`. It is compiled into its callers.
+    The returned function has the arguments of :func:`advance`. It is inlined into its callers.
     """
 
     def advance(
         x: np.ndarray, u: float, dt: float, substeps: int, body: Any, law: FrictionLaw
     ) -> None:
-        # The body turns by an angle in each step: at high speed that, too, must be small.
-        turn = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
-        if turn > LARGEST_STEP * substeps:
-            substeps = ceil(min(turn / LARGEST_STEP, MOST_SUBSTEPS))
+        # The angle by which the body rotates in a substep must be small too.
+        angle = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
+        if angle > LARGEST_STEP * substeps:
+            substeps = ceil(min(angle / LARGEST_STEP, MAX_SUBSTEPS))
         h = dt / substeps
         half = 0.5 * h
         for _ in range(substeps):
             phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
 
             sine, cosine = sin(theta), cos(theta)
-            v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
+            v_dot, w_dot, _ = stage(
+                phi, v, theta, sine, cosine, w, v, u, memory, half, body, law
+            )
             phi_mid, theta_mid = phi + half * v, theta + half * w
             v_mid, w_mid = v + half * v_dot, w + half * w_dot
             sine, cosine = rotate(sine, cosine, half * w)
@@ -100,7 +100,7 @@ def _pendulum_stage(
     sine: float,
     cosine: float,
     w: float,
-    before: float,
+    start_speed: float,
     u: float,
     memory: float,
     h: float,
@@ -113,8 +113,9 @@ def _pendulum_stage(
         friction, end = bristle_force(v, memory, h, law)
     else:
         free, _ = accelerations_at(v, sine, cosine, w, driven, body)
-        pushed, _ = accelerations_at(v, sine, cosine, w, driven + 1.0, body)
-        friction = sticking_force(v, before, (before / h + free) / (pushed - free), law)
+        with_unit_torque, _ = accelerations_at(v, sine, cosine, w, driven + 1.0, body)
+        holding = (start_speed / h + free) / (with_unit_torque - free)
+        friction = sticking_force(v, start_speed, holding, law)
         end = friction
     v_dot, w_dot = accelerations_at(v, sine, cosine, w, driven - friction, body)
     return v_dot, w_dot, end
@@ -127,5 +128,5 @@ _advance = integrator(_pendulum_stage)
 def advance(
     x: np.ndarray, u: float, dt: float, substeps: int, body: FurutaPendulum, law: FrictionLaw
 ) -> None:
-    """Move the plant's state ``x`` (5,), in place, over ``dt`` [s] with torque ``u`` [V] held."""
+    """Integrate plant state ``x`` (5,) in place over ``dt`` [s] at constant torque ``u`` [V]."""
     _advance(x, u, dt, substeps, body, law)

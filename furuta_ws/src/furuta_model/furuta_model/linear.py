@@ -1,4 +1,4 @@
-r"""Linear model about upright, eqs. (2), (3), and pole placement, eqs. (6), (7)."""
+"""Linear model about upright, eqs. (2), (3), and pole placement, eqs. (6), (7)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 
 
 class DesiredPoles(NamedTuple):
-    """The closed loop's two pole pairs, eq. (7)."""
+    """The two pole pairs of the closed loop, eq. (7)."""
 
     omega1: Annotated[float, About("ω₁ of the first pole pair", "rad/s", 0.01, 1e3)] = 7.0
     zeta1: Annotated[float, About("ζ₁ of the first pole pair", "", 0.0, 10.0)] = 0.7
@@ -40,9 +40,9 @@ def linearize(p: FurutaPendulum) -> tuple[np.ndarray, np.ndarray]:
 
 
 def from_linear(a23: float, a43: float, b21: float, b41: float) -> FurutaPendulum:
-    """The nonlinear model that a linear one fixes: the inverse of :func:`linearize`.
+    """The nonlinear model that has this linear model: the inverse of :func:`linearize`.
 
-    a23/b41 is δ, and a43/δ, b21, −b41 are the entries of the inverse of [[β, γ], [γ, α]].
+    δ is a23/b41, and a43/δ, b21, −b41 are the entries of the inverse of [[β, γ], [γ, α]].
     """
     delta = a23 / b41
     alpha_over_determinant = a43 / delta
@@ -55,8 +55,8 @@ def from_linear(a23: float, a43: float, b21: float, b41: float) -> FurutaPendulu
 def place_poles(p: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
     """L (4,) of u = −Lx that gives the closed loop the characteristic equation (7).
 
-    The closed-loop polynomial is the denominator of (10) with l = −L, solved coefficient by
-    coefficient.
+    The closed-loop polynomial is the denominator of (10) with l = −L. Its coefficients are solved
+    for L one by one.
     """
     _, c3, c2, c1, c0 = poles.polynomial
     d = p.determinant

@@ -1,15 +1,15 @@
-"""Declaration of parameters: each is declared once, with default, unit, range and meaning.
+"""Declares parameters: each one once, with default, unit, range and meaning.
 
 A group of parameters is a ``NamedTuple`` whose fields are annotated with :class:`About`. ROS
-parameter descriptors, command-line options, parameter files and the documentation's tables
-are all read from it; compiled code takes the same tuple as an argument.
+parameter descriptors, command-line options, parameter files and the tables of the documentation
+are generated from it. Compiled code takes the same tuple as an argument.
 
     class Motor(NamedTuple):
         gain: Annotated[float, About("torque per volt", "Nm/V", low=0.0)] = 1.0
 
-A field that is itself a group nests with a dotted name (``motor.gain``), or without one if it
-is annotated with :data:`INLINE`. A renamed parameter lists its earlier names, which
-:mod:`furuta_model.renamed_parameters` translates.
+A field can be a group itself. Its parameters then have dotted names (``motor.gain``), or plain
+names if the field is annotated with :data:`INLINE`. A renamed parameter lists its earlier names,
+which :mod:`furuta_model.renamed_parameters` translates.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ LARGEST = sys.float_info.max
 
 
 class ParameterError(ValueError):
-    """A parameter was given a value that it cannot have."""
+    """A parameter was given a value that is not allowed."""
 
 
 @dataclass(frozen=True)
 class EarlierName:
-    """A name that a parameter had before and that is still accepted.
+    """An earlier name of a parameter that is still accepted.
 
     ``name`` is relative to the group that declares the parameter. ``values`` pairs each earlier
-    value with today's, if the meaning of the values changed too.
+    value with the current one, if the values changed too.
     """
 
     name: str
     values: tuple[tuple[Any, Any], ...] = ()
 
     def current_value(self, value: Any) -> Any:
-        """Today's value for a value given under this name."""
+        """The current value for a value given under this name."""
         for earlier, current in self.values:
             if type(earlier) is type(value) and earlier == value:
                 return current
@@ -51,9 +51,9 @@ class EarlierName:
 
 @dataclass(frozen=True)
 class About:
-    """What a user must know about a parameter: meaning, unit, allowed values.
+    """Meaning, unit and allowed values of a parameter.
 
-    ``low`` and ``high`` are inclusive. ``read_only`` parameters are set at start only.
+    ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start.
     ``earlier_names`` are still accepted, with a warning.
     """
 
@@ -78,7 +78,7 @@ class About:
 
 
 class Declared(NamedTuple):
-    """One parameter with its full name, Python type (float, int, bool, str, list) and default."""
+    """A parameter with its full name, Python type (float, int, bool, str, list) and default."""
 
     name: str
     kind: type
@@ -86,22 +86,22 @@ class Declared(NamedTuple):
     about: About
 
     def parsed(self, value: Any) -> Any:
-        """Like :meth:`checked`, for a value from YAML or from a command line."""
+        """Like :meth:`checked`, for a value from YAML or from the command line."""
         if self.kind is float:
             value = number_from_text(value)
         elif self.kind is list and isinstance(value, list):
             value = [number_from_text(element) for element in value]
-        return self.checked(self.choice_from_switch(value))
+        return self.checked(self.word_from_bool(value))
 
-    def choice_from_switch(self, value: Any) -> Any:
-        """The choice ``off`` or ``on`` that YAML 1.1 has read as a truth value."""
+    def word_from_bool(self, value: Any) -> Any:
+        """The word ``off`` or ``on`` that YAML 1.1 read as a boolean; other values unchanged."""
         if isinstance(value, bool) and self.kind is str:
             word = "on" if value else "off"
             return word if word in self.about.choices else value
         return value
 
     def checked(self, value: Any) -> Any:
-        """Return ``value`` as the declared type or raise :class:`ParameterError`."""
+        """Return ``value`` as the declared type, or raise :class:`ParameterError`."""
         if self.kind is list:
             if not isinstance(value, Sequence):
                 raise ParameterError(f"{self.name} must be a list of numbers, given {value!r}")
@@ -129,7 +129,7 @@ class Declared(NamedTuple):
 
 
 def number_from_text(value: Any) -> Any:
-    """The number that a text such as ``1e-5`` stands for; any other value as it is.
+    """Convert text such as ``1e-5`` to a number; any other value is returned as it is.
 
     YAML 1.1 reads a number with an exponent but without a decimal point as text.
     """
@@ -147,7 +147,7 @@ def declared(group: type[NamedTuple], prefix: str = "") -> tuple[Declared, ...]:
 
 @cache
 def _fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
-    """Each field's name, its type, and the notes that annotate it."""
+    """Name, type and annotation metadata of each field."""
     return tuple(
         (field, get_args(hint)[0], get_args(hint)[1:])
         if get_origin(hint) is Annotated
@@ -157,45 +157,48 @@ def _fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], 
 
 
 def _declared(group: type[NamedTuple], prefix: str) -> Iterator[Declared]:
-    for field, kind, notes in _fields(group):
+    for field, kind, metadata in _fields(group):
         if _is_group(kind):
-            yield from declared(kind, prefix if INLINE in notes else f"{prefix}{field}.")
+            yield from declared(kind, prefix if INLINE in metadata else f"{prefix}{field}.")
         else:
             plain = list if get_origin(kind) is tuple else kind
-            yield Declared(prefix + field, plain, group._field_defaults[field], notes[0])
+            yield Declared(prefix + field, plain, group._field_defaults[field], metadata[0])
 
 
 def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Group:
-    """Make a group from values by full name, the defaults where none is given.
+    """Make a group from values by full name; missing values take their defaults.
 
-    Raises :class:`ParameterError` for a value out of range, a wrong type, or values that do not
-    go together (the group's own ``check``). Names that the group does not have are ignored.
+    Names that the group does not have are ignored.
+
+    Raises:
+        ParameterError: A value is out of range or has the wrong type, or values contradict each
+            other (the group's own ``check``).
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
-    for field, kind, notes in _fields(group):
+    for field, kind, metadata in _fields(group):
         if _is_group(kind):
-            inner = prefix if INLINE in notes else f"{prefix}{field}."
+            inner = prefix if INLINE in metadata else f"{prefix}{field}."
             fields[field] = build(kind, given, inner)
         else:
             specification = specifications[prefix + field]
             fields[field] = specification.checked(
                 given.get(specification.name, specification.default)
             )
-    made: Group = cast(Any, group)(**fields)
-    check = getattr(made, "check", None)
+    built: Group = cast(Any, group)(**fields)
+    check = getattr(built, "check", None)
     if check:
         check()
-    return made
+    return built
 
 
 def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
-    """The inverse of :func:`build`: every value by its full name."""
+    """All values of a group by full name: the inverse of :func:`build`."""
     result: dict[str, Any] = {}
-    for field, kind, notes in _fields(type(group)):
+    for field, kind, metadata in _fields(type(group)):
         value = getattr(group, field)
         if _is_group(kind):
-            result |= values(value, prefix if INLINE in notes else f"{prefix}{field}.")
+            result |= values(value, prefix if INLINE in metadata else f"{prefix}{field}.")
         else:
             result[prefix + field] = list(value) if isinstance(value, tuple) else value
     return result

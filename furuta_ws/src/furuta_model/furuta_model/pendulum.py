@@ -1,4 +1,4 @@
-r"""The rigid body of the Furuta pendulum, eq. (1), with θ = 0 upright.
+r"""Equations of motion of the Furuta pendulum, eq. (1), with θ = 0 upright.
 
 .. math::
     (α + β\sin^2θ)\ddot φ + γ\cosθ\,\ddot θ + 2β\cosθ\sinθ\,\dot φ\dot θ - γ\sinθ\,\dot θ^2 = u - F
@@ -6,7 +6,7 @@ r"""The rigid body of the Furuta pendulum, eq. (1), with θ = 0 upright.
     γ\cosθ\,\ddot φ + β\ddot θ - β\cosθ\sinθ\,\dot φ^2 - δ\sinθ = 0
 
 Torque and friction are normalised to the control signal, so all coefficients are in volts per
-acceleration. The damaged sign and factor of the printed equation are corrected from the
+acceleration. The printed equation has a wrong sign and a wrong factor; they are corrected from the
 Lagrangian T = ½αφ̇² + ½β(θ̇² + sin²θ φ̇²) + γ cosθ φ̇θ̇, V = δ cosθ.
 """
 
@@ -21,12 +21,12 @@ from furuta_model.compiled import compiled
 from furuta_model.parameters import About, ParameterError
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
-# Turn [rad] below which the series in :func:`turned` ends beyond rounding.
-SMALL_TURN = 0.02
+# Angle [rad] below which the series in :func:`rotate` are exact to rounding.
+SMALL_ANGLE = 0.02
 
 
 class FurutaPendulum(NamedTuple):
-    """Coefficients of (1). The defaults follow from the rig's identified linear model."""
+    """Coefficients of (1). The defaults follow from the identified linear model of the rig."""
 
     alpha: Annotated[
         float, About("inertia of arm, motor and pendulum about the arm's axis", "V s²/rad", 1e-9)
@@ -38,7 +38,7 @@ class FurutaPendulum(NamedTuple):
     delta: Annotated[float, About("gravity torque of the pendulum", "V/rad", 1e-9)] = 11 / 29
 
     def check(self) -> None:
-        """Refuse an inertia matrix that is not positive definite."""
+        """Reject an inertia matrix that is not positive definite."""
         if self.alpha * self.beta <= self.gamma**2:
             raise ParameterError(
                 "alpha * beta must exceed gamma² (positive definite inertia), given "
@@ -63,9 +63,9 @@ def accelerations(
 def accelerations_at(
     phi_dot: float, s: float, c: float, theta_dot: float, torque: float, p: FurutaPendulum
 ) -> tuple[float, float]:
-    """The same where sinθ and cosθ are known."""
+    """(φ̈, θ̈) [rad/s²] from eq. (1), if sinθ and cosθ are known."""
     coupling = p.gamma * c
-    # What depends on the torque comes last: a stage of the integration waits for nothing else.
+    # The terms with the torque come last: all others can be computed before the torque is known.
     spin = p.gamma * s * theta_dot * theta_dot - 2 * p.beta * c * s * phi_dot * theta_dot
     pendulum = (p.beta * c * phi_dot * phi_dot + p.delta) * s
     inertia = p.alpha + p.beta * s * s
@@ -79,12 +79,12 @@ def accelerations_at(
 
 @compiled
 def rotate(s: float, c: float, angle: float) -> tuple[float, float]:
-    """Sine and cosine of an angle with sine ``s`` and cosine ``c``, turned by ``angle`` [rad].
+    """Rotate an angle with sine ``s`` and cosine ``c`` by ``angle`` [rad]; its sine and cosine.
 
-    Exact to rounding: for a small turn, the usual one within a step, by the series of its own
-    sine and cosine, which cost less than those of the angle.
+    Exact to rounding. Within a step ``angle`` is usually small; then its sine and cosine are
+    computed by series, which is faster.
     """
-    if abs(angle) < SMALL_TURN:
+    if abs(angle) < SMALL_ANGLE:
         a = angle * angle
         sine = angle * (1.0 - a * (1.0 / 6.0 - a * (1.0 / 120.0 - a / 5040.0)))
         cosine = 1.0 - a * (0.5 - a * (1.0 / 24.0 - a / 720.0))

@@ -1,8 +1,8 @@
-"""Translation of earlier parameter names and values to today's, with a warning.
+"""Translates earlier parameter names and values to the current ones, with a warning.
 
-Where a renamed parameter is declared, it lists its earlier names
-(:class:`furuta_model.parameters.EarlierName`). Parameter files, command lines and nodes all use
-the functions here, so that an earlier name works everywhere.
+The declaration of a renamed parameter lists its earlier names
+(:class:`furuta_model.parameters.EarlierName`). Parameter files, the command line and the nodes all
+use the functions here, so an earlier name works everywhere.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from furuta_model.parameters import Declared, EarlierName, declared
 
 
 class Renamed(NamedTuple):
-    """A parameter, and one of its earlier names in full."""
+    """A parameter and the full form of one of its earlier names."""
 
     name: str
     parameter: Declared
     earlier: EarlierName
 
     def current_value(self, value: Any) -> Any:
-        """Today's value for a value given under the earlier name."""
+        """The current value for a value given under the earlier name."""
         current = self.earlier.current_value(value)
         return float(current) if self.parameter.kind is float and type(current) is int else current
 
     def warning(self, value: Any) -> str:
-        """What to tell a user who gave ``value`` under the earlier name."""
+        """The warning for a ``value`` given under the earlier name."""
         current = self.current_value(value)
         if self.earlier.values:
             return f"use {self.parameter.name}={current} instead of {self.name}={value}"
@@ -49,9 +49,9 @@ def renamed(group: type[NamedTuple]) -> dict[str, Renamed]:
 def with_current_names(
     group: type[NamedTuple], given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
-    """Values by today's names, and a warning for each earlier name among them.
+    """Return values by current names, and a warning for each earlier name among them.
 
-    A value given under today's name takes precedence over one under an earlier name.
+    A value given under the current name takes precedence over one under an earlier name.
     """
     known = renamed(group)
     values = {name: value for name, value in given.items() if name not in known}

@@ -1,8 +1,8 @@
-"""The rig's sensors: what the plant measures with, and what the estimator knows of it.
+"""Parameters of the rig's sensors: the true ones of the plant, the nominal ones of the estimator.
 
-Levels are those of the paper's rig (Section 4). What the paper leaves open is chosen from its
-converters: the tachometer's range is that of a ±10 V converter at 1 V s/rad, and each analogue
-channel has noise of one code (standard deviation), what a 12-bit board of the time specifies.
+The defaults are those of the paper's rig (Section 4). Values that the paper does not give are
+assumed: the tachometer has the range of a ±10 V converter at 1 V s/rad, and each analogue channel
+has noise with a standard deviation of one code, as specified for 12-bit boards of the time.
 """
 
 from __future__ import annotations

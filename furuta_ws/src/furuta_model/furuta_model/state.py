@@ -1,7 +1,7 @@
-"""Order of the state and of the signals of the loop, by name.
+"""Names the indices of the state and of the signals of the loop.
 
 The state is x = (φ, φ̇, θ, θ̇) everywhere: arm angle and speed, pendulum angle (zero upright) and
-speed [rad, rad/s]. Three arrays (5,) begin with it and differ in what follows:
+speed [rad, rad/s]. Three arrays (5,) begin with x and differ in the fifth number:
 
 =============  ==================================  =============================================
 array          index                               meaning of the fifth number
@@ -13,7 +13,7 @@ measurement    :data:`APPLIED_TORQUE`              torque applied since the last
 estimate       :data:`OBSERVED_FRICTION`           friction that the estimator observes [V]
 =============  ==================================  =============================================
 
-NaN stands for what is not measured or not estimated.
+NaN marks a value that is not measured or not estimated.
 """
 
 from typing import Final
@@ -30,5 +30,5 @@ PLANT_STATES: Final = 5
 APPLIED_TORQUE: Final = 4
 OBSERVED_FRICTION: Final = 4
 SIGNALS: Final = 5
-# The same place in a message: effort of the arm.
+# Index in a message: effort of the arm.
 EFFORT: Final = 4

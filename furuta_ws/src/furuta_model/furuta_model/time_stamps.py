@@ -1,4 +1,4 @@
-"""Time stamps in nanoseconds, for ROS messages and for the same messages read from bags."""
+"""Time stamps in nanoseconds, of ROS messages and of messages read from bags."""
 
 from __future__ import annotations
 

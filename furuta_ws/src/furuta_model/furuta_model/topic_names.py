@@ -13,5 +13,5 @@ FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
 TIMING: Final = "timing"
-# Of every ROS 2 node: each change of a parameter.
+# Every ROS 2 node reports its parameter changes here.
 PARAMETER_EVENTS: Final = "/parameter_events"

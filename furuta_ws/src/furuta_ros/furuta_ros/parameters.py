@@ -83,7 +83,7 @@ class NodeParameters(Generic[Group]):
         declaration = self._names.get(parameter.name)
         if declaration is None:
             return parameter
-        value = declaration.choice_from_switch(parameter.value)
+        value = declaration.word_from_bool(parameter.value)
         return parameter if value is parameter.value else Parameter(parameter.name, value=value)
 
     def _refuse_unknown(self, node: Node) -> None:

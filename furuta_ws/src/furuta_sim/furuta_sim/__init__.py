@@ -1,1 +1,1 @@
-"""Simulated rig: core in ``rig``, node in ``plant_node``."""
+"""Simulated rig: core in ``plant``, node in ``plant_node``."""

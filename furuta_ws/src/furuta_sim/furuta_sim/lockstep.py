@@ -1,51 +1,49 @@
-"""Lock-step time: the next sample starts when the command for this one has arrived.
+"""Lock-step: the next sample starts when the command for this one has arrived.
 
-The run is then a function of parameters and seed alone. One message at a time goes round the
-ring plant → estimator → (observer →) controller → plant. It can get lost only where a node was
-not yet there, at the start or after a restart; then the measurement is sent again, and the
-first command is taken once no further one arrives, so that never two go round.
+A run then depends on the parameters and the seed alone. One message at a time passes around the
+loop plant → estimator → (observer →) controller → plant. A message can be lost only while a node is
+not yet connected, at the start or after a restart. The measurement is then sent again, and its
+command is applied only after no further command arrives, so that there are never two messages in
+the loop.
 """
 
 from __future__ import annotations
 
 from time import monotonic
-from typing import TYPE_CHECKING
 
 from rclpy.clock import Clock, ClockType
 
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
+from furuta_sim.paced_node import PacedNode
 
-if TYPE_CHECKING:
-    from furuta_sim.plant_node import PlantNode
-
-LOOK = 0.1  # [s] between looks at the state of the ring
-REPEAT = 0.5  # [s] without command after which a lost measurement is sent again
-QUIET = 0.3  # [s] without further commands after a repetition
-COMPLAIN = 5.0  # [s] without command after which, and how often, the user is told
+CHECK_PERIOD = 0.1  # [s] between checks of the loop
+REPEAT_AFTER = 0.5  # [s] without a command until a lost measurement is sent again
+SETTLE_TIME = 0.3  # [s] without a further command until the command to a repetition is applied
+WARN_AFTER = 5.0  # [s] without a command until a warning, and between warnings
 
 
 class LockStep:
-    """Drives a :class:`Plant` by the arrival of commands."""
+    """Moves the plant when a command arrives."""
 
-    def __init__(self, plant: PlantNode) -> None:
+    def __init__(self, plant: PacedNode) -> None:
         self._plant = plant
         self._waiting = False  # for the command to the published sample
         self._repeated = False
-        self._command: float | None = None  # arrived after a repetition
-        self._published_at = 0.0
-        self._repeated_at = 0.0
-        self._arrived_at = 0.0
-        self._complained_at = 0.0
-        self._ring: frozenset[bytes] = frozenset()
-        plant.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._command: float | None = None  # received after a repetition, not yet applied
+        self._publish_time = 0.0
+        self._repeat_time = 0.0
+        self._arrival_time = 0.0
+        self._warning_time = 0.0
+        self._known_publishers: frozenset[bytes] = frozenset()
+        plant.create_timer(CHECK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME))
         plant.on_change = self._resume
 
     def on_command(self, command: float) -> None:
-        """Take the command for the published sample; any other is not for this time."""
+        """Apply the command for the published sample; ignore any other."""
         if not self._waiting:
             return
         if self._repeated:
-            self._command, self._arrived_at = command, monotonic()
+            self._command, self._arrival_time = command, monotonic()
             return
         self._step(command)
 
@@ -58,41 +56,43 @@ class LockStep:
     def _publish(self) -> None:
         self._waiting = True
         self._repeated = False
-        self._published_at = self._repeated_at = monotonic()
+        self._publish_time = self._repeat_time = monotonic()
         self._plant.publish_sample()
 
     def _resume(self) -> None:
-        """Go on at once when ``run_until`` is raised."""
+        """Continue at once when ``run_until`` is raised."""
         if not self._waiting and not self._plant.paused and self._plant.sample > 0:
             self._publish()
 
-    def _look(self) -> None:
-        """Start, and mend a broken ring."""
-        if not self._waiting:
-            if not self._plant.paused and self._complete():
-                self._ring = self._publishers()
-                self._publish()
-            return
-        now = monotonic()
+    def _check(self) -> None:
+        """Start when the graph is connected; while waiting, recover a lost message."""
+        if self._waiting:
+            self._recover(monotonic())
+        elif not self._plant.paused and self._connected():
+            self._known_publishers = self._publishers()
+            self._publish()
+
+    def _recover(self, now: float) -> None:
         if self._command is not None:
-            if now - self._arrived_at >= QUIET:
+            if now - self._arrival_time >= SETTLE_TIME:
                 command, self._command = self._command, None
                 self._step(command)
-        elif now - self._repeated_at >= REPEAT:
-            self._repeated_at = now
+        elif now - self._repeat_time >= REPEAT_AFTER:
+            self._repeat_time = now
             self._repeat_if_lost()
-        if now - max(self._published_at, self._complained_at) >= COMPLAIN:
-            self._complained_at = now
-            self._complain()
+        if now - max(self._publish_time, self._warning_time) >= WARN_AFTER:
+            self._warning_time = now
+            self._warn()
 
     def _repeat_if_lost(self) -> None:
-        ring = self._publishers()
-        if self._repeated or self._plant.sample == 0 or ring != self._ring:
-            self._ring = ring
+        """Repeat the measurement if a node has joined or left, or none has answered yet."""
+        publishers = self._publishers()
+        if self._repeated or self._plant.sample == 0 or publishers != self._known_publishers:
+            self._known_publishers = publishers
             self._repeated = True
             self._plant.repeat_measurement()
 
-    def _complete(self) -> bool:
+    def _connected(self) -> bool:
         plant = self._plant
         return (
             plant.count_subscribers(plant.resolve_topic_name(MEASUREMENT.name)) > 0
@@ -100,7 +100,7 @@ class LockStep:
         )
 
     def _publishers(self) -> frozenset[bytes]:
-        """Identities of the publishers that make the ring."""
+        """Identities of all publishers in the loop except the plant."""
         return frozenset(
             bytes(endpoint.endpoint_gid)
             for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
@@ -109,13 +109,13 @@ class LockStep:
             )
         )
 
-    def _complain(self) -> None:
+    def _warn(self) -> None:
         missing = [
             topic.name
             for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
             if self._plant.count_publishers(self._plant.resolve_topic_name(topic.name)) == 0
         ]
-        nobody = f"; nobody publishes {', '.join(missing)}" if missing else ""
+        reason = f"; no node publishes {', '.join(missing)}" if missing else ""
         self._plant.get_logger().warning(
-            f"waiting for the command to sample {self._plant.sample}{nobody}"
+            f"waiting for the command to sample {self._plant.sample}{reason}"
         )

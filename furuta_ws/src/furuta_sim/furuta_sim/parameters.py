@@ -1,6 +1,6 @@
 """Parameters of the simulated rig: true pendulum, true friction, sensors and actuator.
 
-Levels are those of the paper's rig (Section 4).
+The defaults are those of the paper's rig (Section 4).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.friction.laws import LAWS
 from furuta_model.friction.parameters import LuGre
-from furuta_model.integration import MOST_SUBSTEPS, substeps_for
+from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -19,7 +19,7 @@ CLOCKS = ("realtime", "lockstep")
 
 
 class Actuator(NamedTuple):
-    """Drive of the arm's motor through a digital-to-analogue converter."""
+    """Drive of the arm's motor, with a digital-to-analogue converter."""
 
     voltage_range: Annotated[float, About("largest voltage of the drive", "V", 1e-3, 1e3)] = 10.0
     bits: Annotated[
@@ -28,7 +28,7 @@ class Actuator(NamedTuple):
 
 
 class InitialState(NamedTuple):
-    """Where the rig is held until the first command arrives."""
+    """State in which the rig is held until the first command arrives."""
 
     phi: Annotated[float, About("arm angle", "rad", -100, 100, read_only=True)] = 0.0
     phi_dot: Annotated[float, About("arm speed", "rad/s", -100, 100, read_only=True)] = 0.0
@@ -39,7 +39,7 @@ class InitialState(NamedTuple):
 
 
 class PlantFriction(NamedTuple):
-    """Friction in the arm's joint: its law, and the parameters that the laws share."""
+    """Friction in the arm's joint: the law, and the parameters that all laws share."""
 
     law: Annotated[str, About("friction law of the simulated arm", choices=LAWS)] = "lugre"
     parameters: Annotated[LuGre, INLINE] = LuGre()
@@ -59,34 +59,32 @@ class PlantParameters(NamedTuple):
     seed: Annotated[int, About("seed of the sensors' noise", "", 0, 2**62, read_only=True)] = 0
 
     def check(self) -> None:
-        """Refuse a rig too stiff to simulate at its sample time."""
-        if (
-            not substeps_for(self.sample_time, self.model, self.friction.parameters)
-            <= MOST_SUBSTEPS
-        ):
+        """Reject a rig that is too stiff to simulate at its sample time."""
+        if not substeps_for(self.sample_time, self.model, self.friction.parameters) <= MAX_SUBSTEPS:
             raise ParameterError(
-                f"this rig needs more than {MOST_SUBSTEPS} integration steps per sample of "
-                f"{self.sample_time:g} s: alpha * beta too near gamma², or sigma0, sigma1 or "
-                "viscous too large"
+                f"this rig needs more than {MAX_SUBSTEPS} integration steps per sample of "
+                f"{self.sample_time:g} s: alpha * beta is too close to gamma², or sigma0, sigma1 "
+                "or viscous is too large"
             )
 
 
 class PlantNodeParameters(NamedTuple):
-    """Parameters of the node ``plant``: the rig and how its time runs."""
+    """Parameters of the node ``plant``: the rig and its pacing."""
 
     plant: Annotated[PlantParameters, INLINE] = PlantParameters()
     clock: Annotated[
         str,
         About(
-            "realtime: paced by absolute deadlines; lockstep: the next sample starts when the "
+            "realtime: samples at absolute deadlines; lockstep: the next sample starts when the "
             "command for this one has arrived",
             choices=CLOCKS,
             read_only=True,
         ),
     ] = "realtime"
     run_until: Annotated[
-        float, About("time at which the plant pauses, to go on when this is raised", "s", 0, 1e9)
+        float,
+        About("time at which the plant pauses, until this is raised", "s", 0, 1e9),
     ] = 1e9
     command_timeout: Annotated[
-        float, About("age at which a command becomes 0 V (realtime)", "s", 1e-3, 10.0)
+        float, About("age beyond which a command is replaced by 0 V (realtime)", "s", 1e-3, 10.0)
     ] = 0.05

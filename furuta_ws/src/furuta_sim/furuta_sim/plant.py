@@ -1,7 +1,7 @@
-"""The simulated rig: its converters, and one sample: command in, state moved, sensors read.
+"""Simulates the rig over one sample: drive, motion and sensors.
 
-Plant state and measurement are (5,), see :mod:`furuta_model.state`. A measurement is NaN where
-the rig has no sensor (θ̇).
+Plant state and measurement are (5,), see :mod:`furuta_model.state`. The measurement of θ̇ is NaN,
+because the rig has no sensor for it.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, PlantParameters
 
-# Noise drawn per sample: tachometer, potentiometer.
+# Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
 
 
 class Plant(NamedTuple):
-    """What one sample of the simulated rig is computed with."""
+    """The simulated rig, as the compiled functions use it."""
 
     model: FurutaPendulum
     friction: FrictionLaw
@@ -35,7 +35,7 @@ class Plant(NamedTuple):
 
 
 def design_plant(p: PlantParameters) -> Plant:
-    """The rig that the parameters describe, with the integration steps that it needs."""
+    """The rig that the parameters describe, with the number of integration steps it needs."""
     return Plant(
         p.model,
         friction_law(p.friction.law, p.friction.parameters),
@@ -48,7 +48,7 @@ def design_plant(p: PlantParameters) -> Plant:
 
 @compiled
 def convert(value: float, full_scale: float, bits: int) -> float:
-    """What a converter of ±``full_scale`` and ``bits`` makes of ``value``: clipped, rounded."""
+    """Clip and round ``value`` like a converter of ±``full_scale`` with ``bits``."""
     value = min(max(value, -full_scale), full_scale)
     if bits == 0:
         return value
@@ -59,7 +59,7 @@ def convert(value: float, full_scale: float, bits: int) -> float:
 
 @compiled
 def drive(command: float, actuator: Actuator) -> float:
-    """Torque [V] that the drive makes of a command [V]."""
+    """Torque [V] that the drive applies for a command [V]."""
     return convert(command, actuator.voltage_range, actuator.bits)
 
 
@@ -91,7 +91,7 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
 
 @inlined
 def move(x: np.ndarray, command: float, plant: Plant) -> float:
-    """Move the rig over one sample with ``command`` [V] held; the torque applied [V]."""
+    """Move the rig over one sample at constant ``command`` [V]; return the torque applied [V]."""
     torque = drive(command, plant.actuator)
     advance(x, torque, plant.sample_time, plant.substeps, plant.model, plant.friction)
     return torque
@@ -104,14 +104,14 @@ def true_friction(x: np.ndarray, plant: Plant) -> float:
 
 
 def initial_state(plant: PlantParameters) -> np.ndarray:
-    """State (5,) at rest of the bristle."""
+    """Initial state (5,) with the bristle undeflected."""
     x = np.zeros(PLANT_STATES)
     x[:BRISTLE] = plant.initial
     return x
 
 
 class Noise:
-    """The sensors' noise as one seeded stream, drawn in blocks: sample k always gets row k."""
+    """Seeded noise of the sensors. Drawn in blocks; sample k always gets row k."""
 
     BLOCK = 1024
 
@@ -120,7 +120,7 @@ class Noise:
         self._rows: list[np.ndarray] = []
 
     def __call__(self) -> np.ndarray:
-        """The next sample's noise (2,)."""
+        """Noise (2,) of the next sample."""
         if not self._rows:
             self._rows = list(self._generator.standard_normal((self.BLOCK, NOISE_CHANNELS)))[::-1]
         return self._rows.pop()

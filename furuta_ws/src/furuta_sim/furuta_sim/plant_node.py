@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -14,10 +14,10 @@ from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
-from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep
+from furuta_sim.paced_node import PacedNode
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
@@ -31,27 +31,22 @@ from furuta_sim.plant import (
 from furuta_sim.realtime import RealTime
 
 
-class PlantNode(FurutaNode[PlantNodeParameters]):
+class PlantNode(PacedNode):
     """Simulates the rig.
 
-    Publishes ``measurement`` (NaN where there is no sensor; effort of the arm: the torque applied
-    since the last one [V]) and ``ground_truth`` (effort: the true friction [V]); subscribes to
+    Publishes ``measurement`` (NaN without a sensor; effort of the arm: the torque applied since
+    the last one [V]) and ``ground_truth`` (effort: the true friction [V]); subscribes to
     ``command`` [V]. The rig is held in its initial state until the first command arrives, and
-    again after the service ``~/reset``. How time runs is the matter of :class:`RealTime` or
-    :class:`LockStep`.
+    again after the service ``~/reset``. :class:`RealTime` or :class:`LockStep` starts the samples.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._measurement = np.zeros(SIGNALS)
         self._measurement_writer = JointWriter()
         self._truth_writer = JointWriter()
-        self.sample = 0
-        self.start = 0
-        self.held = True
         self._torque = 0.0
         self.x = np.zeros(0)
-        self.on_change: Callable[[], None] = lambda: None  # what time does at a change
-        super().__init__("plant", PlantNodeParameters, overrides)
+        super().__init__("plant", overrides)
         self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
         self.x = initial_state(self.parameters.plant)
@@ -64,7 +59,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self.subscribe_to(COMMAND, self._on_command)
 
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
-        """Take the new rig between two samples."""
+        """Apply the new parameters between two samples."""
         self._rig = parameters.plant
         self._block = block(design_plant(self._rig))
         self.on_change()
@@ -80,7 +75,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         return self.time >= self.parameters.run_until - 0.5 * self._rig.sample_time
 
     def publish_sample(self) -> None:
-        """Read the sensors and publish the measurement and the truth."""
+        """Read the sensors and publish the measurement and the true state."""
         friction = _read(self.x, self._noise(), self._block, self._measurement)
         stamp = self.start + self.sample * self._period
         self._truth_writer.stamp(stamp)
@@ -91,7 +86,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self.repeat_measurement()
 
     def repeat_measurement(self) -> None:
-        """Publish the measurement of this sample (again)."""
+        """Publish the measurement of this sample, first or again."""
         self._measurement_publisher.publish(self._measurement_writer.message)
 
     def move(self, command: float) -> None:
@@ -114,7 +109,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         return response
 
     def _compile(self) -> None:
-        """Have all compiled code in memory before time starts."""
+        """Load all compiled code before the first sample."""
         x = initial_state(self._rig)
         _read(x, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
         _move(x, 0.0, self._block)

@@ -1,9 +1,9 @@
-"""Real time: samples at absolute deadlines of the steady clock."""
+"""Real time: a timer starts samples at absolute deadlines of the steady clock."""
 
 from __future__ import annotations
 
 from time import monotonic_ns
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
@@ -12,45 +12,43 @@ from furuta_ros.messages import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.topics import TIMING
 from furuta_sim.histogram import Histogram
+from furuta_sim.paced_node import PacedNode
 
-if TYPE_CHECKING:
-    from furuta_sim.plant_node import PlantNode
-
-
-# Bins of the published histograms, and how often they are published [s].
-WIDTH, BINS = 20, 250  # [µs]
-PUBLISHED_EVERY = 1.0
+# Width [µs] and number of the bins of the published histograms.
+BIN_WIDTH, BINS = 20, 250
+# Time between two publications of the histograms [s].
+TIMING_PERIOD = 1.0
 
 
 class TimingCounts(NamedTuple):
-    """Counts since the start of the motion."""
+    """Counts since the rig was released from its initial state."""
 
     samples: int = 0  # measurements published
-    on_time: int = 0  # of these, commanded before the next one
-    overruns: int = 0  # deadlines without measurement because the plant's process came late
-    timeouts: int = 0  # samples driven with 0 V because the command was too old
+    on_time: int = 0  # of these, answered by a command before the next one
+    overruns: int = 0  # deadlines without measurement because the plant's process was late
+    timeouts: int = 0  # samples at 0 V because the command was too old
 
 
 class RealTime:
-    """Drives a :class:`Plant` by a timer.
+    """Moves the plant by a timer.
 
-    A sample without a new command keeps the last one; once that is older than
-    ``command_timeout``, the rig gets 0 V until the next arrives. If the process comes late by
-    more than half a sample it waits for the next deadline, so that measurements keep their
-    distance; the rig moves on meanwhile, as a real one would.
+    A sample without a new command uses the last one. When that is older than ``command_timeout``,
+    the rig gets 0 V until the next command arrives. If the process is late by more than half a
+    sample, it waits for the next deadline, so that measurements stay evenly spaced. The rig is
+    then moved over all samples that are due, as a real rig would have moved.
     """
 
-    def __init__(self, plant: PlantNode) -> None:
+    def __init__(self, plant: PacedNode) -> None:
         self._plant = plant
         self._period = round(plant.parameters.plant.sample_time * NANOSECONDS)
         self._command = 0.0
-        self._command_at = 0
+        self._command_time = 0
         self._answered = False
         self.timing_counts = TimingCounts()
         self.latency, self.lateness = Histogram(), Histogram()
-        self._published_at = 0
+        self._publish_time = 0
         self._timing = plant.publish_on(TIMING)
-        # Stamps are ROS time, deadlines steady time: an adjusted clock moves no deadline.
+        # Stamps are in ROS time, deadlines in steady time: adjusting the clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()
         plant.create_timer(
@@ -58,54 +56,54 @@ class RealTime:
             self._tick,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
-        plant.create_timer(PUBLISHED_EVERY, self._publish_timing)
+        plant.create_timer(TIMING_PERIOD, self._publish_timing)
 
     def on_command(self, command: float) -> None:
         """Keep the command until the next one."""
         now = monotonic_ns()
-        if self._published_at and not self._answered:
-            self.latency.add(now - self._published_at)
-        self._command, self._command_at, self._answered = command, now, True
+        if self._publish_time and not self._answered:
+            self.latency.add(now - self._publish_time)
+        self._command, self._command_time, self._answered = command, now, True
 
     def _tick(self) -> None:
         plant = self._plant
         now = monotonic_ns()
         deadline, late = divmod(now - self._first_deadline, self._period)
         if plant.paused:
-            # By whole periods: the timer's ticks come where they came before.
+            # Shift by whole periods: the timer keeps its phase.
             self._first_deadline += (deadline - plant.sample) * self._period
             return
         if late > self._period // 2:
             return
-        due = max(1, deadline - plant.sample)
-        stale = now - self._command_at > plant.parameters.command_timeout * NANOSECONDS
+        due_samples = max(1, deadline - plant.sample)
+        stale = now - self._command_time > plant.parameters.command_timeout * NANOSECONDS
         if not plant.held:
-            self._count(due, stale)
-        for _ in range(due):
+            self._count(due_samples, stale)
+        for _ in range(due_samples):
             plant.move(0.0 if stale else self._command)
-        self.lateness.add((due - 1) * self._period + late)
+        self.lateness.add((due_samples - 1) * self._period + late)
         self._answered = False
-        self._published_at = monotonic_ns()
+        self._publish_time = monotonic_ns()
         plant.publish_sample()
 
     def _publish_timing(self) -> None:
         rows = [MultiArrayDimension(label="latency, lateness", size=2, stride=2 * BINS)]
-        bins = MultiArrayDimension(label=f"bins of {WIDTH} us", size=BINS, stride=BINS)
-        counts = self.latency.coarse(WIDTH, BINS) + self.lateness.coarse(WIDTH, BINS)
+        bins = MultiArrayDimension(label=f"bins of {BIN_WIDTH} us", size=BINS, stride=BINS)
+        counts = self.latency.coarse(BIN_WIDTH, BINS) + self.lateness.coarse(BIN_WIDTH, BINS)
         self._timing.publish(
             UInt64MultiArray(layout=MultiArrayLayout(dim=[*rows, bins]), data=counts)
         )
 
-    def _count(self, due: int, stale: bool) -> None:
+    def _count(self, due_samples: int, stale: bool) -> None:
         samples, on_time, overruns, timeouts = self.timing_counts
         self.timing_counts = TimingCounts(
             samples + 1,
             on_time + self._answered,
-            overruns + due - 1,
-            timeouts + due * stale,
+            overruns + due_samples - 1,
+            timeouts + due_samples * stale,
         )
         if stale:
             self._plant.get_logger().warning(
-                f"no command for {self._plant.parameters.command_timeout:g} s: 0 V",
+                f"no command for {self._plant.parameters.command_timeout:g} s: the rig gets 0 V",
                 throttle_duration_sec=WARNING_PERIOD,
             )

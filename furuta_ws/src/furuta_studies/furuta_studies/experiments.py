@@ -13,7 +13,7 @@ from math import pi
 from typing import NamedTuple
 
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, released
+from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta_analysis.simulation.closed_loop import Loop, Record, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
 from furuta_model.friction.laws import friction_law
@@ -71,7 +71,7 @@ def run_experiment(
     predicted, describing_function = _oscillation(perfect).phi_peak_to_peak_rad, float("nan")
     if configured.observer.compensation == "none":
         ideal = _ideal_loop(configured)
-        predicted = limit_cycle(ideal, released(0.05)).phi_peak_to_peak_rad
+        predicted = limit_cycle(ideal, state_at_rest(0.05)).phi_peak_to_peak_rad
         describing_function = predicted_peak_to_peak(ideal)
     return ExperimentResult(
         configured, rig, perfect, _oscillation(rig), predicted, describing_function

@@ -1,14 +1,14 @@
-r"""The bristle's periodic motion under v = A sin ωt: what LuGre's describing function is made of.
+r"""Periodic motion of the bristle at v = A sin ωt, for the describing function of LuGre.
 
 With τ = ωt and the arm's amplitude X = A/ω, eq. (5) reads
 
 .. math::
     dz/dτ = X\sinτ - \frac{σ_0X|\sinτ|}{g(A\sinτ)}z
 
-It is linear in z, so a half cycle maps z(0) to z(π) = m z(0) + c, and the one periodic solution,
-z(π) = −z(0), follows from two passes. A pass is the three-stage Radau IIA method: of fifth order,
-and damping whatever rate the bristle has at speed. Its nodes crowd at the reversals, where the
-bristle turns over within α₀/σ₀ and g(v) varies within vs.
+It is linear in z, so a half cycle maps z(0) to z(π) = m z(0) + c. Two integrations give m and c and
+thus the only periodic solution, z(π) = −z(0). The integration method is Radau IIA with three
+stages. It is of fifth order and stable at any rate of the bristle. Its nodes are dense at the
+reversals, where the deflection changes sign within α₀/σ₀ and g(v) varies within vs.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from furuta_model.friction.bristle import deflection_rate
 from furuta_model.friction.laws import FrictionLaw, symmetric_level
 from furuta_model.friction.parameters import SMALLEST_LEVEL
 
-# Steps per quarter cycle; N is then right to about 1e-7 of it, far less at usual amplitudes.
+# Steps per quarter cycle. The relative error of N is then about 1e-7, far less at usual amplitudes.
 STEPS = 32
-# Radau IIA with three stages: nodes and matrix; the last row of the matrix is the weights.
+# Radau IIA with three stages: nodes and matrix. The last row of the matrix holds the weights.
 _ROOT = sqrt(6.0)
 C1, C2 = (4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0
 A11, A12, A13 = (
@@ -44,7 +44,7 @@ B1, B2, B3 = (16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0
 def bristle_fundamental(amplitude: float, omega: float, law: FrictionLaw, steps: int) -> complex:
     """Z₁ [rad] of z ≈ Im(Z₁ exp(jωt)) under v = A sin ωt, A [rad/s], ω [rad/s].
 
-    ``steps`` is the number of steps per quarter cycle. The asymmetry is left out.
+    ``steps`` is the number of steps per quarter cycle. The asymmetry is not included.
     """
     nodes = _nodes(amplitude, omega, law, steps)
     end, _, _ = _half_cycle(0.0, nodes, amplitude, omega, law)
@@ -56,11 +56,11 @@ def bristle_fundamental(amplitude: float, omega: float, law: FrictionLaw, steps:
 
 @compiled
 def _nodes(amplitude: float, omega: float, law: FrictionLaw, steps: int) -> np.ndarray:
-    """Phases τ from 0 to π, crowded at both ends as sinh spreads equal steps."""
+    """Phases τ from 0 to π, dense at both ends: a sinh of equal steps."""
     p = law.parameters
     level = max(p.alpha0 + p.alpha1, SMALLEST_LEVEL)
-    turn_over = sqrt(2.0 * level * omega / (p.sigma0 * amplitude))
-    scale = max(min(1.0, turn_over, p.stribeck_velocity / amplitude), 1e-9)
+    sign_change = sqrt(2.0 * level * omega / (p.sigma0 * amplitude))
+    scale = max(min(1.0, sign_change, p.stribeck_velocity / amplitude), 1e-9)
     reach = np.arcsinh(0.5 * pi / scale)
     nodes = np.empty(2 * steps + 1)
     for i in range(steps + 1):
@@ -73,7 +73,7 @@ def _nodes(amplitude: float, omega: float, law: FrictionLaw, steps: int) -> np.n
 def _half_cycle(
     z: float, nodes: np.ndarray, amplitude: float, omega: float, law: FrictionLaw
 ) -> tuple[float, float, float]:
-    """From z at τ = 0: z(π) and the integrals of z sin τ and z cos τ over the half cycle."""
+    """z(π) and the integrals of z sin τ and z cos τ over the half cycle, from z at τ = 0."""
     in_phase = quadrature = 0.0
     for i in range(len(nodes) - 1):
         t, h = nodes[i], nodes[i + 1] - nodes[i]
@@ -112,7 +112,7 @@ Row = tuple[float, float, float]
 
 @compiled
 def _solve3(a: Row, b: Row, c: Row, right: Row) -> Row:
-    """The three unknowns of rows a, b, c by elimination; the stages' matrix needs no pivots."""
+    """Solve rows a, b, c by elimination; the matrix of the stages needs no pivoting."""
     f, g = b[0] / a[0], c[0] / a[0]
     b1, b2, y = b[1] - f * a[1], b[2] - f * a[2], right[1] - f * right[0]
     c1, c2, w = c[1] - g * a[1], c[2] - g * a[2], right[2] - g * right[0]

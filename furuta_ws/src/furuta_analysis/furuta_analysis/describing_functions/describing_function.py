@@ -1,20 +1,20 @@
-r"""Describing functions of the friction laws: what friction does to a sinusoidal speed.
+r"""Describing functions of the friction laws: the response of friction to a sinusoidal speed.
 
-Under v = A sin ωt friction is periodic; N is the ratio of its fundamental to v, a complex number
-[V s/rad] whose angle is the phase by which the fundamental leads v. With the viscous part σ₂:
+At v = A sin ωt friction is periodic. N is the ratio of its fundamental to v, a complex number
+[V s/rad]; its angle is the phase by which the fundamental leads v. With the viscous part σ₂:
 
 ==========  ===============================================================================
 coulomb     :math:`N = 4α_0/(πA) + σ_2`
-stiction    the same: a sinusoid is at v = 0 for no time at all, so it never meets stiction
+stiction    the same: a sinusoid is at v = 0 only for an instant, so stiction has no effect
 stribeck    :math:`N = (4/πA)(α_0 + α_1D(a)/a) + σ_2,\ a = A/v_s`, D Dawson's integral
 lugre       :math:`N = (σ_0 + jωσ_1)Z_1/A + σ_2`, Z₁ the bristle's fundamental
             (:mod:`.bristle_cycle`); depends on ω
 ==========  ===============================================================================
 
-Levels that differ by direction, (1 ± a), give a mean force beside the fundamental: :func:`bias`.
-The fundamental of the first three laws is that of the mean level, exactly. For LuGre it is so to
-first order in a, and the mean level is what is used. That the mean force also shifts the mean of v,
-where nothing holds φ, is neglected.
+With asymmetric levels, (1 ± a), friction also has a mean: :func:`bias`. For the first three laws
+the fundamental is exactly that of the mean level. For LuGre this holds to first order in a, and the
+mean level is used. If φ is not fed back, the mean force also shifts the mean of v; that is
+neglected.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
 
 
 def fundamental_level(amplitude: float, law: FrictionLaw) -> float:
-    """The constant level [V] with the same fundamental as the law has at amplitude A [rad/s]."""
+    """The constant level [V] with the same fundamental as the law at amplitude A [rad/s]."""
     return law.law.fundamental_level(amplitude, law.parameters)
 
 
 def bias(amplitude: float, law: FrictionLaw) -> float:
-    """Mean friction [V] under v = A sin ωt that levels differing by direction leave.
+    """Mean friction [V] at v = A sin ωt with asymmetric levels.
 
-    The asymmetry times the mean of g(A sin x) over a cycle; the feedback of φ balances it by a
-    constant offset of the arm of bias/l₁. For LuGre it is that of the sliding arm; within the reach
-    of the bristle there is less.
+    It is the asymmetry times the mean of g(A sin x) over a cycle. The feedback of φ balances it by
+    a constant arm offset of bias/l₁. For LuGre it is valid for a sliding arm; with motions smaller
+    than the deflection of the bristle the bias is smaller.
     """
     return law.parameters.asymmetry * law.law.mean_level(amplitude, law.parameters)

@@ -1,20 +1,20 @@
-r"""Every zero of the harmonic balance for LuGre, whose describing function depends on A and ω.
+r"""Finds all zeros of the harmonic balance for LuGre, where N depends on A and ω.
 
-The residual H(A, ω) is taken on a grid, logarithmic in ω and in the arm's amplitude X = A/ω, the
-bristle's own scale. A zero cannot hide in a cell whose mean |H| exceeds what H varies by from the
-mean to a corner: there H is linear but for its curvature, for which the margin is left. From every
-other cell Newton's method is started. The count is then checked: the winding number of H along the
-edge of the range equals the number of zeros, each taken with the sign of its Jacobian. Where the
-two differ the grid is made twice as fine.
+The residual H(A, ω) is computed on a grid, logarithmic in ω and in the arm amplitude X = A/ω, the
+scale of the bristle. H is nearly linear within a cell. A cell has no zero if its mean |H| exceeds
+the variation of H from the mean to a corner; a margin allows for the curvature. Newton's method is
+started from every other cell. The number of zeros is then checked: the winding number of H along
+the edge of the range equals the number of zeros, each counted with the sign of its Jacobian. If
+they differ, the grid is refined by a factor of 2.
 
-The range leaves nothing out that could matter. In ω it goes beyond every frequency of the loop,
-sliding or held by the bristle. In X, below a thousandth of the bristle's reach the friction is a
-linear spring and damper; and as σ₀|z| ≤ α₀ + α₁,
+The range includes every possible cycle. In ω it goes beyond all frequencies of the loop, with the
+arm sliding or stuck on the bristle. In X, below a thousandth of the largest deflection friction is
+a linear spring and damper; and as σ₀|z| ≤ α₀ + α₁,
 
 .. math::
     |N - σ_2| ≤ \frac{4(α_0+α_1)}{πA}\sqrt{1 + (ωσ_1/σ_0)^2}
 
-so that at large X friction is too weak to balance 1/G.
+so at large X friction is too weak to balance 1/G.
 """
 
 from __future__ import annotations
@@ -33,24 +33,25 @@ from furuta_model.friction.parameters import LuGre
 Zero = tuple[float, float]
 Range = tuple[float, float]
 
-# Grid points per factor e, and how often they may be doubled.
+# Grid points per factor e, and how often the grid may be refined.
 DENSITY = 8
 REFINEMENTS = 2
-# How far below and above the loop's own frequencies to look.
+# Factors for the range of ω below and above the frequencies of the loop.
 BELOW, ABOVE = 0.03, 10.0
-# Part of the highest frequency below which a computed pole is 0.
+# Fraction of the highest frequency below which a computed pole counts as 0.
 SLOWEST = 1e-9
-# Smallest amplitude of the arm as part of the bristle's reach (α₀ + α₁)/σ₀.
+# Smallest arm amplitude as a fraction of the largest deflection (α₀ + α₁)/σ₀.
 SMALLEST = 1e-3
-LARGEST = 1e4  # rad, where an undamped loop has no bound
-# A cell is left out where its mean exceeds its variation this many times.
+# Largest arm amplitude [rad], if an undamped loop has no other bound.
+LARGEST = 1e4
+# A cell is skipped if its mean exceeds its variation by this factor.
 MARGIN = 1.5
 NEWTON_STEPS = 40
 NEWTON_TOLERANCE = 1e-10
 
 
 def search(g: Transfer, law: FrictionLaw) -> tuple[list[Zero], Range, Range, bool]:
-    """Zeros (A, ω) [rad/s, rad/s], the ranges of ω and X sought, whether the count is right."""
+    """Zeros (A, ω) [rad/s], the ranges of ω and X searched, and whether the number is right."""
     omegas = omega_range(g, law.parameters)
     deflections = deflection_range(g, law.parameters, omegas)
     for refinement in range(REFINEMENTS + 1):
@@ -61,16 +62,16 @@ def search(g: Transfer, law: FrictionLaw) -> tuple[list[Zero], Range, Range, boo
 
 
 def omega_range(g: Transfer, p: LuGre) -> Range:
-    """ω [rad/s] from well below to well above every frequency of the loop."""
+    """Range of ω [rad/s], from well below to well above all frequencies of the loop."""
     mobility = g.numerator[0] / g.denominator[0]
     stuck = (p.sigma0 * mobility) ** 0.5 + (p.sigma1 + p.viscous) * mobility
-    own = np.abs([*g.poles, *g.real_frequencies, stuck])
-    own = own[own > SLOWEST * np.max(own)]
-    return BELOW * float(np.min(own)), ABOVE * float(np.max(own))
+    frequencies = np.abs([*g.poles, *g.real_frequencies, stuck])
+    frequencies = frequencies[frequencies > SLOWEST * np.max(frequencies)]
+    return BELOW * float(np.min(frequencies)), ABOVE * float(np.max(frequencies))
 
 
 def deflection_range(g: Transfer, p: LuGre, omegas: Range) -> Range:
-    """X [rad] from where the bristle is a linear spring to where friction is too weak."""
+    """Range of X [rad], from a linear bristle to where friction is too weak."""
     omega = np.geomspace(*omegas, 2000)
     level = p.alpha0 + p.alpha1
     strongest = 4.0 / pi * level * np.hypot(1.0, omega * p.sigma1 / p.sigma0)
@@ -85,7 +86,7 @@ def _search(
     omega, deflection = _grid(omegas, density), _grid(deflections, density)
     h = _bristle_grid(deflection, omega, law) + g.inverse_at(omega)
     zeros: list[Zero] = []
-    for i, j in suspects(h):
+    for i, j in candidate_cells(h):
         zero = _newton(deflection[i] * omega[j], omega[j], g, law)
         if zero and _inside(zero, omegas, deflections) and _new(zero, zeros):
             zeros.append(zero)
@@ -110,7 +111,7 @@ def _bristle_grid(deflection: np.ndarray, omega: np.ndarray, law: FrictionLaw) -
     return n
 
 
-def suspects(h: np.ndarray) -> np.ndarray:
+def candidate_cells(h: np.ndarray) -> np.ndarray:
     """Cells (k, 2) of the grid of H (m, n) that may hold a zero."""
     corners = np.array([h[:-1, :-1], h[1:, :-1], h[:-1, 1:], h[1:, 1:]])
     mean = corners.mean(axis=0)
@@ -119,13 +120,13 @@ def suspects(h: np.ndarray) -> np.ndarray:
 
 
 def winding_number(h: np.ndarray) -> int:
-    """Turns of H (m, n) about zero along the edge of the grid, in the sense (A, ω)."""
+    """Revolutions of H (m, n) about zero along the edge of the grid, oriented as (A, ω)."""
     edge = np.concatenate([h[:-1, 0], h[-1, :-1], h[:0:-1, -1], h[0, :0:-1]])
     return round(float(np.sum(np.angle(np.roll(edge, -1) / edge))) / (2.0 * pi))
 
 
 def _index(zero: Zero, g: Transfer, law: FrictionLaw) -> int:
-    """Sign of the Jacobian of (Re H, Im H) by (A, ω): the zero's part in the winding number."""
+    """Contribution of a zero to the winding number: sign of the Jacobian of H by (A, ω)."""
     by_amplitude, by_omega = residual_slopes(*zero, g, law)
     return int(np.sign(np.imag(np.conj(by_amplitude) * by_omega)))
 

@@ -1,21 +1,21 @@
-r"""Limit cycles that the describing function predicts: solutions of 1 + G(jω)N(A, ω) = 0.
+r"""Predicts limit cycles with the describing function: solutions of 1 + G(jω)N(A, ω) = 0.
 
-They are sought as zeros of the residual
+They are computed as zeros of the residual
 
 .. math::
     H(A, ω) = 1/G(jω) + N(A, ω) = U + jV
 
-which is finite and smooth for all A, ω > 0. Stability is Loeb's, quasi-static: let the amplitude
-be off by δA; the oscillation then decays at the rate σ for which H stays zero at the complex
-frequency ω + δω + jσ, that is H_A δA + H_ω(δω + jσ) = 0, hence
-σ = (U_A V_ω − V_A U_ω) δA/|H_ω|². The amplitude returns where
+which is finite and smooth for all A, ω > 0. Stability follows from Loeb's quasi-static criterion.
+If the amplitude is off by δA, the oscillation decays at the rate σ for which H stays zero at the
+complex frequency ω + δω + jσ: H_A δA + H_ω(δω + jσ) = 0, hence
+σ = (U_A V_ω − V_A U_ω) δA/|H_ω|². The amplitude returns if
 
 .. math::
     U_AV_ω - V_AU_ω > 0
 
-For a law that depends on the present speed alone V_A = 0 and U_A = dN/dA < 0. The criterion sees
-the oscillating pair of poles; with N frozen at its real part n the loop's other two are the roots
-of a₀s² + (a₁ + nβ)s + a₄/ω², and must be stable too.
+For a law that depends on the present speed alone, V_A = 0 and U_A = dN/dA < 0. The criterion only
+covers the oscillating pair of poles. With N fixed at its real part n, the other two poles are the
+roots of a₀s² + (a₁ + nβ)s + a₄/ω² and must be stable too.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from furuta_model.friction.laws import FrictionLaw
 
 
 class PredictedCycle(NamedTuple):
-    """A limit cycle v = A sin ωt + mean: ω [rad/s], A [rad/s], arm's travel 2A/ω [rad].
+    """A limit cycle v = A sin ωt + mean: ω [rad/s], A [rad/s], arm peak to peak 2A/ω [rad].
 
     ``stable`` is quasi-static (see the module), ``bias_v`` the mean friction [V].
     """
@@ -52,10 +52,10 @@ class PredictedCycle(NamedTuple):
 
 
 class Prediction(NamedTuple):
-    """All predicted limit cycles, by rising amplitude, and where they were sought.
+    """All predicted limit cycles in order of amplitude, and the range that was searched.
 
-    Ranges of ω [rad/s] and of the arm's amplitude A/ω [rad]: everything for laws that depend on the
-    present speed alone. ``complete`` tells whether the count agrees with the winding number.
+    The ranges of ω [rad/s] and of the arm amplitude A/ω [rad] are unlimited for laws that depend on
+    the present speed alone. ``complete``: the number of cycles agrees with the winding number.
     """
 
     cycles: tuple[PredictedCycle, ...]
@@ -65,7 +65,7 @@ class Prediction(NamedTuple):
 
 
 def predict_cycles(g: Transfer, law: FrictionLaw) -> Prediction:
-    """Every solution of 1 + G(jω)N(A, ω) = 0, with ω > 0."""
+    """All solutions of 1 + G(jω)N(A, ω) = 0 with ω > 0."""
     if law.parameters.alpha0 + law.parameters.alpha1 <= 0.0:
         return Prediction(())
     if not law.bristle:
@@ -84,13 +84,13 @@ def predict_cycles(g: Transfer, law: FrictionLaw) -> Prediction:
     )
 
 
-def _amplitude(wanted: float, law: FrictionLaw) -> float | None:
-    """A [rad/s] at which N(A) is ``wanted`` [V s/rad]: N falls with A, so there is one or none.
+def _amplitude(gain: float, law: FrictionLaw) -> float | None:
+    """A [rad/s] at which N(A) is ``gain`` [V s/rad], or None. N falls with A, so A is unique.
 
-    The level that acts lies between α₀ and α₀ + α₁, which brackets A.
+    The level lies between α₀ and α₀ + α₁, which brackets A.
     """
     p = law.parameters
-    excess = wanted - p.viscous
+    excess = gain - p.viscous
     if excess <= 0.0:
         return None
     low, high = 4.0 * p.alpha0 / (pi * excess), 4.0 * (p.alpha0 + p.alpha1) / (pi * excess)
@@ -98,14 +98,14 @@ def _amplitude(wanted: float, law: FrictionLaw) -> float | None:
         return low if low > 0.0 else None
 
     def excess_at(amplitude: float) -> float:
-        return static_describing_function(amplitude, law) / wanted - 1.0
+        return static_describing_function(amplitude, law) / gain - 1.0
 
     return float(brentq(excess_at, max(low, 1e-9 * high) * (1 - 1e-9), high * (1 + 1e-9)))
 
 
 def _cycle(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> PredictedCycle:
     by_amplitude, by_omega = residual_slopes(amplitude, omega, g, law)
-    growth = float(np.imag(np.conj(by_amplitude) * by_omega))
+    decay = float(np.imag(np.conj(by_amplitude) * by_omega))
     a0, a1, _, _, a4 = g.denominator
     damping = a1 + g.numerator[0] * describing_function(amplitude, omega, law).real
     return PredictedCycle(
@@ -113,7 +113,7 @@ def _cycle(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> Pre
         amplitude,
         2.0 * amplitude / omega,
         2.0 * pi / omega,
-        growth > 0.0 and a0 > 0.0 and damping > 0.0 and a4 >= 0.0,
+        decay > 0.0 and a0 > 0.0 and damping > 0.0 and a4 >= 0.0,
         bias(amplitude, law),
     )
 

@@ -1,7 +1,7 @@
-r"""The residual H(A, ω) = 1/G(jω) + N(A, ω) of the harmonic balance [V s/rad], and its slopes.
+"""Residual H(A, ω) = 1/G(jω) + N(A, ω) of the harmonic balance [V s/rad], and its derivatives.
 
-Its zeros are those of 1 + G N; unlike that form it is finite for all A, ω > 0, for G has no zero on
-the imaginary axis but at ω = 0.
+It has the same zeros as 1 + G N, but is finite for all A, ω > 0, because the only zero of G on the
+imaginary axis is ω = 0.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from furuta_analysis.describing_functions.describing_function import describing_
 from furuta_analysis.describing_functions.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
 
-# Relative step of the central differences: their error is 1e-10 of the slope.
+# Relative step of the central differences; their relative error is 1e-10.
 STEP = 1e-5
 
 

@@ -1,17 +1,17 @@
-r"""Steady rotation: what a Nyquist curve means that starts on the negative real axis, Fig. 4 c, d.
+r"""Steady rotations, for Nyquist curves that start on the negative real axis, Fig. 4 c, d.
 
-Where l₁ = 0, G(0) = −1/l₂. A balance 1 + G(0)N = 0 at ω = 0 is no oscillation: a constant speed v
-has N = F/v, so it says l₂v = F. The feedback of the arm's speed is positive and cancels friction
+If l₁ = 0, G(0) = −1/l₂. A solution of 1 + G(0)N = 0 at ω = 0 is not an oscillation: a constant
+speed v has N = F/v, so l₂v = F. The positive feedback of the arm speed then cancels friction
 exactly, with the pendulum upright:
 
 .. math::
     l_2v = g(v) + σ_2v
 
-with g(v) the sliding level. The left side less the viscous part rises with v and g falls, so there
-is one such speed in each direction where l₂ > σ₂, none otherwise. Sliding, friction is nearly
-constant and drops out of the linearised equations: the rotation is as stable as the loop without
-friction, but for the slope of g and the bristle's lag, both in the characteristic polynomial here,
-and for the centrifugal torque, which turns δ into δ + βv² there. Nothing is neglected.
+with g(v) the sliding level. (l₂ − σ₂)v rises with v and g falls, so there is one such speed in each
+direction if l₂ > σ₂, otherwise none. The friction of the sliding arm is nearly constant, so the
+rotation is about as stable as the loop without friction. The characteristic polynomial here also
+includes the slope of g, the lag of the bristle and the centrifugal torque, which replaces δ by
+δ + βv². Nothing is neglected.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from furuta_model.pendulum import FurutaPendulum
 
 
 class Rotation(NamedTuple):
-    """Steady rotation of the arm with the pendulum upright: φ̇ [rad/s], whether it is stable."""
+    """Steady rotation of the arm with the pendulum upright: φ̇ [rad/s], and if it is stable."""
 
     rate_rad_s: float
     stable: bool
@@ -37,7 +37,7 @@ class Rotation(NamedTuple):
 def steady_rotations(
     p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw
 ) -> tuple[Rotation, ...]:
-    """The rotation of each direction, none where l₁ ≠ 0 or l₂ ≤ σ₂."""
+    """The rotation in each direction; none if l₁ ≠ 0 or l₂ ≤ σ₂."""
     l1, l2, _, _ = checked_feedback(feedback)
     if l1 != 0.0 or l2 <= law.parameters.viscous:
         return ()
@@ -49,31 +49,33 @@ def steady_rotations(
 
 
 def _speed(direction: float, excess: float, law: FrictionLaw) -> float:
-    """|v| [rad/s] of ``excess`` |v| = g(v), bracketed by the levels at rest and at high speed."""
+    """|v| [rad/s] with ``excess`` |v| = g(v), bracketed by the levels at rest and at high speed."""
     low = sliding_level(np.inf, direction, law) / excess
     high = sliding_level(0.0, direction, law) / excess
     if high <= low:
         return low
 
-    def lacking(speed: float) -> float:
+    def surplus(speed: float) -> float:
         return excess * speed - sliding_level(speed, direction, law)
 
-    return float(brentq(lacking, low, high, xtol=1e-15 * high))
+    return float(brentq(surplus, low, high, xtol=1e-15 * high))
 
 
 def _stable(v: float, p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) -> bool:
     g = transfer(p._replace(delta=p.delta + p.beta * v * v), feedback)
     numerator, denominator = g.cancelled
-    above, below = _friction_about(v, law)
-    characteristic = np.polyadd(np.polymul(denominator, below), np.polymul(numerator, above))
+    friction_numerator, friction_denominator = _friction_about(v, law)
+    characteristic = np.polyadd(
+        np.polymul(denominator, friction_denominator), np.polymul(numerator, friction_numerator)
+    )
     return bool(np.all(np.roots(characteristic).real < 0.0))
 
 
 def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]:
     """δF/δv about steady sliding at v as a transfer function: numerator, denominator.
 
-    For LuGre, with λ = σ₀|v|/g, it is (σ₀ + σ₁s)(λ/σ₀) g'/(s + λ) + σ₂: the slope of g through the
-    bristle's lag.
+    For LuGre, with λ = σ₀|v|/g, it is (σ₀ + σ₁s)(λ/σ₀) g'/(s + λ) + σ₂: the slope of g, delayed by
+    the lag of the bristle.
     """
     p = law.parameters
     slope = _level_slope(v, law)
@@ -87,6 +89,6 @@ def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]
 
 
 def _level_slope(v: float, law: FrictionLaw) -> float:
-    """d(friction)/dv [V s/rad] of the sliding arm, viscous part apart: at most 0."""
+    """dF/dv [V s/rad] of the sliding arm without viscous part; at most 0."""
     p = law.parameters
     return float(law.law.level_slope(abs(v), p) * (1.0 + np.sign(v) * p.asymmetry))

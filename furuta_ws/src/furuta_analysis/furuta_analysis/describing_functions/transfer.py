@@ -1,4 +1,4 @@
-r"""The loop as friction sees it: G(s) from −F to the arm's speed v, eq. (10), Figs 3 and 4.
+r"""Transfer function G(s) of the loop from −F to the arm speed v, eq. (10), Figs 3 and 4.
 
 .. math::
     G(s) = \frac{s(βs^2 - δ)}{(αβ-γ^2)s^4 + (γl_4-βl_2)s^3 + (γl_3-βl_1-δα)s^2 + δl_2s + δl_1}
@@ -8,8 +8,8 @@ for the feedback u = l₁φ + l₂φ̇ + l₃θ + l₄θ̇. On the imaginary axi
 .. math::
     1/G(jω) = \frac{a_1ω^2 - a_3}{βω^2+δ} + j\,\frac{a_0ω^4 - a_2ω^2 + a_4}{ω(βω^2+δ)}
 
-because the numerator has no zero there but ω = 0. G is therefore real exactly where the biquadratic
-a₀ω⁴ − a₂ω² + a₄ vanishes: two roots in ω², no search.
+because ω = 0 is the only zero of the numerator there. G is therefore real exactly where
+a₀ω⁴ − a₂ω² + a₄ = 0, a quadratic equation in ω².
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ FIGURE_4: dict[str, tuple[float, float, float, float]] = {
 
 
 class Crossing(NamedTuple):
-    """Where G(jω) meets the negative real axis: ω [rad/s] and G there [rad/(s V)]."""
+    """Crossing of G(jω) with the negative real axis: ω [rad/s] and G there [rad/(s V)]."""
 
     omega_rad_s: float
     real: float
 
 
 class Transfer(NamedTuple):
-    """G(s) of (10): coefficients, highest power first, common factors of s left in."""
+    """G(s) of (10): coefficients, highest power first, with common factors s."""
 
     numerator: tuple[float, float, float, float]
     denominator: tuple[float, float, float, float, float]
@@ -56,7 +56,7 @@ class Transfer(NamedTuple):
 
     @property
     def cancelled(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numerator and denominator without the factor s that they share where l₁ = 0."""
+        """Numerator and denominator without the common factor s, which exists if l₁ = 0."""
         numerator, denominator = np.array(self.numerator), np.array(self.denominator)
         if denominator[-1] == 0.0:
             numerator, denominator = numerator[:-1], denominator[:-1]
@@ -64,7 +64,7 @@ class Transfer(NamedTuple):
 
     @property
     def static_gain(self) -> float:
-        """G(0) [rad/(s V)]: 0 where l₁ ≠ 0, −1/l₂ where l₁ = 0, infinite where l₂ = 0 too."""
+        """G(0) [rad/(s V)]: 0 if l₁ ≠ 0, −1/l₂ if l₁ = 0, infinite if also l₂ = 0."""
         numerator, denominator = self.cancelled
         if denominator[-1] == 0.0:
             return float("inf")
@@ -72,7 +72,7 @@ class Transfer(NamedTuple):
 
     @property
     def poles(self) -> np.ndarray:
-        """Poles of G [1/s]: those of the loop without friction, less the free φ where l₁ = 0."""
+        """Poles of G [1/s]: those of the loop without friction, except the pole of φ if l₁ = 0."""
         return np.sort_complex(np.roots(self.cancelled[1]))
 
     @property
@@ -82,7 +82,7 @@ class Transfer(NamedTuple):
 
     @property
     def crossings(self) -> tuple[Crossing, ...]:
-        """Every meeting of G(jω), ω ≥ 0, with the negative real axis, by rising ω."""
+        """All crossings of G(jω), ω ≥ 0, with the negative real axis, in order of ω."""
         found = []
         if self.static_gain < 0.0:
             found.append(Crossing(0.0, self.static_gain))
@@ -126,7 +126,7 @@ def checked_feedback(feedback: Sequence[float]) -> tuple[float, float, float, fl
 
 
 def real_quadratic_roots(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Real roots of ax² + bx + c, a ≠ 0, rising, each to full precision however far apart."""
+    """Real roots of ax² + bx + c, a ≠ 0, in ascending order, without cancellation errors."""
     discriminant = b * b - 4.0 * a * c
     if discriminant < 0.0:
         return ()
@@ -136,5 +136,5 @@ def real_quadratic_roots(a: float, b: float, c: float) -> tuple[float, ...]:
 
 def open_loop_poles(p: FurutaPendulum) -> np.ndarray:
     """Poles of the pendulum without feedback, {0, 0, ±√a43} [1/s]."""
-    fall = sqrt(p.alpha * p.delta / p.determinant)
-    return np.array([-fall, 0.0, 0.0, fall])
+    rate = sqrt(p.alpha * p.delta / p.determinant)
+    return np.array([-rate, 0.0, 0.0, rate])

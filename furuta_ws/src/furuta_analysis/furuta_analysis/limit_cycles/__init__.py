@@ -1,1 +1,1 @@
-"""The exact periodic motion of the ideal loop."""
+"""Exact periodic motions of the ideal loop."""

@@ -1,8 +1,8 @@
-"""Branches of limit cycles over a parameter, by pseudo-arclength continuation.
+"""Follows branches of limit cycles over a parameter by pseudo-arclength continuation.
 
-The branch is a curve in the space of section point and parameter. Each step predicts along its
-tangent and corrects by Newton's method at right angles to it, so the branch is followed round
-folds, where a stable and an unstable cycle meet and both disappear.
+The branch is a curve in the space of section point and parameter. Each step predicts along the
+tangent and corrects by Newton's method perpendicular to it. The branch is therefore followed
+through folds, where a stable and an unstable cycle meet and both disappear.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import REST, LimitCycle, Section, periodic_orbit
+from furuta_analysis.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
+from furuta_analysis.limit_cycles.section import Section
 from furuta_model.parameters import ParameterError
 
-FIRST_STEP = 0.02  # of the scaled curve; the parameter's range is 1
+FIRST_STEP = 0.02  # along the scaled curve, where the range of the parameter is 1
 LARGEST_STEP = 0.05
 SMALLEST_STEP = 1e-5
-AT_EDGE = 1e-3  # of the range: beyond it the parameter may not be allowed
-MOST_POINTS = 400
-CORRECTIONS = 8
-CLOSE = 1e-7  # scaled residual of a corrected point
+AT_EDGE = 1e-3  # of the range; the parameter may not be allowed beyond its ends
+MAX_POINTS = 400
+NEWTON_STEPS = 8
+TOLERANCE = 1e-7  # scaled residual of a corrected point
 PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
 
 
 class BranchPoint(NamedTuple):
     """A cycle on the branch.
 
-    ``event``: fold (the branch turns back: a stable and an unstable cycle meet and disappear),
-    vanishes (the amplitude goes to zero), end (of the range), lost (could not be followed on).
+    ``event``: fold (the parameter reverses: a stable and an unstable cycle meet and disappear),
+    vanishes (the amplitude goes to zero), end (of the range), lost (could not be followed).
     """
 
     value: float
@@ -62,7 +63,7 @@ class Branch:
         tangent = np.zeros_like(w)
         tangent[-1] = direction
         tangent = self._tangent(w, tangent)
-        while len(points) < MOST_POINTS:
+        while len(points) < MAX_POINTS:
             corrected = self._correct(w + step * tangent, tangent)
             point = self._point(corrected) if corrected is not None else None
             if corrected is None or point is None:
@@ -73,13 +74,13 @@ class Branch:
                 continue
             if not 0.0 <= corrected[-1] <= 1.0:
                 return self._ended(points, "end")
-            turned = self._tangent(corrected, tangent)
+            next_tangent = self._tangent(corrected, tangent)
             points.append(point)
             if point.cycle.phi_peak_to_peak_rad < 10 * REST:
                 return self._ended(points, "vanishes")
-            bend = float(turned @ tangent)
-            w, tangent = corrected, turned
-            step = min(LARGEST_STEP, step * (1.5 if bend > 0.98 else 0.6))
+            cosine = float(next_tangent @ tangent)
+            w, tangent = corrected, next_tangent
+            step = min(LARGEST_STEP, step * (1.5 if cosine > 0.98 else 0.6))
         return self._ended(points, "lost")
 
     @staticmethod
@@ -89,7 +90,7 @@ class Branch:
         return points
 
     def _pack(self, value: float, cycle: LimitCycle) -> np.ndarray:
-        """Scaled coordinates: section point of order one, parameter range one."""
+        """Scaled coordinates: section point of order 1, parameter between 0 and 1."""
         section = Section(self._loop_at(value))
         self._free = section.free
         self._scale = np.ones(len(section.free))
@@ -119,7 +120,7 @@ class Branch:
         return np.array(columns).T
 
     def _tangent(self, w: np.ndarray, along: np.ndarray) -> np.ndarray:
-        """Unit tangent of the branch at ``w``, in the sense of ``along``."""
+        """Unit tangent of the branch at ``w``, in the direction of ``along``."""
         jacobian = self._jacobian(w)
         if jacobian is None:
             return along
@@ -128,11 +129,11 @@ class Branch:
 
     def _correct(self, w: np.ndarray, tangent: np.ndarray) -> np.ndarray | None:
         guess = w
-        for _ in range(CORRECTIONS):
+        for _ in range(NEWTON_STEPS):
             residual = self._residual(w)
             if residual is None:
                 return None
-            if np.linalg.norm(residual) < CLOSE:
+            if np.linalg.norm(residual) < TOLERANCE:
                 return w
             jacobian = self._jacobian(w)
             if jacobian is None:
@@ -153,7 +154,7 @@ class Branch:
 
 
 def _with_folds(points: list[BranchPoint]) -> list[BranchPoint]:
-    """Mark where the parameter turns back along the branch."""
+    """Mark the points where the parameter reverses along the branch."""
     marked = list(points)
     for i in range(1, len(points) - 1):
         before, here, after = (points[j].value for j in (i - 1, i, i + 1))

@@ -1,13 +1,14 @@
-r"""The ideal loop: all states measured, feedback u = l·x without sampling or saturation.
+r"""Equations of the ideal loop: all states measured, u = l·x without sampling or saturation.
 
-Its motion is made of pieces that are smooth: the arm slides in one direction (``mode`` ±1) or,
-under a stick-slip law, stands still (``mode`` 0) while the pendulum goes on with β θ̈ = δ sin θ. A
-slide ends where v = 0; rest ends where the force that holds the arm,
+The motion consists of smooth pieces. The arm slides in one direction (``mode`` ±1) or, under a
+stick-slip law, sticks (``mode`` 0) while the pendulum moves with β θ̈ = δ sin θ. A slide ends at
+v = 0. Sticking ends when the friction that holds the arm,
 
 .. math::
     F_{hold} = u - γ\cosθ\,\frac{δ}{β}\sinθ + γ\sinθ\,\dot θ^2,
 
-reaches the breakaway level. LuGre never rests; its slides end at v = 0, where |v| has its kink.
+reaches the breakaway level. Under LuGre the arm never sticks; its slides end at v = 0, where |v| is
+not smooth.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ class IdealLoop(NamedTuple):
 
 @compiled
 def feedback(y: np.ndarray, loop: IdealLoop) -> float:
-    """U = l·x [V]."""
+    """Control u = l·x [V]."""
     return loop.l1 * y[PHI] + loop.l2 * y[PHI_DOT] + loop.l3 * y[THETA] + loop.l4 * y[THETA_DOT]
 
 
@@ -66,7 +67,7 @@ def body_accelerations(y: np.ndarray, torque: float, loop: IdealLoop) -> tuple[f
 
 @compiled
 def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] that keeps the arm at rest."""
+    """Friction [V] that holds the arm at rest."""
     p = loop.body
     theta, w = y[THETA], y[THETA_DOT]
     if loop.linear:
@@ -77,7 +78,7 @@ def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
 
 @compiled
 def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
-    """ẏ (5,) while sliding in direction ``mode`` (±1) or resting (0)."""
+    """Compute ẏ (5,) while the arm slides in direction ``mode`` (±1) or sticks (0)."""
     p = loop.law.parameters
     v = y[PHI_DOT]
     dy[PHI], dy[THETA], dy[BRISTLE] = v, y[THETA_DOT], 0.0
@@ -99,7 +100,7 @@ def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
 
 @compiled
 def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] in state ``y`` (5,): of the slide, or what holds the resting arm."""
+    """Friction [V] in state ``y`` (5,), while the arm slides or sticks."""
     p = loop.law.parameters
     v = y[PHI_DOT]
     if v == 0.0 and not has_bristle(loop.law):
@@ -115,7 +116,7 @@ def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
 
 @compiled
 def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """Positive inside the piece of motion ``mode``, zero at the event that ends it."""
+    """Event function: positive during the piece of motion ``mode``, zero at its end."""
     if mode != 0.0:
         return mode * y[PHI_DOT]
     hold = holding_force(y, loop)
@@ -124,7 +125,7 @@ def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
 
 @compiled
 def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """The piece of motion that follows an event at ``y``."""
+    """Mode of the piece of motion that follows an event at ``y``."""
     if has_bristle(loop.law):
         return -mode
     hold = holding_force(y, loop)
@@ -134,8 +135,8 @@ def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
 
 
 @compiled
-def least_travel(loop: IdealLoop) -> float:
-    """How far [rad] the arm must go for a slide: the whole deflection of LuGre's bristle."""
+def smallest_slide(loop: IdealLoop) -> float:
+    """Smallest motion [rad] that is a slide: the full deflection of a bristle, both ways."""
     if not has_bristle(loop.law):
         return 0.0
     return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0

@@ -1,1 +1,1 @@
-"""The closed loop without ROS, and what is measured on it."""
+"""Simulation of the closed loop without ROS, and measurement of its oscillation."""

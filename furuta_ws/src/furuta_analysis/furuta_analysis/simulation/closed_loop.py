@@ -1,8 +1,8 @@
-"""The whole loop without ROS, compiled: the very functions that the nodes call, in their order.
+"""Simulates the closed loop without ROS, with the compiled functions that the nodes call.
 
 One sample: sensors → estimator → friction observer → controller → actuator and plant. A run is
-one call of compiled code, which frees the interpreter; it is measured as it goes, and its series
-are kept only where they are asked for.
+one call of compiled code, which releases the interpreter lock. Oscillation and rms values are
+measured during the run; series are kept only on request.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from furuta_analysis.simulation.control_system import (
     Memory,
     control_sample,
     design_control_system,
-    fresh_memory,
+    initial_memory,
 )
 from furuta_analysis.simulation.oscillation import (
-    METER_SIZE,
+    ACCUMULATOR_SIZE,
     accumulate,
-    find_midpoint,
+    accumulate_midpoint,
     oscillation,
 )
 from furuta_control.control import ControllerParameters
@@ -40,10 +40,10 @@ from furuta_sim.plant import (
     true_friction,
 )
 
-# Part of a run that counts for its outcome: the last half, after the transients.
+# Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
 
-# Sums over a run besides its meter: squares of φ, u and F − F̂, and whether the pendulum fell.
+# Sums over the measured part: squares of φ, u and F − F̂; and whether the pendulum fell.
 _PHI_SQUARED = 0
 _COMMAND_SQUARED = 1
 _ERROR_SQUARED = 2
@@ -52,7 +52,7 @@ _SUMS = 4
 
 
 class Loop(NamedTuple):
-    """Parameters of every member of the loop."""
+    """Parameters of plant, estimator, friction observer and controller."""
 
     plant: PlantParameters = PlantParameters()
     estimator: EstimatorParameters = EstimatorParameters()
@@ -81,10 +81,10 @@ class Record(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What a run came to over its settled part; ``fell`` over all of it.
+    """Result of a run over its settled part; ``fell`` refers to the whole run.
 
-    Sizes are peak to peak [rad]; ``period_s`` is the time between upward crossings of the middle
-    that the motion had in the second half of the part before, NaN without an oscillation; rms
+    ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
+    oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
     values are about zero: arm angle [rad], command [V], error of the friction estimate F − F̂ [V].
     """
 
@@ -100,21 +100,21 @@ class Outcome(NamedTuple):
 
 
 class Simulation:
-    """A loop in motion; its parameters can be changed between two runs, as on the graph.
+    """Simulates a loop. Its parameters can be changed between two runs, as on the graph.
 
-    What is only read at the start (initial state, seed, sample time) stays as it was.
+    Parameters that are only read at the start (initial state, seed, sample time) stay the same.
     """
 
     def __init__(self, loop: Loop) -> None:
         self.loop = loop
         self._state = initial_state(loop.plant)
         self._noise = np.random.default_rng(loop.plant.seed)
-        self._memory = fresh_memory()
+        self._memory = initial_memory()
         self._torque = np.zeros(1)
 
     @property
     def loop(self) -> Loop:
-        """The parameters in force."""
+        """The current parameters."""
         return self._loop
 
     @loop.setter
@@ -124,23 +124,23 @@ class Simulation:
         self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
 
     def run(self, seconds: float) -> Record:
-        """Go on for ``seconds``, at least one sample, and keep the series."""
-        record = _room(self.loop.plant.sample_time, self._samples(seconds))
+        """Continue for ``seconds``, at least one sample, and keep the series."""
+        record = _empty_record(self.loop.plant.sample_time, self._samples(seconds))
         self._run(seconds, SETTLED, record)
         return record
 
     def measure(self, seconds: float, settled: float = SETTLED) -> Outcome:
-        """Go on for ``seconds`` and measure their last part ``settled``, keeping no series."""
-        return self._run(seconds, settled, _room(self.loop.plant.sample_time, 0))
+        """Continue for ``seconds`` and measure the last fraction ``settled``; keep no series."""
+        return self._run(seconds, settled, _empty_record(self.loop.plant.sample_time, 0))
 
     def _samples(self, seconds: float) -> int:
         return max(1, round(seconds / self.loop.plant.sample_time))
 
     def _run(self, seconds: float, settled: float, record: Record) -> Outcome:
-        """Go on; the series go into ``record`` where that has room."""
+        """Continue for ``seconds``; write the series into ``record`` unless it has no rows."""
         samples = self._samples(seconds)
-        counted = max(1, round(settled * samples))
-        meter, sums = np.zeros(METER_SIZE), np.zeros(_SUMS)
+        measured = max(1, round(settled * samples))
+        accumulator, sums = np.zeros(ACCUMULATOR_SIZE), np.zeros(_SUMS)
         _run(
             self._state,
             self._noise,
@@ -149,14 +149,14 @@ class Simulation:
             self._memory,
             self._torque,
             samples,
-            samples - counted,
+            samples - measured,
             record,
-            meter,
+            accumulator,
             sums,
         )
-        phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / counted))
-        sizes = oscillation(meter, self.loop.plant.sample_time)
-        return Outcome(*sizes, phi, command, error, bool(sums[_FELL]), samples)
+        phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
+        motion = oscillation(accumulator, self.loop.plant.sample_time)
+        return Outcome(*motion, phi, command, error, bool(sums[_FELL]), samples)
 
 
 def simulate(loop: Loop, seconds: float) -> Record:
@@ -165,12 +165,12 @@ def simulate(loop: Loop, seconds: float) -> Record:
 
 
 def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
-    """Run the loop for ``seconds`` and measure their last part ``settled``, keeping no series."""
+    """Run the loop for ``seconds`` and measure the last fraction ``settled``; keep no series."""
     return Simulation(loop).measure(seconds, settled)
 
 
-def _room(sample_time: float, samples: int) -> Record:
-    """Room for the series of ``samples`` samples."""
+def _empty_record(sample_time: float, samples: int) -> Record:
+    """A record for ``samples`` samples, not yet filled."""
     return Record(
         sample_time,
         np.empty((samples, RIGID_STATES)),
@@ -192,14 +192,17 @@ def _run(
     samples: int,
     transient: int,
     record: Record,
-    meter: np.ndarray,
+    accumulator: np.ndarray,
     sums: np.ndarray,
 ) -> None:
-    """``applied`` (1,) is the torque applied since the last measurement [V], kept between runs."""
+    """Run ``samples`` samples; the first ``transient`` are not measured.
+
+    ``applied`` (1,) is the torque applied since the last measurement [V], kept between runs.
+    """
     measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
     noise = np.zeros(NOISE_CHANNELS)
     keep = len(record.command) > 0
-    # Out of the loop: taking an array from a tuple costs as much as a filter.
+    # Taken before the loop, because taking an array from a tuple costs as much as a filter.
     estimator_memory, observer_memory = memory.estimator, memory.observer
     controller_memory, torque = memory.controller, applied[0]
     for k in range(samples):
@@ -226,9 +229,9 @@ def _run(
             record.friction_estimate[k] = estimated
             record.command[k] = u
         if transient // 2 <= k < transient:
-            find_midpoint(meter, x)
+            accumulate_midpoint(accumulator, x)
         if k >= transient:
-            accumulate(meter, x)
+            accumulate(accumulator, x)
             sums[_PHI_SQUARED] += x[PHI] * x[PHI]
             sums[_COMMAND_SQUARED] += u * u
             sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)

@@ -1,6 +1,6 @@
-"""Estimator, friction observer and controller as one: from a measurement to a command.
+"""Combines estimator, friction observer and controller: from a measurement to a command.
 
-The three nodes call the same functions in the same order, with messages between them.
+The three nodes call the same functions in the same order and exchange messages between them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from furuta_model.compiled import inlined
 
 
 class ControlSystem(NamedTuple):
-    """What :func:`control_sample` computes with."""
+    """The control system as :func:`control_sample` uses it."""
 
     estimator: EstimatorDesign
     observer: Compensator
@@ -42,7 +42,7 @@ class ControlSystem(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the three keep from sample to sample."""
+    """Memory of estimator, friction observer and controller from sample to sample."""
 
     estimator: np.ndarray
     observer: np.ndarray
@@ -58,8 +58,8 @@ def design_control_system(
     )
 
 
-def fresh_memory() -> Memory:
-    """The memory of a control system that has seen no measurement."""
+def initial_memory() -> Memory:
+    """The memory of a control system before its first measurement."""
     sizes = (ESTIMATOR_MEMORY, OBSERVER_MEMORY, CONTROLLER_MEMORY)
     return Memory(*(np.zeros(size) for size in sizes))
 
@@ -75,7 +75,7 @@ def control_sample(
 ) -> tuple[float, float]:
     """Friction estimate F̂ [V] and command u [V] for a ``measurement`` (5,).
 
-    The memories are updated, ``estimate`` (5,) is written. The memories are given one by one
+    The memories are updated, ``estimate`` (5,) is written. The memories are separate arguments,
     because taking an array from a tuple in a loop costs as much as a filter.
     """
     estimate_state(estimator_memory, measurement, p.estimator, estimate)

@@ -1,8 +1,8 @@
-"""What is measured on an oscillation: size, period, time at rest.
+"""Measures an oscillation sample by sample: peak to peak, period, fraction of time stuck.
 
-Sample by sample, so that a run of any length needs the same few numbers: an array of METER_SIZE,
-which first finds the middle of the motion, then accumulates. In a run these are two parts
-that follow each other, of a recorded series the same part twice.
+A run of any length needs one small array, the accumulator (ACCUMULATOR_SIZE,). It first accumulates
+the midpoint of the motion and then everything else. In a run these are two successive parts; a
+recorded series is passed twice.
 """
 
 from __future__ import annotations
@@ -14,34 +14,34 @@ import numpy as np
 from furuta_model.compiled import compiled
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
 
-# Part of the peak-to-peak value that a crossing of the middle must go beyond to count.
+# Fraction of the peak-to-peak value by which φ must go below the midpoint between crossings.
 HYSTERESIS = 0.1
-# Arm speed [rad/s] below which the arm counts as stuck. LuGre never stands still: while it sticks
-# it creeps through the bristle's deflection, 5 mrad from end to end in about half a second.
+# Arm speed [rad/s] below which the arm counts as stuck. Under LuGre a stuck arm creeps through the
+# deflection of the bristle, 5 mrad in about half a second.
 STUCK_SPEED = 1e-2
-# Arm amplitude [rad] below which there is no oscillation to time.
+# Peak to peak of the arm [rad] below which there is no period.
 SMALLEST_OSCILLATION = 1e-6
 
-# What a meter holds.
-_LOOKS = 0
-_LOW = 1  # extremes of φ where the middle was looked for
-_HIGH = 2
+# Indices of the accumulator.
+_MIDPOINT_SAMPLES = 0
+_MIDPOINT_LOW = 1  # extremes of φ that give the midpoint
+_MIDPOINT_HIGH = 2
 _SAMPLES = 3
 _STUCK = 4
 _PHI_LOW = 5
 _PHI_HIGH = 6
 _THETA_LOW = 7
 _THETA_HIGH = 8
-_BEFORE = 9  # φ of the last sample
-_BELOW = 10  # whether φ has been well below the middle since its last upward crossing
+_PREVIOUS_PHI = 9
+_WAS_BELOW = 10  # whether φ has been well below the midpoint since the last upward crossing
 _CROSSINGS = 11
-_FIRST = 12  # sample of the first and of the last upward crossing
-_LAST = 13
-METER_SIZE = 14
+_FIRST_CROSSING = 12  # sample of the first and of the last upward crossing
+_LAST_CROSSING = 13
+ACCUMULATOR_SIZE = 14
 
 
 class Oscillation(NamedTuple):
-    """Size of a motion: peak to peak [rad], period [s] (NaN without one), part of time stuck."""
+    """Peak to peak [rad], period [s] (NaN without one), fraction of time stuck."""
 
     phi_peak_to_peak_rad: float
     theta_peak_to_peak_rad: float
@@ -50,79 +50,81 @@ class Oscillation(NamedTuple):
 
 
 @compiled
-def find_midpoint(meter: np.ndarray, x: np.ndarray) -> None:
-    """Look where the middle of the arm's motion is; ``meter`` is (METER_SIZE,), zeros at first."""
-    if meter[_LOOKS] == 0.0:
-        meter[_LOW] = meter[_HIGH] = x[PHI]
-    meter[_LOW] = min(meter[_LOW], x[PHI])
-    meter[_HIGH] = max(meter[_HIGH], x[PHI])
-    meter[_LOOKS] += 1.0
+def accumulate_midpoint(accumulator: np.ndarray, x: np.ndarray) -> None:
+    """Include one sample in the midpoint of the arm's motion; the accumulator starts with zeros."""
+    if accumulator[_MIDPOINT_SAMPLES] == 0.0:
+        accumulator[_MIDPOINT_LOW] = accumulator[_MIDPOINT_HIGH] = x[PHI]
+    accumulator[_MIDPOINT_LOW] = min(accumulator[_MIDPOINT_LOW], x[PHI])
+    accumulator[_MIDPOINT_HIGH] = max(accumulator[_MIDPOINT_HIGH], x[PHI])
+    accumulator[_MIDPOINT_SAMPLES] += 1.0
 
 
 @compiled
-def accumulate(meter: np.ndarray, x: np.ndarray) -> None:
-    """Take one sample's true state ``x`` (4 or more) into a ``meter`` that has looked."""
+def accumulate(accumulator: np.ndarray, x: np.ndarray) -> None:
+    """Include the true state ``x`` (4 or more) of one sample, once the midpoint is known."""
     phi, theta = x[PHI], x[THETA]
-    if meter[_SAMPLES] == 0.0:
-        meter[_PHI_LOW] = meter[_PHI_HIGH] = meter[_BEFORE] = phi
-        meter[_THETA_LOW] = meter[_THETA_HIGH] = theta
-    meter[_PHI_LOW] = min(meter[_PHI_LOW], phi)
-    meter[_PHI_HIGH] = max(meter[_PHI_HIGH], phi)
-    meter[_THETA_LOW] = min(meter[_THETA_LOW], theta)
-    meter[_THETA_HIGH] = max(meter[_THETA_HIGH], theta)
+    if accumulator[_SAMPLES] == 0.0:
+        accumulator[_PHI_LOW] = accumulator[_PHI_HIGH] = accumulator[_PREVIOUS_PHI] = phi
+        accumulator[_THETA_LOW] = accumulator[_THETA_HIGH] = theta
+    accumulator[_PHI_LOW] = min(accumulator[_PHI_LOW], phi)
+    accumulator[_PHI_HIGH] = max(accumulator[_PHI_HIGH], phi)
+    accumulator[_THETA_LOW] = min(accumulator[_THETA_LOW], theta)
+    accumulator[_THETA_HIGH] = max(accumulator[_THETA_HIGH], theta)
     if abs(x[PHI_DOT]) < STUCK_SPEED:
-        meter[_STUCK] += 1.0
-    _count_crossing(meter, phi)
-    meter[_BEFORE] = phi
-    meter[_SAMPLES] += 1.0
+        accumulator[_STUCK] += 1.0
+    _count_crossing(accumulator, phi)
+    accumulator[_PREVIOUS_PHI] = phi
+    accumulator[_SAMPLES] += 1.0
 
 
 @compiled
-def _count_crossing(meter: np.ndarray, phi: float) -> None:
-    """Count an upward crossing of the middle after a visit well below it."""
-    middle = 0.5 * (meter[_LOW] + meter[_HIGH])
-    before, after = meter[_BEFORE] - middle, phi - middle
-    if after < -HYSTERESIS * (meter[_HIGH] - meter[_LOW]):
-        meter[_BELOW] = 1.0
-    elif before < 0.0 <= after and meter[_BELOW] == 1.0:
-        meter[_BELOW] = 0.0
-        meter[_LAST] = meter[_SAMPLES] - 1.0 + before / (before - after)
-        if meter[_CROSSINGS] == 0.0:
-            meter[_FIRST] = meter[_LAST]
-        meter[_CROSSINGS] += 1.0
+def _count_crossing(accumulator: np.ndarray, phi: float) -> None:
+    """Count an upward crossing of the midpoint if φ was well below it before."""
+    midpoint = 0.5 * (accumulator[_MIDPOINT_LOW] + accumulator[_MIDPOINT_HIGH])
+    before, after = accumulator[_PREVIOUS_PHI] - midpoint, phi - midpoint
+    if after < -HYSTERESIS * (accumulator[_MIDPOINT_HIGH] - accumulator[_MIDPOINT_LOW]):
+        accumulator[_WAS_BELOW] = 1.0
+    elif before < 0.0 <= after and accumulator[_WAS_BELOW] == 1.0:
+        accumulator[_WAS_BELOW] = 0.0
+        accumulator[_LAST_CROSSING] = accumulator[_SAMPLES] - 1.0 + before / (before - after)
+        if accumulator[_CROSSINGS] == 0.0:
+            accumulator[_FIRST_CROSSING] = accumulator[_LAST_CROSSING]
+        accumulator[_CROSSINGS] += 1.0
 
 
-def oscillation(meter: np.ndarray, sample_time: float) -> Oscillation:
-    """What ``meter`` has seen, sampled every ``sample_time`` [s]."""
-    samples, crossings = meter[_SAMPLES], meter[_CROSSINGS]
-    size = float(meter[_PHI_HIGH] - meter[_PHI_LOW])
-    timed = crossings >= 2 and meter[_HIGH] - meter[_LOW] >= SMALLEST_OSCILLATION
-    period_s = (meter[_LAST] - meter[_FIRST]) / (crossings - 1) * sample_time if timed else np.nan
+def oscillation(accumulator: np.ndarray, sample_time: float) -> Oscillation:
+    """The oscillation in the accumulator, with samples every ``sample_time`` [s]."""
+    samples, crossings = accumulator[_SAMPLES], accumulator[_CROSSINGS]
+    phi_peak_to_peak = float(accumulator[_PHI_HIGH] - accumulator[_PHI_LOW])
+    earlier_peak_to_peak = accumulator[_MIDPOINT_HIGH] - accumulator[_MIDPOINT_LOW]
+    has_period = crossings >= 2 and earlier_peak_to_peak >= SMALLEST_OSCILLATION
+    duration = accumulator[_LAST_CROSSING] - accumulator[_FIRST_CROSSING]
+    period_s = duration / (crossings - 1) * sample_time if has_period else np.nan
     return Oscillation(
-        size,
-        float(meter[_THETA_HIGH] - meter[_THETA_LOW]),
+        phi_peak_to_peak,
+        float(accumulator[_THETA_HIGH] - accumulator[_THETA_LOW]),
         float(period_s),
-        float(meter[_STUCK] / max(1.0, samples)),
+        float(accumulator[_STUCK] / max(1.0, samples)),
     )
 
 
 def measure_oscillation(state: np.ndarray, sample_time: float) -> Oscillation:
-    """Measure on the true state (n, 4), sampled every ``sample_time`` [s], transients cut off."""
-    meter = np.zeros(METER_SIZE)
-    _observe_series(meter, np.ascontiguousarray(state, dtype=float))
-    return oscillation(meter, sample_time)
+    """Measure the true state (n, 4), sampled every ``sample_time`` [s], without transients."""
+    accumulator = np.zeros(ACCUMULATOR_SIZE)
+    _accumulate_series(accumulator, np.ascontiguousarray(state, dtype=float))
+    return oscillation(accumulator, sample_time)
 
 
 @compiled
-def _observe_series(meter: np.ndarray, state: np.ndarray) -> None:
+def _accumulate_series(accumulator: np.ndarray, state: np.ndarray) -> None:
     for x in state:
-        find_midpoint(meter, x)
+        accumulate_midpoint(accumulator, x)
     for x in state:
-        accumulate(meter, x)
+        accumulate(accumulator, x)
 
 
 def period(signal: np.ndarray, sample_time: float) -> float:
-    """Mean time [s] between upward crossings of the middle, NaN with fewer than two."""
+    """Mean time [s] between upward crossings of the midpoint; NaN with fewer than two."""
     state = np.zeros((len(signal), RIGID_STATES))
     state[:, PHI] = signal
     return measure_oscillation(state, sample_time).period_s

@@ -1,4 +1,4 @@
-"""Recorded measurements through estimator, observer and controller again, as the nodes do it."""
+"""Recomputes estimates and commands from recorded measurements, as the nodes compute them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from furuta_analysis.simulation.control_system import (
     Memory,
     control_sample,
     design_control_system,
-    fresh_memory,
+    initial_memory,
 )
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 
 
 class Recomputed(NamedTuple):
-    """What the nodes make of measurements: estimate (n, 5), friction estimate and command (n,)."""
+    """Recomputed series: estimate (n, 5), friction estimate (n,) [V] and command (n,) [V]."""
 
     estimate: np.ndarray
     friction_estimate: np.ndarray
@@ -27,14 +27,14 @@ class Recomputed(NamedTuple):
 
 
 def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recomputed:
-    """Run ``measurement`` (n, 5) through the loop's members, the plant apart.
+    """Process ``measurement`` (n, 5) by estimator, friction observer and controller.
 
-    ``changes`` says from which sample on which parameters are in force, the first from 0.
-    Memories stay through a change, as the nodes' do.
+    ``changes`` lists parameters and the sample from which they apply; the first must be 0. The
+    memories are kept over a change, as in the nodes.
     """
     n = len(measurement)
     result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
-    memory = fresh_memory()
+    memory = initial_memory()
     ends = [start for start, _ in changes[1:]] + [n]
     for (start, loop), end in zip(changes, ends, strict=True):
         _run(

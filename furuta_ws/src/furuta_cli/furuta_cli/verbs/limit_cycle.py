@@ -9,7 +9,8 @@ import click
 import numpy as np
 
 from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_value
-from furuta_analysis.limit_cycles.limit_cycle import LimitCycle, limit_cycle, released, trace
+from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, state_at_rest
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
@@ -51,7 +52,7 @@ def command(
     loop = choice.ideal_loop()
     if release == 0.0:
         raise click.UsageError("--release must not be 0")
-    cycle = limit_cycle(loop, released(release))
+    cycle = limit_cycle(loop, state_at_rest(release))
     if cycle.kind == "unbounded":
         require_stabilising(loop)
     result = _described(cycle)

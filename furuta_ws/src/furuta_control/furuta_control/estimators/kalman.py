@@ -1,22 +1,22 @@
 r"""Kalman filter on encoder, tachometer, potentiometer and applied torque.
 
-The arm's angle enters neither the dynamics nor the other sensors' readings, so the filter falls
-into two parts. A stationary Kalman filter runs on s = (φ̇, θ, θ̇, F), the linear model (2) with the
-friction F as a random walk beside it:
+The arm angle enters neither the dynamics nor the other measurements, so the filter has two separate
+parts. The first is a stationary Kalman filter for s = (φ̇, θ, θ̇, F): the linear model (2) with the
+friction F as a random walk:
 
 .. math::
     \dot x = Ax + B(u - F), \qquad \dot F = w_F, \qquad \ddot θ = \ldots + w_θ
 
-w_θ stands for what the model does not know of the pendulum; without it the filter would trust the
-model more than the sensor, and a few percent of model error make the loop fall. The converters'
-rounding counts as noise of a twelfth of a step squared.
+w_θ represents model errors of the pendulum. Without it the filter would trust the model more than
+the sensor, and a model error of a few percent would let the pendulum fall. The quantisation of the
+converters is treated as noise with a variance of a twelfth of a step squared.
 
-The arm's angle is φ̇ integrated, kept within half a count of the encoder's reading: all that a
-reading says is in which count the arm is, and it is wrong only at the edge. So the angle is
-exact whenever the count changes, and between edges as good as the tachometer.
+The second part is the arm angle: φ̇ integrated and kept within half a count of the encoder. The
+encoder only says which count the arm is in. The angle is therefore exact whenever the count
+changes, and in between as accurate as the tachometer.
 
-Both parts are bounded for bounded readings: the error of the first is linear and stable, the
-second never leaves its count.
+Both parts are bounded for bounded measurements: the error of the first is linear and stable, and
+the second stays within its count.
 """
 
 from __future__ import annotations
@@ -43,20 +43,19 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-# Smallest variance of a reading [rad², rad²/s²]: a perfect sensor would leave nothing to filter.
+# Smallest variance of a measurement [rad², rad²/s²]; the design needs some noise.
 SMALLEST_VARIANCE = 1e-14
-# What one sample is computed from: the five signals, then applied torque, tachometer,
-# potentiometer.
+# Inputs of one sample: the five signals, then applied torque, tachometer, potentiometer.
 INPUTS = SIGNALS + 3
 
 
 class KalmanParameters(NamedTuple):
-    """How much the filter trusts its model."""
+    """Process noise of the filter."""
 
     friction_process_noise: Annotated[
         float,
         About(
-            "kalman: how far friction walks in a second, grows as √t",
+            "kalman: process noise of the friction: its random walk in a second, grows as √t",
             "V/√s",
             1e-3,
             1e3,
@@ -66,7 +65,7 @@ class KalmanParameters(NamedTuple):
     pendulum_process_noise: Annotated[
         float,
         About(
-            "kalman: how far the pendulum's speed walks from the model",
+            "kalman: process noise of the pendulum speed: its random walk from the model",
             "rad/s/√s",
             1e-3,
             1e3,
@@ -76,7 +75,7 @@ class KalmanParameters(NamedTuple):
 
 
 class Kalman(NamedTuple):
-    """The filter as it runs: ``step`` (5, 8) of one sample, half the encoder's count [rad]."""
+    """The sampled filter: ``step`` (5, 8) of one sample, and half an encoder count [rad]."""
 
     step: np.ndarray
     half_count: float
@@ -88,13 +87,13 @@ def design(rig: NominalRig, p: KalmanParameters) -> Kalman:
 
 
 def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
-    """One sample of the filter as a matrix (5, 8) on signals and inputs; φ not yet kept."""
+    """One sample of the filter as a matrix (5, 8), without the limits on φ."""
     dynamics, torque, covariance = _sampled(rig, p)
     gain = _gain(dynamics[1:, 1:], covariance[1:, 1:], rig.sensors)
     step = np.zeros((SIGNALS, INPUTS))
     step[:, :SIGNALS] = dynamics
     step[:, SIGNALS] = torque
-    # Correct by what the prediction of tachometer and potentiometer missed.
+    # Correct by the innovation: measured minus predicted tachometer and potentiometer.
     predicted = step[[PHI_DOT, THETA]]
     step[1:] -= gain @ predicted
     step[1:, SIGNALS + 1 :] = gain
@@ -102,14 +101,14 @@ def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
 
 
 def half_count(sensors: Sensors) -> float:
-    """Half the encoder's step [rad], 0 where it has none."""
+    """Half an encoder count [rad], 0 without quantisation."""
     return pi / sensors.encoder_counts if sensors.encoder_counts else 0.0
 
 
 def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Transition (5, 5), input (5,) and covariance (5, 5) of x and F over one sample.
 
-    All from one exponential each (Van Loan).
+    Each is computed by one matrix exponential (Van Loan).
     """
     a, b = linearize(rig.model)
     dt = rig.sample_time
@@ -121,15 +120,15 @@ def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarr
     density[OBSERVED_FRICTION, OBSERVED_FRICTION] = p.friction_process_noise**2
     density[THETA_DOT, THETA_DOT] = p.pendulum_process_noise**2
     free = system[:SIGNALS, :SIGNALS]
-    loan = expm(np.block([[-free, density], [np.zeros_like(free), free.T]]) * dt)
-    covariance = loan[SIGNALS:, SIGNALS:].T @ loan[:SIGNALS, SIGNALS:]
+    exponential = expm(np.block([[-free, density], [np.zeros_like(free), free.T]]) * dt)
+    covariance = exponential[SIGNALS:, SIGNALS:].T @ exponential[:SIGNALS, SIGNALS:]
     return sampled[:SIGNALS, :SIGNALS], sampled[:SIGNALS, SIGNALS], covariance
 
 
 def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.ndarray:
-    """Stationary gain (4, 2) on tachometer and potentiometer."""
-    reads = np.zeros((2, 4))
-    reads[0, PHI_DOT - 1] = reads[1, THETA - 1] = 1.0
+    """Stationary Kalman gain (4, 2) for tachometer and potentiometer."""
+    outputs = np.zeros((2, 4))
+    outputs[0, PHI_DOT - 1] = outputs[1, THETA - 1] = 1.0
     noise = np.diag(
         [
             _variance(sensors.tachometer_noise, sensors.tachometer_range, sensors.tachometer_bits),
@@ -140,9 +139,9 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
             ),
         ]
     )
-    covariance = solve_discrete_are(dynamics.T, reads.T, process, noise)
-    innovation = reads @ covariance @ reads.T + noise
-    gain: np.ndarray = np.linalg.solve(innovation, reads @ covariance).T
+    covariance = solve_discrete_are(dynamics.T, outputs.T, process, noise)
+    innovation = outputs @ covariance @ outputs.T + noise
+    gain: np.ndarray = np.linalg.solve(innovation, outputs @ covariance).T
     return gain
 
 
@@ -153,9 +152,9 @@ def _variance(noise: float, full_scale: float, bits: int) -> float:
 
 @inlined
 def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
-    """One sample: the estimate, ``memory``'s first (5,), is moved to this ``measurement``.
+    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``.
 
-    Without an applied torque (NaN) the filter has no past and begins anew at every sample.
+    Without an applied torque (NaN) the filter restarts at every sample.
     """
     if isnan(measurement[APPLIED_TORQUE]):
         for i in range(THETA_DOT):
@@ -175,5 +174,5 @@ def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
             + p.step[i, SIGNALS + 1] * measurement[PHI_DOT]
             + p.step[i, SIGNALS + 2] * measurement[THETA]
         )
-    read = measurement[PHI]
-    memory[PHI] = min(max(memory[PHI], read - p.half_count), read + p.half_count)
+    phi = measurement[PHI]
+    memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)

@@ -1,8 +1,9 @@
-"""The paper's filter, Section 4: a low-pass on the potentiometer whose state is the speed.
+"""Low-pass filter of the paper, Section 4: estimates the pendulum from the potentiometer.
 
     ÿ = ω²(θ_measured − y) − 2ζω ẏ
 
-It is sampled exactly for a measurement that varies linearly between samples (first-order hold).
+y is the estimate of θ, ẏ that of θ̇. The filter is sampled exactly for a measurement that varies
+linearly between samples (first-order hold).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
 
-# What the filter keeps besides its estimate: the previous measurement of θ.
+# Size of the filter's memory besides the estimate: the previous measurement of θ.
 MEMORY = 1
 
 
@@ -26,17 +27,17 @@ class LowpassParameters(NamedTuple):
     """The filter on the potentiometer."""
 
     filter_bandwidth: Annotated[
-        float, About("natural frequency of the potentiometer's filter", "rad/s", 0.1, 1e5)
+        float, About("natural frequency of the filter on the potentiometer", "rad/s", 0.1, 1e5)
     ] = 200.0
     filter_damping: Annotated[
-        float, About("damping ratio of the potentiometer's filter", "", 0.1, 10.0)
+        float, About("damping ratio of the filter on the potentiometer", "", 0.1, 10.0)
     ] = 0.7
 
 
 class Lowpass(NamedTuple):
-    """The filter as it runs: ``step`` (2, 4) of one sample, ``lag`` [s] behind a ramp.
+    """The sampled filter: ``step`` (2, 4) of one sample, ``lag`` [s] behind a ramp.
 
-    (θ, θ̇)⁺ is ``step`` times (θ, θ̇, measured before, measured now).
+    (θ, θ̇)⁺ is ``step`` times (θ, θ̇, previous measurement, measurement).
     """
 
     step: np.ndarray
@@ -44,21 +45,21 @@ class Lowpass(NamedTuple):
 
 
 def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
-    """The filter for a rig, exact by the exponential of the system and its linear input."""
+    """The filter for a rig, by the matrix exponential of the system with its linear input."""
     omega, zeta, dt = p.filter_bandwidth, p.filter_damping, rig.sample_time
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
     system[1] = [-(omega**2), -2.0 * zeta * omega, omega**2, 0.0]
     system[2, 3] = 1.0 / dt
     step = expm(system * dt)[:2]
-    # The input's states are its value before and its rise; the rise is the difference to now.
+    # The input's states are its previous value and its rise, the difference to the new value.
     step[:, 2] -= step[:, 3]
     return Lowpass(np.ascontiguousarray(step), 2.0 * zeta / omega)
 
 
 @inlined
 def begin(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
-    """Begin where a filter that follows the estimated speed would be; no friction is observed."""
+    """Start in the steady state for the estimated speed; no friction is observed."""
     memory[THETA] -= p.lag * memory[THETA_DOT]
     memory[at] = measurement[THETA]
     memory[OBSERVED_FRICTION] = nan
@@ -66,10 +67,10 @@ def begin(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> N
 
 @inlined
 def update(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
-    """One sample: the estimate, ``memory``'s first (5,), is moved; own memory is from ``at``."""
+    """Update the estimate, the first (5,) of ``memory``; the filter's memory begins at ``at``."""
     step = p.step
-    y, y_dot, before, now = memory[THETA], memory[THETA_DOT], memory[at], measurement[THETA]
+    y, y_dot, old, new = memory[THETA], memory[THETA_DOT], memory[at], measurement[THETA]
     memory[PHI], memory[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
-    memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * before + step[0, 3] * now
-    memory[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * before + step[1, 3] * now
-    memory[at] = now
+    memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * old + step[0, 3] * new
+    memory[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * old + step[1, 3] * new
+    memory[at] = new

@@ -1,4 +1,4 @@
-"""What every estimator knows of the rig."""
+"""Nominal rig, as every estimator uses it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Controller modes: one file per mode, :mod:`furuta_control.control` chooses between them."""
+"""Controller modes: one file per mode; :mod:`furuta_control.control` is the registry."""

@@ -1,11 +1,11 @@
 """Mode ``balance``: state feedback about upright with friction compensation, eqs. (6) to (8).
 
-The sign convention of the whole workspace: (1) has u − F on its right side, with F > 0 when
-friction opposes positive arm speed. An estimate F̂ of that F is therefore *added*:
+Sign convention of the whole workspace: (1) has u − F on its right side, with F > 0 if friction
+opposes positive arm speed. The estimate F̂ is therefore *added*:
 
     u = −Lx + F̂
 
-(the scan of the paper prints a minus in (8), which would double the friction).
+The scan of the paper has a minus in (8), which would double the friction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 
 class Balance(NamedTuple):
-    """Gain L of u = −Lx [V per unit of state]; angles [rad] at which control ends and begins."""
+    """Gain L of u = −Lx [V per unit of state]; angles [rad] at which balancing stops and starts."""
 
     l1: float
     l2: float
@@ -31,9 +31,9 @@ class Balance(NamedTuple):
 
 @inlined
 def balances(balancing: float, x: np.ndarray, p: Balance) -> float:
-    """Whether the pendulum is held (1) or has fallen (0), given whether it was before.
+    """Whether the pendulum is balanced (1) or has fallen (0); ``balancing`` is the last result.
 
-    Control ends beyond the fall angle and begins within the catch angle.
+    Balancing stops beyond the fall angle and starts within the catch angle.
     """
     tilt = abs(x[THETA])
     if tilt > p.fall_angle:

@@ -1,6 +1,6 @@
 """Adaptive compensation ([7]): the observer (9) with levels that follow the observed friction.
 
-A factor on the levels, one for each direction, is adapted at the rate Γ.
+A factor on the levels, one for each direction of motion, is adapted at the rate Γ.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import stribeck_level
 from furuta_model.friction.parameters import LuGre
 
-# Places in the compensators' memory: what is added to the levels' factor 1, for v > 0 and v < 0.
-RISING, FALLING = 1, 2
-# The factors stay between 1/3 and 3: beyond, it is the model that is wrong.
+# Index in the compensators' memory: factor on the levels minus 1, for v > 0 and v < 0.
+FORWARD, BACKWARD = 1, 2
+# The factors stay between 1/3 and 3. Larger errors are errors of the model, not of the level.
 LARGEST_FACTOR = 3.0
-# Part of its final deflection from which on the bristle counts as sliding.
+# Fraction of its final deflection above which the bristle counts as sliding.
 SLIDING = 0.8
 
 
@@ -43,11 +43,11 @@ def estimate(
 
 @inlined
 def adapted(memory: np.ndarray, p: LuGre) -> LuGre:
-    """The friction's parameters with the levels as adapted so far."""
-    rising = (1.0 + p.asymmetry) * (1.0 + memory[RISING])
-    falling = (1.0 - p.asymmetry) * (1.0 + memory[FALLING])
-    mean = 0.5 * (rising + falling)
-    asymmetry = 0.5 * (rising - falling) / mean if mean > 0.0 else 0.0
+    """The friction parameters with the adapted levels."""
+    forward = (1.0 + p.asymmetry) * (1.0 + memory[FORWARD])
+    backward = (1.0 - p.asymmetry) * (1.0 + memory[BACKWARD])
+    mean = 0.5 * (forward + backward)
+    asymmetry = 0.5 * (forward - backward) / mean if mean > 0.0 else 0.0
     return LuGre(
         p.sigma0,
         p.sigma1,
@@ -63,14 +63,14 @@ def adapted(memory: np.ndarray, p: LuGre) -> LuGre:
 def _adapt(
     memory: np.ndarray, v: float, force: float, observed: float, step: float, p: LuGre
 ) -> None:
-    """Move the level of this direction towards the observed friction; ``step`` is Γ·dt.
+    """Adapt the level of the present direction to the observed friction; ``step`` is Γ·dt.
 
-    Only while the bristle slides. Before, σ₀ and σ₁ decide F̂, and an error of theirs, or the
-    delay with which friction is observed at a reversal, would be taken for one of the level.
+    Only while the bristle slides. In presliding F̂ depends on σ₀ and σ₁. Errors in them, and the
+    delay of the observed friction at a reversal, would look like an error of the level.
     """
     if v == 0.0 or isnan(observed):
         return
-    direction = RISING if v > 0.0 else FALLING
+    direction = FORWARD if v > 0.0 else BACKWARD
     factor = 1.0 + memory[direction]
     level = factor * stribeck_level(v, p)
     if p.sigma0 * memory[BRISTLE] * v < SLIDING * level * abs(v):

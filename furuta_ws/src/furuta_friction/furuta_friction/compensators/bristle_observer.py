@@ -1,13 +1,13 @@
-r"""The friction observer (9): the bristle's equation (5) run on the estimated speed.
+r"""Friction observer (9): simulates the bristle equation (5) with the estimated speed.
 
 .. math::
     \dot{\hat z} = v - σ_0\frac{|v|}{g(v)}\hat z - K e, \qquad
     \hat F = σ_0\hat z + σ_1\dot{\hat z} + σ_2 v
 
-K appears in no equation of the paper. In [6], the work that the paper cites, e is the position
-error of the joint with friction; here that is the arm angle φ, whose reference is zero. The
-correction alone would drive ẑ without limit while v = 0, so ẑ is kept where the true z must be,
-σ₀|ẑ| ≤ max g, and F̂ within the highest friction that the parameters allow at that speed.
+The term with K is in none of the paper's equations. It is from [6], which the paper cites: e is
+the position error of the joint with friction, here the arm angle φ, whose reference is zero. At
+v = 0 the correction would move ẑ without limit. ẑ is therefore limited like the true z,
+σ₀|ẑ| ≤ max g, and F̂ to the highest friction that the parameters allow at that speed.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_level
 from furuta_model.friction.parameters import LuGre
 
-# Place of ẑ [rad] in the compensators' memory.
+# Index of ẑ [rad] in the compensators' memory.
 BRISTLE = 0
 
 

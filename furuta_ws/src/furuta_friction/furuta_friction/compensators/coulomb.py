@@ -11,5 +11,5 @@ _COULOMB = LAWS.index("coulomb")
 
 @compiled
 def estimate(v: float, p: LuGre) -> float:
-    """F̂ [V] with levels by direction and viscous part; 0 at v = 0."""
+    """F̂ [V] with asymmetry and viscous part; 0 at v = 0."""
     return steady_friction(v, FrictionLaw(_COULOMB, p))

@@ -1,6 +1,7 @@
-"""Stiction compensation: Coulomb's while the arm slides, the observed friction at rest.
+"""Stiction compensation: Coulomb friction while the arm slides, the observed friction at rest.
 
-At rest means below the Stribeck velocity. The estimate is limited to the breakaway level α₀ + α₁.
+The arm counts as at rest below the Stribeck velocity. The estimate is limited to the breakaway
+level α₀ + α₁.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ _STICTION = LAWS.index("stiction")
 
 @compiled
 def estimate(v: float, observed: float, p: LuGre) -> float:
-    """F̂ [V] for the speed [rad/s] and the ``observed`` friction [V]; 0 at rest without one."""
+    """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; 0 at rest if that is NaN."""
     if abs(v) > p.stribeck_velocity:
         return coulomb.estimate(v, p)
     if isnan(observed):

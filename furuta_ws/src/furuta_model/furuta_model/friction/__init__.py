@@ -1,1 +1,1 @@
-"""Friction in the arm's joint: one file per law, :mod:`.laws` names them all."""
+"""Friction in the arm's joint: one file per law; :mod:`.laws` is the registry."""

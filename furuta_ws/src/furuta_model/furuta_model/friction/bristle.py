@@ -1,10 +1,10 @@
-r"""The bristle of a friction law with presliding, eq. (5).
+r"""Bristle dynamics of a friction law with presliding, eq. (5).
 
 .. math:: \dot z = v - σ_0\frac{|v|}{g(v)}z, \qquad F = σ_0 z + σ_1\dot z + σ_2 v
 
-g(v) is the law's level by direction (:func:`furuta_model.friction.laws.sliding_level`). While v is
-constant the equation is linear with rate λ = σ₀|v|/g(v), so its solution is known: it is used
-instead of a numerical one and holds at any speed and any step.
+g(v) is the law's level by direction (:func:`furuta_model.friction.laws.sliding_level`). At constant
+v the equation is linear with rate λ = σ₀|v|/g(v), so the exact solution is known. It replaces
+numerical integration and is valid at any speed and any step.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from math import expm1
 from furuta_model.compiled import compiled
 from furuta_model.friction.parameters import SMALLEST_LEVEL, LuGre
 
-# Below this rate times step the rational form of the decay is exact to rounding, and faster.
+# Below this rate times step the rational form of the decay is exact to rounding, and it is faster.
 SMALL_DECAY = 0.3
 
 
@@ -22,7 +22,7 @@ SMALL_DECAY = 0.3
 def deflection_rate(v: float, speed: float, z: float, level: float, p: LuGre) -> float:
     """ż [rad/s] of (5) at deflection z [rad] and level g [V].
 
-    ``speed`` is |v|; a slide in a known direction gives direction · v, which continues smoothly
+    ``speed`` is |v|. For a slide in a known direction give direction · v instead, which is smooth
     through v = 0.
     """
     return v - p.sigma0 * speed / max(level, SMALLEST_LEVEL) * z
@@ -35,7 +35,7 @@ def deflection_after(
     """Exact solution of ż = v + correction − λz over ``dt`` [s] at constant v and level.
 
     Returns the deflection at the end and its mean over the step [rad]. ``correction`` [rad/s] is
-    an observer's, zero for the plant.
+    that of an observer, zero for the plant.
     """
     rate = p.sigma0 / max(level, SMALLEST_LEVEL) * abs(v)
     to_end, to_mean = decay_fractions(rate * dt)
@@ -45,12 +45,13 @@ def deflection_after(
 
 @compiled
 def decay_fractions(d: float) -> tuple[float, float]:
-    r"""How far a decaying quantity has moved, in parts of its first rate times the step.
+    r"""Change of a decaying quantity, as a fraction of its initial rate times the step.
 
     .. math:: φ = (1 - e^{-d})/d, \qquad ψ = (1 - φ)/d
 
-    φ at the end, ψ in the mean, where d ≥ 0 is rate times step. For small d by the (5, 5) Padé
-    approximant of :math:`e^{-d}`, in which the terms that would cancel are cancelled analytically.
+    φ is the change at the end of the step, ψ its mean over the step; d ≥ 0 is the decay rate times
+    the step. For small d they come from the (5, 5) Padé approximant of :math:`e^{-d}`, with the
+    terms that would cancel removed analytically.
     """
     if d >= SMALL_DECAY:
         end = -expm1(-d) / d

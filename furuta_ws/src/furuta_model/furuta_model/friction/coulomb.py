@@ -1,4 +1,4 @@
-"""Coulomb friction, eq. (4): α₀ against the motion, and the arm sticks up to the same level."""
+"""Coulomb friction, eq. (4): α₀ opposes the motion, and the arm sticks up to the same level."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-r"""What a friction law states, and what follows from it.
+r"""Interface of a friction law.
 
-A law is a file in this folder with a :class:`Law`; :mod:`.laws` lists it. The level is the
-friction's size while the arm slides at speed v, before its asymmetry:
+A law is a file in this folder that defines a :class:`Law`; :mod:`.laws` lists it. The level g(v) is
+the magnitude of friction while the arm slides at speed v, without asymmetry:
 
 .. math:: F = ±g(v)(1 ± a) + σ_2 v
 
 With ``bristle``, the arm moves a bristle before it slides, eq. (5), and never truly sticks.
-Without, the arm sticks: at v = 0 friction holds it up to the breakaway level.
+Without it, the arm sticks: at v = 0 friction holds it up to the breakaway level.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from scipy.integrate import quad
 
 from furuta_model.friction.parameters import LuGre
 
-# Relative step of the slope's central difference.
+# Relative step of the central difference for the slope.
 STEP = 1e-6
 
 
 class Law(NamedTuple):
     r"""A friction law.
 
-    ``level`` (compiled) is g(v, p) [V] at speed v [rad/s]; ``breakaway`` (compiled) is the level
-    up to which a stuck arm is held, of p [V]. With ``bristle`` the arm moves a bristle before it
-    slides; with ``constant`` the level does not depend on the speed. The last three, Python
-    functions of an amplitude or a speed [rad/s] and p, are closed forms where they are known; by
-    default they are computed from ``level``:
+    ``level`` (compiled) is g(v, p) [V] at speed v [rad/s] with parameters p. ``breakaway``
+    (compiled) is the level [V], from p, up to which a stuck arm is held. With ``bristle`` the arm
+    moves a bristle before it slides; with ``constant`` the level does not depend on the speed. The
+    last three are closed forms, Python functions of an amplitude or a speed [rad/s] and p. Without
+    a closed form they are computed from ``level``:
 
-    - ``fundamental``: the constant level [V] whose fundamental the law has under v = A sin ωt,
+    - ``fundamental``: the constant level [V] with the same fundamental under v = A sin ωt,
       :math:`\int_0^{π/2} g(A\sin x)\sin x\,dx`;
     - ``mean``: the mean of g(A sin x) over a cycle [V];
     - ``slope``: dg/dv [V s/rad] at v > 0.

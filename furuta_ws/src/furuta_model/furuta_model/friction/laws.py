@@ -1,4 +1,4 @@
-r"""All friction laws under one interface: the registry.
+"""Registry of the friction laws, and their one interface for compiled code.
 
 ==========  ==============================================  =====================
 law         sliding, v ≠ 0                                  breaks away beyond
@@ -6,7 +6,7 @@ law         sliding, v ≠ 0                                  breaks away beyond
 coulomb     α₀ sgn v, eq. (4)                               α₀
 stiction    α₀ sgn v                                        α₀ + α₁
 stribeck    (α₀ + α₁ exp(−(v/vs)²)) sgn v                   α₀ + α₁
-lugre       bristle dynamics, eq. (5); in the mean the      (none: it creeps)
+lugre       bristle dynamics, eq. (5); at steady speed the  (none: it creeps)
             Stribeck curve
 ==========  ==============================================  =====================
 
@@ -27,22 +27,22 @@ from furuta_model.friction.parameters import LuGre
 ALL: tuple[Law, ...] = (coulomb.LAW, stiction.LAW, stribeck.LAW, lugre.LAW)
 
 LAWS = tuple(law.name for law in ALL)
-BRISTLE = tuple(law.bristle for law in ALL)
-# Arm speed [rad/s] below which the arm is stuck under a law without bristle.
-STUCK = 1e-9
+HAS_BRISTLE = tuple(law.bristle for law in ALL)
+# Speed [rad/s] below which the arm is stuck under a law without bristle.
+STUCK_SPEED = 1e-9
 _level = by_kind([law.level for law in ALL])
 _breakaway = by_kind([law.breakaway for law in ALL])
 
 
 class FrictionLaw(NamedTuple):
-    """A law (index into :data:`LAWS`) with its parameters; what compiled code computes with."""
+    """A law (index into :data:`LAWS`) with its parameters, for compiled code."""
 
     kind: int = LAWS.index("lugre")
     parameters: LuGre = LuGre()
 
     @property
     def law(self) -> Law:
-        """What the law states."""
+        """The law itself."""
         return ALL[self.kind]
 
     @property
@@ -52,57 +52,57 @@ class FrictionLaw(NamedTuple):
 
     @property
     def bristle(self) -> bool:
-        """Whether the arm moves a bristle before it slides; otherwise it truly sticks."""
-        return BRISTLE[self.kind]
+        """Whether the arm moves a bristle before it slides. Otherwise it truly sticks."""
+        return HAS_BRISTLE[self.kind]
 
     def named(self, name: str) -> FrictionLaw:
-        """The law of that name with the same parameters."""
+        """The law with this name and the same parameters."""
         return self._replace(kind=LAWS.index(name))
 
 
 def friction_law(name: str, parameters: LuGre) -> FrictionLaw:
-    """The law of that name, one of :data:`LAWS`, with its parameters."""
+    """The law with this name, one of :data:`LAWS`, and these parameters."""
     return FrictionLaw(LAWS.index(name), parameters)
 
 
 @compiled
 def has_bristle(law: FrictionLaw) -> bool:
     """Whether the arm moves a bristle before it slides."""
-    return BRISTLE[law.kind]
+    return HAS_BRISTLE[law.kind]
 
 
 @compiled
 def symmetric_level(v: float, law: FrictionLaw) -> float:
-    """Level [V] of the sliding arm at speed v [rad/s] before its asymmetry, viscous part apart."""
+    """Level [V] at sliding speed v [rad/s], without asymmetry and viscous part."""
     return _level(law.kind, v, law.parameters)
 
 
 @compiled
 def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
-    """Friction [V] opposing a motion at speed v [rad/s], viscous part apart.
+    """Friction [V] that opposes a slide at speed v [rad/s], without viscous part.
 
-    The sign of ``direction`` is given beside the speed because at v = 0 a slide that begins or ends
-    has one.
+    The sign of ``direction`` is given separately, because a slide that begins or ends at v = 0
+    also has a direction.
     """
     return symmetric_level(v, law) * _factor(direction, law)
 
 
 @compiled
 def breakaway_level(direction: float, law: FrictionLaw) -> float:
-    """Torque [V] up to which a resting arm is held against motion in ``direction`` (±1)."""
+    """Torque [V] up to which a stuck arm is held against motion in ``direction`` (±1)."""
     return _breakaway(law.kind, law.parameters) * _factor(direction, law)
 
 
 @compiled
 def _factor(direction: float, law: FrictionLaw) -> float:
-    """1 ± asymmetry. Two constants and a choice: no arithmetic waits for the direction."""
+    """1 ± asymmetry. Selecting a constant is faster than arithmetic with the direction."""
     asymmetry = law.parameters.asymmetry
     return 1.0 + asymmetry if direction >= 0.0 else 1.0 - asymmetry
 
 
 @compiled
 def steady_friction(v: float, law: FrictionLaw) -> float:
-    """F [V] of the law at steady speed v [rad/s], viscous part included; 0 at v = 0."""
+    """F [V] at steady speed v [rad/s], with viscous part; 0 at v = 0."""
     if v == 0.0:
         return 0.0
     direction = 1.0 if v > 0.0 else -1.0
@@ -111,13 +111,13 @@ def steady_friction(v: float, law: FrictionLaw) -> float:
 
 @compiled
 def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
-    """F [V] of the simulated arm at speed v [rad/s], viscous part included.
+    """F [V] of the simulated arm at speed v [rad/s], with viscous part.
 
-    ``memory`` is what the law keeps from step to step: the bristle's deflection [rad] or, of a
-    law that truly sticks, the friction of the last step [V].
+    ``memory`` is the state of the law: the deflection of the bristle [rad], or the friction of the
+    last step [V] for a law that truly sticks.
     """
     p = law.parameters
-    if not BRISTLE[law.kind]:
+    if not HAS_BRISTLE[law.kind]:
         return memory + p.viscous * v
     level = sliding_level(v, v, law)
     return (
@@ -129,9 +129,9 @@ def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
 
 @compiled
 def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float, float]:
-    """Mean friction [V] of the bristle over ``h`` [s] at speed v [rad/s], viscous part apart.
+    """Mean friction [V] of the bristle over ``h`` [s] at speed v [rad/s], without viscous part.
 
-    Exact for constant v. Returns it with the deflection at the end [rad].
+    Exact for constant v. Also returns the deflection at the end [rad].
     """
     p = law.parameters
     level = sliding_level(v, v, law)
@@ -140,14 +140,15 @@ def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float
 
 
 @compiled
-def sticking_force(v: float, before: float, holding: float, law: FrictionLaw) -> float:
-    """Mean friction [V] over a step under a law that truly sticks, viscous part apart.
+def sticking_force(v: float, start_speed: float, holding: float, law: FrictionLaw) -> float:
+    """Mean friction [V] over a step under a law that truly sticks, without viscous part.
 
-    ``holding`` [V] is what would bring the arm to rest at the end of the step, ``before`` the
-    speed at its start [rad/s] and v that at which the law is evaluated. Friction brings the arm
-    to rest, and keeps it there, if the level allows it; otherwise it is the level.
+    ``holding`` [V] is the friction that would bring the arm to rest at the end of the step,
+    ``start_speed`` is the speed at its start [rad/s], and the law is evaluated at speed v. Friction
+    brings the arm to rest and keeps it there if the level is high enough; otherwise it is the
+    level.
     """
-    if abs(before) < STUCK:
+    if abs(start_speed) < STUCK_SPEED:
         forward, backward = breakaway_level(1.0, law), breakaway_level(-1.0, law)
     else:
         forward, backward = sliding_level(v, 1.0, law), sliding_level(v, -1.0, law)

@@ -4,8 +4,8 @@ r"""LuGre friction, eq. (5), with viscous part and levels that differ by directi
     \dot z = v - σ_0\frac{|v|}{g(v)}z, \qquad g(v) = (α_0 + α_1 e^{-(v/v_s)^2})(1 ± a), \qquad
     F = σ_0 z + σ_1\dot z + σ_2 v
 
-The sign is that of v, a the asymmetry; σ₂ (``viscous``) and a are zero in the paper. The steady
-level is Stribeck's.
+The sign is that of v, and a is the asymmetry. σ₂ (``viscous``) and a are zero in the paper. The
+level at steady speed is that of Stribeck friction.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _symmetric_level = stribeck.level
 
 @compiled
 def stribeck_level(v: float, p: LuGre) -> float:
-    """g(v) [V]: the friction level at steady speed v [rad/s], viscous part excluded."""
+    """g(v) [V]: the friction level at steady speed v [rad/s], without viscous part."""
     level = _symmetric_level(v, p)
     if v > 0.0:
         level *= 1.0 + p.asymmetry
@@ -32,7 +32,7 @@ def stribeck_level(v: float, p: LuGre) -> float:
 
 @compiled
 def highest_level(p: LuGre) -> float:
-    """The largest g(v) [V]; σ₀|z| never exceeds it once it does not."""
+    """The largest g(v) [V]. If σ₀|z| is below it at the start, it stays below it."""
     return max((p.alpha0 + p.alpha1) * (1.0 + abs(p.asymmetry)), SMALLEST_LEVEL)
 
 
@@ -54,6 +54,6 @@ def bristle_after(
 ) -> tuple[float, float]:
     """Deflection [rad] after ``dt`` [s] at constant speed v [rad/s], and its mean over the step.
 
-    ``correction`` [rad/s] is an observer's, zero for the plant.
+    ``correction`` [rad/s] is that of an observer, zero for the plant.
     """
     return deflection_after(v, correction, z, dt, stribeck_level(v, p), p)

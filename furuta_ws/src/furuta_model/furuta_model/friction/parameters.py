@@ -1,4 +1,4 @@
-"""Parameters that all friction laws share."""
+"""Parameters of friction, shared by all laws."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.parameters import About
 
-# Below this level [V] friction counts as absent: the bristle's rate stays finite.
+# Smallest level [V], so that the rate of the bristle stays finite without friction.
 SMALLEST_LEVEL = 1e-12
 
 
 class LuGre(NamedTuple):
     """Parameters of (5). Defaults: the paper's, Fig. 8.
 
-    The Stribeck velocity is not in the paper. 0.05 rad/s is a tenth of the limit cycle's speed,
-    so α₁ acts at reversals alone, as stiction does.
+    The paper does not give a Stribeck velocity. 0.05 rad/s is a tenth of the speed in the limit
+    cycle, so α₁ acts only at reversals, like stiction.
     """
 
     sigma0: Annotated[float, About("bristle stiffness σ₀", "V/rad", 1e-3, 1e6)] = 80.0

@@ -1,6 +1,6 @@
-"""Coulomb friction with stiction: α₀ against the motion, and the arm sticks up to α₀ + α₁.
+"""Coulomb friction with stiction: α₀ opposes the motion, and the arm sticks up to α₀ + α₁.
 
-Under a sinusoidal speed it is Coulomb friction: the speed is zero for no time at all.
+At a sinusoidal speed it equals Coulomb friction, because the speed is zero only for an instant.
 """
 
 from __future__ import annotations

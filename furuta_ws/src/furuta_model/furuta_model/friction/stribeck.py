@@ -15,7 +15,7 @@ from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import LuGre
 from furuta_model.friction.stiction import breakaway
 
-# Above this (v/vs)² the stiction term is lost in the rounding of α₀.
+# Above this (v/vs)² the stiction term is below the rounding of α₀.
 LARGE_RATIO = 50.0
 
 

@@ -1,0 +1,135 @@
+"""Periodic orbits of the ideal loop as fixed points of the Poincaré map.
+
+A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. Its Floquet
+multipliers are the eigenvalues of dP/ds.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_analysis.limit_cycles.exact_motion import (
+    PHI_HIGH,
+    PHI_LOW,
+    STUCK,
+    THETA_HIGH,
+    THETA_LOW,
+    follow_to_upper_reversal,
+)
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop, feedback, friction_at, next_mode
+from furuta_analysis.limit_cycles.section import LONGEST_RETURN, Section
+from furuta_model.state import PHI, PLANT_STATES
+
+MAX_TRACE = 200_000  # rows between two upper reversals
+REST = 1e-7  # [rad] peak to peak below which the arm is at rest
+TOLERANCE = 1e-9  # Newton correction, relative to the size of the cycle
+NEWTON_STEPS = 25
+
+
+class LimitCycle(NamedTuple):
+    """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
+
+    ``turns`` is the number of upper reversals of the arm per period, ``point`` the state (5,) at
+    the first of them.
+    """
+
+    kind: str
+    phi_peak_to_peak_rad: float = 0.0
+    theta_peak_to_peak_rad: float = 0.0
+    period_s: float = float("nan")
+    rotation_rate_rad_s: float = 0.0
+    stuck_fraction: float = 0.0
+    floquet_multipliers: tuple[complex, ...] = ()
+    turns: int = 1
+    point: tuple[float, ...] = ()
+
+    @property
+    def stable(self) -> bool:
+        """Whether all Floquet multipliers are inside the unit circle."""
+        return self.kind in ("rest", "rotation") or (
+            self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
+        )
+
+
+def periodic_orbit(
+    section: Section, guess: np.ndarray, turns: int = 1, size: float = 0.1
+) -> LimitCycle | None:
+    """The periodic motion near ``guess`` (section coordinates), stable or not; None if not found.
+
+    ``size`` is the approximate size of the cycle [rad].
+    """
+    s = guess.copy()
+    identity = np.eye(len(s))
+    for _ in range(NEWTON_STEPS):
+        end = section.map(s, turns)
+        if end is None:
+            return None
+        jacobian = section.jacobian(s, turns, size)
+        if jacobian is None:
+            return None
+        try:
+            correction = np.linalg.solve(identity - jacobian, end - s)
+        except np.linalg.LinAlgError:
+            return None
+        s = s + correction
+        if np.linalg.norm(correction) < TOLERANCE * size:
+            return _limit_cycle_through(section, s, turns, size)
+        if np.linalg.norm(correction) > 10.0 * max(size, float(np.linalg.norm(guess))):
+            return None
+    return None
+
+
+def _limit_cycle_through(
+    section: Section, s: np.ndarray, turns: int, size: float
+) -> LimitCycle | None:
+    """The periodic motion through the fixed point ``s``; None if the arm is at rest."""
+    end = section.follow(section.state(s), turns=turns)
+    jacobian = section.jacobian(s, turns, size)
+    phi = float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
+    if jacobian is None or phi < REST:
+        return None
+    return LimitCycle(
+        "oscillation",
+        phi,
+        float(end.extent[THETA_HIGH] - end.extent[THETA_LOW]),
+        end.time,
+        float(end.y[PHI] - section.state(s)[PHI]) / end.time,
+        float(end.extent[STUCK]) / end.time,
+        tuple(complex(m) for m in sorted(np.linalg.eigvals(jacobian), key=abs, reverse=True)),
+        turns,
+        tuple(section.state(s)),
+    )
+
+
+class Trajectory(NamedTuple):
+    """One period of a cycle: time (n,) [s], state (n, 5), control and friction (n,) [V]."""
+
+    time: np.ndarray
+    state: np.ndarray
+    control: np.ndarray
+    friction: np.ndarray
+
+
+def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
+    """The motion of an oscillation over one period, at the steps of the integration."""
+    y = np.array(cycle.point)
+    rows = [np.append(0.0, y)]
+    extent, buffer = np.zeros(5), np.empty((MAX_TRACE, PLANT_STATES + 1))
+    elapsed = 0.0
+    for _ in range(cycle.turns):
+        mode = next_mode(y, 1.0, loop)
+        _, duration, n = follow_to_upper_reversal(y, mode, LONGEST_RETURN, loop, extent, buffer)
+        part = buffer[:n].copy()
+        part[:, 0] += elapsed
+        rows.extend(part)
+        elapsed += duration
+    table = np.array(rows)
+    state = table[:, 1:]
+    return Trajectory(
+        table[:, 0],
+        state,
+        np.array([feedback(x, loop) for x in state]),
+        np.array([friction_at(x, loop) for x in state]),
+    )
