@@ -53,7 +53,7 @@ def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
 @click.command()
 @namespace_option
 def arm(namespace: str) -> None:
-    """Arm the bridge: commands drive the rig from now on."""
+    """Arm the bridge: from now on, commands drive the rig."""
     with _bridge_client(namespace) as client:
         answer = client.call(SetBool, "arm", SetBool.Request(data=True))
     if not answer.success:
@@ -72,7 +72,7 @@ def disarm(namespace: str) -> None:
 @click.argument("transition", required=False, type=click.Choice(list(TRANSITIONS)))
 @namespace_option
 def state(transition: str | None, namespace: str) -> None:
-    """Print the state of the managed bridge, after a TRANSITION if given."""
+    """Print the lifecycle state of the bridge, after a TRANSITION if one is given."""
     with _bridge_client(namespace) as client:
         if transition:
             number, goal = TRANSITIONS[transition]
@@ -80,5 +80,5 @@ def state(transition: str | None, namespace: str) -> None:
             done = client.call(ChangeState, "change_state", request).success
         now = client.call(GetState, "get_state", GetState.Request()).current_state.label
     if transition and not done and now != goal:
-        raise ServiceError(f"{BRIDGE} did not {transition}, it is {now}; see its log")
+        raise ServiceError(f"{BRIDGE} did not {transition}; it is {now}. See its log")
     print(now)
