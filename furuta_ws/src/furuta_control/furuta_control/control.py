@@ -48,7 +48,7 @@ INACTIVE = (0.0, False)
 class ControllerParameters(NamedTuple):
     """Parameters of the node ``controller``."""
 
-    enabled: Annotated[bool, About("drive the arm; 0 V where false")] = True
+    enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
     mode: Annotated[
         str,
         About(
@@ -67,14 +67,14 @@ class ControllerParameters(NamedTuple):
     model: FurutaPendulum = FurutaPendulum()
     voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
     fall_angle: Annotated[
-        float, About("pendulum angle beyond which the controller gives up: 0 V", "rad", 0.01, 3.0)
+        float, About("pendulum angle beyond which balancing stops: 0 V", "rad", 0.01, 3.0)
     ] = 0.7
     catch_angle: Annotated[
-        float, About("pendulum angle within which it takes over again", "rad", 0.0, 3.0)
+        float, About("pendulum angle within which balancing resumes", "rad", 0.0, 3.0)
     ] = 0.2
     friction_timeout: Annotated[
         float,
-        About("how long a friction estimate serves when no newer one comes, then 0 V", "s", 0, 10),
+        About("age up to which a friction estimate is used; beyond it 0 V replaces it", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     sample_time: Annotated[

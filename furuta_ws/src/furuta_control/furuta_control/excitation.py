@@ -35,16 +35,16 @@ class ExcitationParameters(NamedTuple):
             choices=KINDS,
         ),
     ] = "none"
-    amplitude: Annotated[float, About("its largest value", "V", 0.0, 1e3)] = 1.0
-    period: Annotated[float, About("time after which it repeats", "s", 0.01, 1e3)] = 4.0
+    amplitude: Annotated[float, About("largest value of the signal", "V", 0.0, 1e3)] = 1.0
+    period: Annotated[float, About("period of the signal", "s", 0.01, 1e3)] = 4.0
     tilt_limit: Annotated[
-        float, About("pendulum angle beyond which it is silent", "rad", 0.0, 3.0)
+        float, About("pendulum angle beyond which the signal is 0 V", "rad", 0.0, 3.0)
     ] = 0.1
     excursion_limit: Annotated[
-        float, About("arm angle beyond which it is silent", "rad", 0.0, 1e3)
+        float, About("arm angle beyond which the signal is 0 V", "rad", 0.0, 1e3)
     ] = 1.0
     speed_limit: Annotated[
-        float, About("arm speed beyond which it is silent", "rad/s", 0.0, 1e3)
+        float, About("arm speed beyond which the signal is 0 V", "rad/s", 0.0, 1e3)
     ] = 2.0
 
 

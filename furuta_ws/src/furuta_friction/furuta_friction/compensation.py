@@ -33,7 +33,7 @@ class Compensation(NamedTuple):
 ALL = (
     Compensation("none", "0 V"),
     Compensation("coulomb", "eq. (4) with level alpha0"),
-    Compensation("stiction", "that, and at rest what is held", needs_observed_friction=True),
+    Compensation("stiction", "coulomb, at rest observed friction", needs_observed_friction=True),
     Compensation("lugre", "the observer (9)"),
     Compensation("adaptive", "the same with levels that adapt", needs_observed_friction=True),
 )

@@ -85,7 +85,7 @@ class PlantNodeParameters(NamedTuple):
         ),
     ] = "realtime"
     run_until: Annotated[
-        float, About("time at which the plant pauses, to go on when this is raised", "s", 0, 1e9)
+        float, About("time at which the plant pauses; raising it resumes the run", "s", 0, 1e9)
     ] = 1e9
     command_timeout: Annotated[
         float, About("age at which a command becomes 0 V (realtime)", "s", 1e-3, 10.0)

@@ -56,7 +56,7 @@ class KalmanParameters(NamedTuple):
     friction_process_noise: Annotated[
         float,
         About(
-            "kalman: how far friction walks in a second, grows as √t",
+            "kalman: process noise of the friction, a random walk",
             "V/√s",
             1e-3,
             1e3,
@@ -66,7 +66,7 @@ class KalmanParameters(NamedTuple):
     pendulum_process_noise: Annotated[
         float,
         About(
-            "kalman: how far the pendulum's speed walks from the model",
+            "kalman: process noise of the pendulum's speed, the error of the model",
             "rad/s/√s",
             1e-3,
             1e3,
