@@ -133,6 +133,18 @@ def test_simulate_explicit_feedback(furuta: Any) -> None:
     assert runs[0] == runs[1]
 
 
+def test_the_mode_off_is_a_word(furuta: Any) -> None:
+    """``--set mode=off`` means 0 V, although YAML reads ``off`` as false."""
+    options = ("simulate", "--seconds", "1", "--ideal-sensors", "--json")
+    off, disabled, balanced = (
+        json.loads(furuta(*options, *extra)[1])
+        for extra in (["--set", "mode=off"], ["--set", "enabled=false"], [])
+    )
+    for run in (off, disabled, balanced):
+        run.pop("wall_seconds")
+    assert off == disabled != balanced
+
+
 def test_linearize(furuta: Any) -> None:
     """The rig's identified numbers and the poles asked for."""
     _, out, _ = furuta("linearize", "--json")
@@ -165,6 +177,8 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         (["simulate", "--set", "sigma_0=1"], "did you mean sigma0"),
         (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
         (["simulate", "--compensation", "magic"], "one of none, coulomb, stiction, lugre"),
+        (["simulate", "--set", "plant.friction.law=foo"], "law must be one of coulomb, stiction"),
+        (["simulate", "--set", "mode=fly"], "mode must be one of balance, open_loop, off"),
         (["simulate", "--set", "plant.sample_time=0.002"], "sample_time must be the same"),
         (["simulate", "--set", "gamma=0.0203544"], "integration steps"),
         (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),
@@ -206,6 +220,12 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         (["sensitivity", "--seeds", "0"], "'--seeds': 0 is not in the range 1<=x<=1000"),
         (["identify", "log.csv", "--window", "0"], "'--window': 0.0 is not in the range"),
         (["identify", "log.csv", "--command-scale", "0"], "not a finite number other than 0"),
+        (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),
+        (["simulate", "--out", "run"], "'--out': run does not end in .npz, .png"),
+        (["nyquist", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
+        (["limit-cycle", "--law", "foo"], "'foo' is not one of 'coulomb', 'stiction'"),
+        (["param", "list", "two words"], "'two words' is not a node name such as plant"),
+        (["param", "get", "", "seed"], "'' is not a node name such as plant"),
     ],
 )
 def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
@@ -276,8 +296,8 @@ def test_param_verbs(furuta: Any, processes: Any) -> None:
     assert (status, out.strip()) == (0, "90.0")
     for assignments, reason in (
         (("sigma0=-1", "alpha0=0.3"), "sigma0"),
-        (("sigma_0", "90"), "sigma_0"),
-        (("sigma_0=90", "alpha0=0.3"), "sigma_0"),
+        (("sigma_0", "90"), "friction_observer has no parameter sigma_0"),
+        (("sigma_0=90", "alpha0=0.3"), "friction_observer has no parameter sigma_0"),
         (("sigma0", "["), "cannot read the value '['"),
     ):
         status, _, err = furuta("param", "set", "friction_observer", *assignments)

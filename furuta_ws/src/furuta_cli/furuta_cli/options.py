@@ -31,7 +31,8 @@ def model_options(function: Function) -> Function:
         "assignments",
         multiple=True,
         metavar="NAME=VALUE",
-        help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3.",
+        help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3; "
+        "repeatable.",
     )(function)
     return click.option(
         "--params",
@@ -39,7 +40,7 @@ def model_options(function: Function) -> Function:
         multiple=True,
         type=click.Path(exists=False, path_type=Path),
         metavar="FILE",
-        help="ROS parameter file.",
+        help="ROS parameter file; repeatable.",
     )(function)
 
 
@@ -56,7 +57,7 @@ feedback_option = click.option(
     nargs=4,
     type=float,
     metavar="L1 L2 L3 L4",
-    help="u = l·x; default: the controller's gain.",
+    help="Feedback u = l·x; default: the controller's gain.",
 )
 
 
@@ -72,7 +73,7 @@ namespace_option = click.option(
     default="",
     metavar="NAME",
     callback=_namespace,
-    help="Namespace of the graph, to tell several graphs apart.",
+    help="ROS namespace of the graph.",
 )
 
 json_option = click.option(

@@ -41,7 +41,14 @@ class ParameterClient:
             node, partial(self._client(node).set_parameters_atomically, parameters)
         )
         if not response.result.successful:
-            raise ServiceError(f"{node} refuses {', '.join(values)}: {response.result.reason}")
+            raise ServiceError(self._rejection(node, list(values), response.result.reason))
+
+    def _rejection(self, node: str, names: list[str], reason: str) -> str:
+        """Why a node rejected parameters; rclpy itself does not name an undeclared one."""
+        unknown = sorted(set(names) - set(self.names(node)))
+        if unknown and "undeclared" in reason:
+            return f"{node} has no parameter {', '.join(unknown)}"
+        return f"{node} rejects {', '.join(names)}: {reason}"
 
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""

@@ -73,9 +73,7 @@ def integrator(stage: Stage) -> Callable[..., None]:
             phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
 
             sine, cosine = sin(theta), cos(theta)
-            v_dot, w_dot, _ = stage(
-                phi, v, theta, sine, cosine, w, v, u, memory, half, body, law
-            )
+            v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
             phi_mid, theta_mid = phi + half * v, theta + half * w
             v_mid, w_mid = v + half * v_dot, w + half * w_dot
             sine, cosine = rotate(sine, cosine, half * w)

@@ -17,7 +17,7 @@ class Sensors(NamedTuple):
     """Encoder on the arm, tachometer on the arm, potentiometer on the pendulum."""
 
     ideal: Annotated[
-        bool, About("measure all four states exactly; the rest of this group is unused")
+        bool, About("measure all four states exactly, without the rest of this group")
     ] = False
     encoder_counts: Annotated[
         int, About("encoder pulses per revolution of the arm, 0 for no quantisation", "", 0, 2**24)

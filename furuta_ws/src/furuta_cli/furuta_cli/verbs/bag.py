@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
@@ -52,10 +53,12 @@ def _info(bag: Bag) -> dict[str, Any]:
 
 @command.command()
 @BAG
-@click.option("--out", type=click.Path(path_type=Path), help="New bag; default: BAG_recovered.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="BAG", help="New bag; default: BAG_recovered."
+)
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Copy what is readable of BAG into a new bag; BAG itself is not changed."""
+    """Copy all readable messages of BAG into a new bag; BAG itself is not changed."""
     from furuta_recordings.bags.recovery import recover as recover_bag
 
     if not bag.exists():
@@ -133,9 +136,9 @@ def replay(
 @BAG
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=FIGURE,
     metavar="FILE.png",
-    help="Plot recorded and recomputed series.",
+    help="Draw recorded and recomputed time series.",
 )
 @model_options
 @json_option
@@ -148,8 +151,8 @@ def recompute(
 ) -> None:
     """Recompute estimates and commands from BAG's measurements and compare them with BAG.
 
-    Uses the recorded parameters, or others given by --params and --set: what would this tuning
-    have commanded? The measurements stay as recorded, so the pendulum does not react.
+    Uses the recorded parameters, except those given by --params and --set. The measurements stay
+    as recorded: the pendulum does not react to the new commands.
     """
     from furuta_studies.recompute import recompute_bag
     from furuta_studies.recorded_loop import compare

@@ -14,6 +14,7 @@ from furuta_analysis.convergence.friction_passivity import friction_passivity
 from furuta_analysis.convergence.passive_error import passive_error
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.simulation.closed_loop import Loop
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import feedback_option, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.analysis_options import AnalysisOptions
@@ -29,7 +30,7 @@ MODEL_MISMATCH = (
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw G.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw G.")
 @feedback_option
 @model_options
 @json_option
@@ -40,10 +41,10 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Check the passivity condition for convergence of the LuGre observer, [4], [6], [10].
+    """Check the passivity condition for convergence of the LuGre observer.
 
-    It depends on the plant's model and friction, on the controller's gain L or --feedback, and on
-    the observer's gain K (--set observer_gain=0.1).
+    The condition depends on the plant's model and friction, on the controller's gain L or
+    --feedback, and on the observer's gain K (--set observer_gain=0.1).
     """
     ideal = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
     nominal = loop(load_settings(files, assignments))

@@ -33,7 +33,7 @@ PLAN = TuningPlan()
     type=MEASURED_SECONDS,
     default=40.0,
     show_default=True,
-    help="Pendulum time per compensation.",
+    help="Simulated time per compensation [s].",
 )
 @click.option(
     "--out",
@@ -41,7 +41,7 @@ PLAN = TuningPlan()
     default="output/demo",
     show_default=True,
     type=click.Path(path_type=Path),
-    help="Directory for figure, bag and summary.json; those of an earlier demo are replaced.",
+    help="Directory for figure, bag and summary.json. Files of an earlier demo are replaced.",
 )
 @model_options
 @json_option
@@ -52,10 +52,10 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Run no, Coulomb, LuGre and tuned LuGre compensation through the real node graph.
+    """Compare no, Coulomb, LuGre and tuned LuGre compensation on the real node graph.
 
-    The graph runs in lock-step in one process and is recorded. The parameter services are used to
-    tune the compensator and to switch between compensations.
+    The graph runs in lock-step in one process and is recorded. Parameter services tune
+    the compensator and switch between the compensations.
     """
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
@@ -91,12 +91,14 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 
 def _clear(bag: Path) -> None:
-    """Remove the bag of an earlier demo; refuse if the directory holds anything else."""
+    """Remove the bag of an earlier demo, but only if the directory contains nothing else."""
     if not bag.exists():
         return
     for file in bag.iterdir():
         if file.suffix not in (".mcap", ".yaml"):
-            raise click.ClickException(f"{bag} holds {file.name}, which does not belong to a bag")
+            raise click.ClickException(
+                f"{bag} contains {file.name}, which does not belong to a bag"
+            )
     for file in bag.iterdir():
         file.unlink()
     bag.rmdir()

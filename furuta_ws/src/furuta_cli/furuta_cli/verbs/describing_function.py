@@ -12,16 +12,17 @@ from furuta_analysis.describing_functions.predicted_cycles import Prediction, pr
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
 from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_studies.analysis_options import AnalysisOptions
 
-INCOMPLETE = "The winding number does not match the cycles found: some may be missing."
+INCOMPLETE = "The winding number does not match the cycles found; some may be missing."
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw G and -1/N.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw G and -1/N.")
 @click.option(
-    "--curves", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw all friction laws."
+    "--curves", type=FIGURE, metavar="FILE.png", help="Draw friction over speed for all laws."
 )
 @ideal_options
 @model_options
@@ -35,9 +36,9 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Limit cycles that the describing function of friction predicts: 1 + G(jω) N(A, ω) = 0.
+    """Predict limit cycles with the describing function of friction: 1 + G(jω) N(A, ω) = 0.
 
-    A prediction from first harmonics; `furuta limit-cycle` is exact.
+    The prediction uses first harmonics only; `furuta limit-cycle` is exact.
     """
     given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     prediction = predict_cycles(transfer(given.body, given.gains), given.law)

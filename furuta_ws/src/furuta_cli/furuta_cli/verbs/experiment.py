@@ -30,7 +30,7 @@ from furuta_studies.tuning.result import observer_parameters
     type=MEASURED_SECONDS,
     default=30.0,
     show_default=True,
-    help="Pendulum time after the transients.",
+    help="Simulated time after the transients [s].",
 )
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Draw each figure.")
 @model_options

@@ -17,9 +17,9 @@ from furuta_rig.rig import Rig
 
 @click.group()
 def command() -> None:
-    """Check the line to a rig, read it, find zeros, signs and friction, arm the bridge.
+    """Commission a rig, arm and disarm the bridge, emulate a rig.
 
-    All verbs except arm, disarm and state open the port themselves: no bridge may use it.
+    All verbs except arm, disarm and state open the port themselves, so no bridge may be using it.
     """
 
 
@@ -29,10 +29,10 @@ for each in (arm, disarm, state, check, read, zero, signs, friction):
 
 @command.command("rig")
 @click.argument("name", metavar="NAME|FILE")
-@click.option("--params", "as_file", is_flag=True, help="As a parameter file for --params.")
+@click.option("--params", "as_file", is_flag=True, help="Print a parameter file for --params.")
 @json_option
 def show_rig(name: str, as_file: bool, as_json: bool) -> None:
-    """Show the normalised model and the friction that a rig file results in."""
+    """Show the normalised model and the friction of a rig file."""
     rig = find_rig(name)
     if as_file:
         print(_parameter_file(rig), end="")
@@ -58,6 +58,6 @@ def _parameter_file(rig: Rig) -> str:
 @command.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def emulate(arguments: tuple[str, ...]) -> None:
-    """Run an emulated rig on a pseudo-terminal (rig_emulator; see its --help)."""
+    """Run an emulated rig on a pseudo-terminal; --help lists its options."""
     path = executable("furuta_hw", "rig_emulator")
     os.execv(path, [str(path), *arguments])

@@ -51,7 +51,7 @@ def show(result: dict[str, Any], as_json: bool) -> None:
 @seconds_option(3.0, "Duration of the check.")
 @json_option
 def check(port: str, name: str, seconds: float, as_json: bool) -> None:
-    """Check the line: handshake, rate of samples, frames lost and corrupt. Drives nothing."""
+    """Check the serial line: handshake, sample rate, lost and corrupt frames. Drives nothing."""
     started = perf_counter()
     with _open_rig(port, name) as session:
         handshake = perf_counter() - started
@@ -79,7 +79,10 @@ def check(port: str, name: str, seconds: float, as_json: bool) -> None:
 @seconds_option(10.0, "Duration of reading.")
 @json_option
 def read(port: str, name: str, seconds: float, as_json: bool) -> None:
-    """Read the sensors live, codes and SI; with --json their mean and spread. Drives nothing."""
+    """Show live sensor values, as codes and in SI units. Drives nothing.
+
+    With --json prints their mean and spread.
+    """
     samples: list[RigSample] = []
     with _open_rig(port, name) as session:
         every = max(1, round(DISPLAY_PERIOD / session.rig.line.sample_time))
@@ -115,10 +118,12 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
 @click.command()
 @rig_options
 @seconds_option(2.0, "Duration of averaging.")
-@click.option("--hanging", is_flag=True, help="The pendulum hangs (its sensor must measure that).")
+@click.option(
+    "--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle."
+)
 @json_option
 def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
-    """Find the zeros with the pendulum held upright (or hanging) and everything at rest."""
+    """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
     with _open_rig(port, name) as session:
         zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
     show(zeros, as_json)
@@ -129,7 +134,7 @@ def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> 
 @drive_options
 @json_option
 def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
-    """Move the arm a little and find the signs of the sensors. DRIVES THE ARM, with limits."""
+    """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
     with _open_rig(port, name) as session:
         found = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
     show({f"{name}.sign": value for name, value in found._asdict().items()}, as_json)
@@ -149,9 +154,9 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
 def friction(
     port: str, name: str, voltage: float, arm_range: float, rate: float, as_json: bool
 ) -> None:
-    """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, with limits.
+    """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
 
-    The pendulum hangs, or is removed. Takes one or two minutes.
+    The pendulum must hang or be removed. Takes one to two minutes.
     """
     with _open_rig(port, name) as session:
         experiment = measure_friction(session.rig, arm_range, rate)

@@ -15,7 +15,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def rig_options(function: Function) -> Function:
     """Add ``--port`` and ``--rig``."""
     function = click.option(
-        "--rig", "name", default="paper", show_default=True, metavar="NAME|FILE", help="The rig."
+        "--rig", "name", default="paper", show_default=True, metavar="NAME|FILE", help="Rig file."
     )(function)
     return click.option(
         "--port",
@@ -41,7 +41,7 @@ def drive_options(function: Function) -> Function:
         type=FiniteRange(0.01, 1e6),
         default=3.0,
         show_default=True,
-        help="Stop when the arm is further than this from its start, to either side [rad].",
+        help="Stop when the arm is further than this from its start, in either direction [rad].",
     )(function)
 
 

@@ -9,6 +9,7 @@ import click
 import numpy as np
 import yaml
 
+from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange, NonZero
 from furuta_cli.options import json_option, print_json
 from furuta_identification.fitting.identify import identify
@@ -41,7 +42,7 @@ FIRST_SECONDS = 3.0
     type=click.Choice(ZEROS),
     default="auto",
     show_default=True,
-    help="Position in which the pendulum's angle is 0.",
+    help="Pendulum position at which the angle is 0.",
 )
 @click.option(
     "--angles",
@@ -72,7 +73,7 @@ FIRST_SECONDS = 3.0
     metavar="PATH",
     help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Plot residuals.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the residuals.")
 @click.option(
     "--write",
     type=click.Path(path_type=Path),

@@ -11,6 +11,7 @@ import numpy as np
 from furuta_analysis.limit_cycles.continuation import Branch, BranchPoint, fold_value
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
+from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
@@ -28,8 +29,8 @@ from furuta_studies.parameter_range import parse_range
     show_default=True,
     help="Initial pendulum angle, not 0 [rad].",
 )
-@click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the cycle over a parameter.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the limit cycle over a parameter.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the limit cycle, or the branch.")
 @model_options
 @json_option
 def command(
@@ -43,10 +44,11 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """The exact periodic motion of the ideal loop, sticking included.
+    """Compute the exact periodic motion of the ideal loop, including sticking.
 
-    Ideal: all states measured, feedback u = l·x without sampling or saturation. With --branch
-    the cycle is followed over a parameter, through folds, unstable cycles included.
+    In the ideal loop all states are measured, and the feedback u = l·x is neither sampled nor
+    saturated. --branch follows the limit cycle over a parameter, through folds and along unstable
+    cycles.
     """
     choice = AnalysisOptions(files, assignments, law, feedback, linear)
     loop = choice.ideal_loop()

@@ -16,7 +16,7 @@ from furuta_model.linear import linearize
 @model_options
 @json_option
 def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
-    """Linear model (2), (3) of the controller's nominal pendulum and its gain, eq. (7)."""
+    """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7)."""
     parameters = loop(load_settings(files, assignments)).controller
     a, b = linearize(parameters.model)
     gain = np.array(parameters.feedback_gain)

@@ -10,6 +10,7 @@ import click
 from rich.console import Console
 from rich.progress import track
 
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions
@@ -23,7 +24,7 @@ DEFAULT_COUNT = 20
 @click.command()
 @click.argument("ranges", nargs=2, metavar="NAME=LOW:HIGH[:COUNT] NAME=LOW:HIGH[:COUNT]")
 @ideal_options
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the map.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the map.")
 @click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the rows.")
 @model_options
 @json_option
@@ -37,10 +38,11 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Map over two parameters: which feedbacks give a limit cycle, and how large it is.
+    """Map the limit cycle over two parameters: where it exists, and its amplitude.
 
-    The parameters are given by name, or are gains l1 to l4 of u = l·x, as in
-    furuta map omega1=2:12 omega2=2:12
+    A parameter is given by its name or as a gain l1 to l4 of u = l·x.
+
+    Example: furuta map omega1=2:12 omega2=2:12
     """
     options = AnalysisOptions(files, assignments, law, feedback)
     (first, firsts), (second, seconds) = (parse_range(each, DEFAULT_COUNT) for each in ranges)

@@ -1,4 +1,4 @@
-"""``furuta node``: what ``ros2 node`` and ``ros2 run`` do, where they are not installed."""
+"""``furuta node``: lists and runs nodes, as ``ros2 node`` and ``ros2 run`` do."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DISCOVERY = 3.0
 
 @click.group()
 def command() -> None:
-    """List the running nodes; run one."""
+    """List the running nodes, or run one."""
 
 
 @command.command("list")
@@ -45,6 +45,9 @@ def list_(as_json: bool) -> None:
 @click.argument("executable")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def run(package: str, executable: str, arguments: tuple[str, ...]) -> None:
-    """Run EXECUTABLE of PACKAGE: furuta node run furuta_sim plant --ros-args -p seed:=1."""
+    """Run EXECUTABLE of PACKAGE.
+
+    Example: furuta node run furuta_sim plant --ros-args -p seed:=1
+    """
     path = find(package, executable)
     os.execv(path, [str(path), *arguments])

@@ -11,14 +11,15 @@ import numpy as np
 from furuta_analysis.describing_functions.loop_note import loop_note
 from furuta_analysis.describing_functions.transfer import FIGURE_4, open_loop_poles, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions
 
 
 @click.command()
-@click.option("--figure-4", is_flag=True, help="The paper's four feedbacks.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@click.option("--figure-4", is_flag=True, help="Use the paper's four feedbacks.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the Nyquist plot.")
 @ideal_options
 @model_options
 @json_option
@@ -31,7 +32,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Nyquist plot of G(s) from -F to the arm's speed, eq. (10), and its crossings.
+    """Compute G(s) from -F to the arm's speed, eq. (10), and its crossings of the real axis.
 
     Limit cycles are possible where G crosses the negative real axis: -1/N of Coulomb friction
     covers it.

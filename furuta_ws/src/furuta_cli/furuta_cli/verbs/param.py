@@ -1,7 +1,8 @@
-"""``furuta param``: what ``ros2 param`` does, where that is not installed; and parameter files."""
+"""``furuta param``: parameters of running nodes, as with ``ros2 param``, and parameter files."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -24,8 +25,18 @@ from furuta_ros.spinning import executor_of
 def command() -> None:
     """Read and set parameters of running nodes; print parameter files.
 
-    NODE is a name in the namespace of --namespace, or a full name such as /left/plant.
+    NODE is the name of a node in the namespace given with --namespace, or its full name, such as
+    /left/plant.
     """
+
+
+def _node_name(ctx: click.Context, param: click.Parameter, value: str) -> str:
+    if not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", value, re.ASCII):
+        raise click.BadParameter(f"{value!r} is not a node name such as plant or /left/plant")
+    return value
+
+
+node_argument = click.argument("node", callback=_node_name)
 
 
 @contextmanager
@@ -36,7 +47,7 @@ def _client(namespace: str) -> Iterator[ParameterClient]:
 
 
 @command.command("list")
-@click.argument("node")
+@node_argument
 @namespace_option
 @json_option
 def list_(node: str, namespace: str, as_json: bool) -> None:
@@ -51,7 +62,7 @@ def list_(node: str, namespace: str, as_json: bool) -> None:
 
 
 @command.command()
-@click.argument("node")
+@node_argument
 @click.argument("name")
 @namespace_option
 @json_option
@@ -66,11 +77,11 @@ def get(node: str, name: str, namespace: str, as_json: bool) -> None:
 
 
 @command.command("set")
-@click.argument("node")
+@node_argument
 @click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
 @namespace_option
 def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
-    """Set parameters of NODE: one as NAME VALUE, or several at once as NAME=VALUE, all or none."""
+    """Set one parameter of NODE (NAME VALUE) or several (NAME=VALUE ...): all of them or none."""
     pairs = (
         [assignments]
         if len(assignments) == 2 and "=" not in assignments[0]
@@ -106,7 +117,7 @@ def _double(value: Any) -> Any:
 
 @command.command()
 @click.argument("node", required=False)
-@click.option("--markdown", is_flag=True, help="A table instead of a parameter file.")
+@click.option("--markdown", is_flag=True, help="Print a table instead of a parameter file.")
 def defaults(node: str | None, markdown: bool) -> None:
     """Print a parameter file with the defaults of NODE, or of all nodes."""
     if node is not None and node not in NODES:

@@ -22,27 +22,43 @@ from furuta_ros.spinning import StopSignal
 
 
 @click.command()
-@click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True)
+@click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True,
+    help="Simulated plant or real rig.")  # fmt: skip
 @click.option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
-@click.option("--rig", default="", metavar="NAME|FILE", help="The rig; its model is every node's.")
-@click.option("--read-only", is_flag=True, help="Read the rig, never drive it.")
-@click.option("--lockstep", "clock", flag_value="lockstep", help="As fast as the machine allows.")
-@click.option("--realtime", "clock", flag_value="realtime", help="At the sample time (default).")
+@click.option(
+    "--rig",
+    default="",
+    metavar="NAME|FILE",
+    help="Rig whose model, sensors and sample time every node uses.",
+)
+@click.option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
+@click.option(
+    "--lockstep",
+    "clock",
+    flag_value="lockstep",
+    help="Run in lock-step, as fast as the machine allows.",
+)
+@click.option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
 @click.option("--without", multiple=True, type=click.Choice(
     [node.name for node in NODES.values() if not node.controlled]),
-    help="Leave out this node, to run your own instead; repeatable.")  # fmt: skip
+    help="Leave out this node, so that your own can replace it; repeatable.")  # fmt: skip
 @namespace_option
-@click.option("--processes", is_flag=True, help="One process per node instead of one for all.")
-@click.option("--record", type=click.Path(path_type=Path), metavar="DIR", help="Record a bag.")
+@click.option("--processes", is_flag=True, help="Run each node in a process of its own.")
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Record a bag into this directory.",
+)
 @click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
 @click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
-    help="Stop after this pendulum time.")  # fmt: skip
+    help="Stop after this time of the plant or rig [s].")  # fmt: skip
 @click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
-@click.option("--cores", metavar="N,N", help="Run on these cores only.")
-@click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
-@click.option("--no-gc", is_flag=True, help="Switch Python's garbage collector off.")
+@click.option("--cores", metavar="N,N", help="Run on these CPU cores only.")
+@click.option("--lock-memory", is_flag=True, help="Lock all memory, so that it is not swapped out.")
+@click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector.")
 @click.option("--timing", type=click.Path(path_type=Path), metavar="FILE.csv",
-    help="Write how late samples were.")  # fmt: skip
+    help="Write histograms of latency and lateness.")  # fmt: skip
 @model_options
 def command(
     plant: str,
@@ -66,7 +82,8 @@ def command(
 ) -> None:
     """Run the graph until Ctrl-C.
 
-    What the system grants of --priority, --cores and --lock-memory is printed at the start.
+    At the start, the command prints what the system granted of --priority, --cores and
+    --lock-memory.
     """
     hardware = plant == "hardware"
     scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.experiments import encoder_resolution
@@ -28,16 +29,16 @@ NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
     type=MEASURED_SECONDS,
     default=40.0,
     show_default=True,
-    help="Pendulum time of each run.",
+    help="Simulated time of each run [s].",
 )
 @click.option(
     "--seeds",
     type=click.IntRange(1, 1000),
     default=10,
     show_default=True,
-    help="Runs of each case.",
+    help="Number of seeds per case.",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw it.")
+@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the result.")
 @model_options
 @json_option
 def command(
@@ -48,10 +49,10 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """How the limit cycle that remains with compensation grows with the sensor noise.
+    """Measure how the remaining limit cycle grows with the sensor noise.
 
-    For both estimators and five compensations. One of them is LuGre with parameters tuned at the
-    noise of the settings.
+    Compares both estimators and five compensations. One of them is LuGre, tuned at the noise given
+    by the parameters.
     """
     nominal = loop(load_settings(files, assignments))
     with Console(stderr=True, quiet=as_json).status("tuning, then simulating"):

@@ -11,6 +11,7 @@ import numpy as np
 
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import fell, measure_oscillation
+from furuta_cli.file_types import SERIES_OR_FIGURE
 from furuta_cli.options import (
     SEED,
     SIMULATED_SECONDS,
@@ -24,17 +25,21 @@ from furuta_graph.settings import load_settings, loop
 
 @click.command(context_settings={"ignore_unknown_options": False})
 @click.option(
-    "--seconds", type=SIMULATED_SECONDS, default=60.0, show_default=True, help="Pendulum time."
+    "--seconds", type=SIMULATED_SECONDS, default=60.0, show_default=True, help="Simulated time [s]."
 )
-@click.option("--compensation", help="Friction compensation (default: that of the parameters).")
-@click.option("--ideal-sensors", is_flag=True, help="All four states measured exactly.")
+@click.option(
+    "--compensation",
+    metavar="NAME",
+    help="Friction compensation; default: as set by the parameters.",
+)
+@click.option("--ideal-sensors", is_flag=True, help="Measure all four states exactly.")
 @feedback_option
 @click.option("--seed", type=SEED, help="Seed of the sensors' noise.")
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=SERIES_OR_FIGURE,
     metavar="FILE.npz|FILE.png",
-    help="Save the series, or draw them.",
+    help="Write the time series, or draw them.",
 )
 @model_options
 @json_option
@@ -49,7 +54,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the loop without ROS and measure its oscillation over the second half."""
+    """Simulate the closed loop without ROS and measure the oscillation in the second half."""
     extra = []
     if compensation is not None:
         extra.append(f"friction_observer.compensation={compensation}")
@@ -84,7 +89,7 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 
 def _save(record: Any, out: Path, actuator: Any) -> None:
-    if out.suffix == ".png":
+    if out.suffix != ".npz":
         from furuta_figures.run import draw_run
 
         draw_run(record, out)

@@ -11,6 +11,7 @@ import click
 from rich.console import Console
 from rich.progress import Progress
 
+from furuta_cli.file_types import FIGURE
 from furuta_cli.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
 from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
@@ -23,36 +24,35 @@ DEFAULT_COUNT = 10
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
-@click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True)
+@click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True,
+    help="How points are chosen: every combination, or a sample.")  # fmt: skip
 @click.option(
     "--points",
     type=click.IntRange(1, MAX_POINTS),
     default=256,
     show_default=True,
-    help="Number of runs unless it is a grid.",
+    help="Number of runs with random or sobol.",
 )
 @click.option(
     "--seed",
     type=SEED,
     default=0,
     show_default=True,
-    help="Seed of random and sobol points; the sensor noise has plant.seed.",
+    help="Seed of random and sobol points. plant.seed is that of the sensor noise.",
 )
 @click.option(
     "--seconds",
     type=SIMULATED_SECONDS,
     default=60.0,
     show_default=True,
-    help="Pendulum time of a run.",
+    help="Simulated time of each run [s].",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE.csv", default=Path("output/sweep.csv"),
     show_default=True, help="Results, one row per run.",
 )  # fmt: skip
-@click.option(
-    "--picture", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw the results."
-)
+@click.option("--picture", type=FIGURE, metavar="FILE.png", help="Draw the results.")
 @model_options
 @json_option
 def command(
@@ -68,15 +68,17 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the loop over any parameters, as in friction_observer.alpha0=0.1:0.3:50 seed=0:9.
+    """Simulate the closed loop for many parameter values.
 
-    Every run is the same as with furuta simulate. An interrupted sweep continues when it is called
-    again with the same arguments.
+    Example: furuta sweep friction_observer.alpha0=0.1:0.3:50 seed=0:9
+
+    Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
+    arguments to continue it.
     """
     if out.suffix != ".csv":
         raise ParameterError(f"--out must be a .csv file, given {out}")
     if out.exists():
-        raise ParameterError(f"{out} exists already; name another file with --out")
+        raise ParameterError(f"{out} already exists; name another file with --out")
     swept = tuple(parse_swept_parameter(each, DEFAULT_COUNT) for each in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
     size = sweep.size

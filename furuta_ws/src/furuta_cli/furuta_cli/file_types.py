@@ -1,0 +1,27 @@
+"""Types of options that name a file to write, checked before the work begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+class OutputFile(click.Path):
+    """A file to write, whose suffix determines its format."""
+
+    def __init__(self, *suffixes: str) -> None:
+        super().__init__(dir_okay=False, path_type=Path)
+        self._suffixes = suffixes
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path."""
+        path = Path(str(super().convert(value, param, ctx)))
+        if path.suffix.lower() not in self._suffixes:
+            self.fail(f"{value} does not end in {', '.join(self._suffixes)}.", param, ctx)
+        return path
+
+
+FIGURE = OutputFile(".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+SERIES_OR_FIGURE = OutputFile(".npz", ".png", ".pdf", ".svg")
