@@ -15,14 +15,14 @@ from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.parameters import Actuator, PlantParameters, Sensors
 
 SECONDS = 60.0
 STEP = 1e-3
 RELEASE = 0.05
-BODY, FRICTION = FurutaPendulum(), LuGre()
+BODY, FRICTION = FurutaPendulum(), Friction()
 SENSORS = Sensors(ideal=True)
 LOOP = Loop(
     PlantParameters(sensors=SENSORS, actuator=Actuator(bits=0), sample_time=STEP),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 
 
@@ -17,7 +17,7 @@ def accelerations(v: float, theta: float, w: float, torque: float, p: FurutaPend
     return np.linalg.solve(mass, [arm, p.beta * c * s * v**2 + p.delta * s])
 
 
-def level(v: float, p: LuGre) -> float:
+def level(v: float, p: Friction) -> float:
     """g(v) of (5) with asymmetry."""
     return (p.alpha0 + p.alpha1 * np.exp(-((v / p.stribeck_velocity) ** 2))) * (
         1 + np.sign(v) * p.asymmetry
@@ -25,7 +25,7 @@ def level(v: float, p: LuGre) -> float:
 
 
 def plant_rate(
-    _: float, x: np.ndarray, torque: float, body: FurutaPendulum, lugre: LuGre
+    _: float, x: np.ndarray, torque: float, body: FurutaPendulum, lugre: Friction
 ) -> list[float]:
     """Derivative of (φ, φ̇, θ, θ̇, z)."""
     v, theta, w, z = x[1:]
@@ -36,7 +36,7 @@ def plant_rate(
 
 
 def plant_after(
-    x: np.ndarray, torque: float, seconds: float, body: FurutaPendulum, lugre: LuGre
+    x: np.ndarray, torque: float, seconds: float, body: FurutaPendulum, lugre: Friction
 ) -> np.ndarray:
     """The plant state (5,) after ``seconds`` by an implicit solver at tight tolerance."""
     solution = solve_ivp(
@@ -52,14 +52,14 @@ def plant_after(
 
 
 def loop_rate(
-    t: float, x: np.ndarray, gains: np.ndarray, body: FurutaPendulum, lugre: LuGre
+    t: float, x: np.ndarray, gains: np.ndarray, body: FurutaPendulum, lugre: Friction
 ) -> list[float]:
     """Derivative of the plant state with continuous feedback u = l·x."""
     return plant_rate(t, x, float(gains @ x[:4]), body, lugre)
 
 
 def closed_loop(
-    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
+    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: Friction
 ) -> np.ndarray:
     """Trajectory (n, 5) of the closed loop from ``x``, in steps of at most 5 ms."""
     solution = solve_ivp(
@@ -76,7 +76,7 @@ def closed_loop(
 
 
 def upper_reversals(
-    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: LuGre
+    x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: Friction
 ) -> np.ndarray:
     """States (n, 5) where the arm stops moving forward."""
 

@@ -14,7 +14,7 @@ from furuta_analysis.simulation.oscillation import fell, measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 
@@ -26,7 +26,7 @@ def loops(count: int) -> list[Loop]:
     return [
         Loop(
             PlantParameters(
-                friction=PlantFriction(parameters=LuGre(alpha0=0.1 + 0.01 * k)), seed=k
+                friction=PlantFriction(parameters=Friction(alpha0=0.1 + 0.01 * k)), seed=k
             ),
             observer=ObserverParameters(compensation=("none", "coulomb", "lugre")[k % 3]),
         )

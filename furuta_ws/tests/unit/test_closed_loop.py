@@ -12,7 +12,7 @@ from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillat
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters, Sensors
 
@@ -48,7 +48,7 @@ def test_ideal_limit_cycle(dt: float, tolerance: float) -> None:
 def test_stribeck_velocity_matters_little() -> None:
     """From 0.001 to 0.2 rad/s the amplitude changes by 0.6 % (0.507 to 0.510 rad), period 3 %."""
     cycles = [
-        limit_cycle(ideal(friction=PlantFriction(parameters=LuGre(stribeck_velocity=speed))))
+        limit_cycle(ideal(friction=PlantFriction(parameters=Friction(stribeck_velocity=speed))))
         for speed in (0.001, 0.01, 0.02, 0.05, 0.1, 0.2)
     ]
     sizes = [each.phi_peak_to_peak_rad for each in cycles]
@@ -62,7 +62,7 @@ def test_frictionless_motion_is_the_linear_one() -> None:
     """Near upright without friction the loop follows the sampled linear system."""
     start = np.array([2e-4, 0.0, 1e-4, 0.0])
     loop = ideal(
-        friction=PlantFriction(parameters=LuGre(alpha0=0.0, alpha1=0.0)),
+        friction=PlantFriction(parameters=Friction(alpha0=0.0, alpha1=0.0)),
         initial=InitialState(*start),
     )
     a = np.array([[0, 1, 0, 0], [0, 0, -11, 0], [0, 0, 0, 1], [0, 0, 33.0, 0]])
@@ -94,9 +94,9 @@ def test_compensation_reduces_the_limit_cycle(seed: int) -> None:
 def test_asymmetry_shifts_the_limit_cycle() -> None:
     """More friction forward than backward shifts the arm off centre, to the side of its sign."""
     forward, backward = (
-        simulate(ideal(friction=PlantFriction(parameters=LuGre(asymmetry=asymmetry))), 60.0).state[
-            30000:, PHI
-        ]
+        simulate(
+            ideal(friction=PlantFriction(parameters=Friction(asymmetry=asymmetry))), 60.0
+        ).state[30000:, PHI]
         for asymmetry in (0.2, -0.2)
     )
     centre = 0.5 * (forward.max() + forward.min())

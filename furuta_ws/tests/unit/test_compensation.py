@@ -16,7 +16,7 @@ from furuta_friction.compensation import (
     design_compensator,
     largest_estimate,
 )
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_studies.experiments import EXPERIMENTS, run_experiment
@@ -81,7 +81,7 @@ def _drifting(observer: ObserverParameters, known_level: bool, seed: int) -> flo
     return float(np.ptp(np.concatenate(parts)[15_000:]))
 
 
-def at_level(friction: LuGre, factor: float) -> LuGre:
+def at_level(friction: Friction, factor: float) -> Friction:
     """The same friction with its levels multiplied by a factor."""
     return friction._replace(alpha0=factor * friction.alpha0, alpha1=factor * friction.alpha1)
 

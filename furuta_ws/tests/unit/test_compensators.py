@@ -19,7 +19,7 @@ from furuta_friction.compensation import (
     estimate_friction,
     largest_estimate,
 )
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 DT = 1e-3
 
@@ -39,7 +39,7 @@ def compensators(**parameters: object) -> dict[str, Compensator]:
 
 def test_none_and_coulomb() -> None:
     """None is 0 V; Coulomb is α₀ sgn(v) with asymmetry and viscous part, 0 at v = 0."""
-    lugre = LuGre(alpha0=0.2, asymmetry=0.1, viscous=0.5)
+    lugre = Friction(alpha0=0.2, asymmetry=0.1, viscous=0.5)
     by_kind = compensators(friction=lugre)
     for v, expected in ((2.0, 0.22 + 1.0), (1e-9, 0.22), (0.0, 0.0), (-2.0, -0.18 - 1.0)):
         x = signals(v, phi=0.3)
@@ -52,7 +52,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
     """No speed, noise, step, K or Γ drives ẑ or F̂ beyond the limits of the parameters."""
     rng = np.random.default_rng(14)
     for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
-        lugre = LuGre(viscous=0.1, asymmetry=asymmetry)
+        lugre = Friction(viscous=0.1, asymmetry=asymmetry)
         factor = 3.0 if kind == "adaptive" else 1.0
         bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         observer = compensators(
@@ -71,7 +71,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
 def test_converges_to_the_true_bristle(dt: float) -> None:
     """Without model error an initial error of ẑ decays, and F̂ is the F of (5)."""
-    lugre = LuGre(viscous=0.1, asymmetry=0.2)
+    lugre = Friction(viscous=0.1, asymmetry=0.2)
     observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
     memory, z = np.array([-0.0025, 0.0, 0.0]), 0.0025
     for v in 0.6 * np.sin(np.arange(0.01, 3, dt)):
@@ -94,7 +94,7 @@ def test_converges_to_the_true_bristle(dt: float) -> None:
 
 def test_correction_moves_towards_the_reference() -> None:
     """At v = 0 K moves ẑ by −Kφt, up to the level; while sliding F̂ settles at g(1 − Kφ/v)."""
-    lugre = LuGre(alpha1=0.0)
+    lugre = Friction(alpha1=0.0)
     observer = compensators(friction=lugre, observer_gain=0.01, sample_time=DT)["lugre"]
     memory, resting = np.zeros(MEMORY), signals(0.0, phi=0.2)
     for _ in range(100):
@@ -140,7 +140,7 @@ def test_adaptive_starts_from_the_estimate_of_lugre() -> None:
 
 def test_stiction() -> None:
     """Coulomb while sliding; at rest the observed friction, up to breakaway in its direction."""
-    lugre = LuGre(alpha0=0.2, alpha1=0.1, stribeck_velocity=0.05, asymmetry=0.1, viscous=0.5)
+    lugre = Friction(alpha0=0.2, alpha1=0.1, stribeck_velocity=0.05, asymmetry=0.1, viscous=0.5)
     compensator = compensators(friction=lugre)["stiction"]
 
     def estimate(v: float, observed: float) -> float:
@@ -156,9 +156,9 @@ def test_stiction() -> None:
 @pytest.mark.parametrize("dt", [1e-3, 1e-2])
 def test_adaptation_finds_the_levels_of_both_directions(dt: float) -> None:
     """From half and twice the level, F̂ converges to the observed friction in each direction."""
-    true = LuGre(alpha0=0.3, alpha1=0.03, asymmetry=0.25)
+    true = Friction(alpha0=0.3, alpha1=0.03, asymmetry=0.25)
     for level in (0.15, 0.6):
-        wrong = LuGre(alpha0=level, alpha1=0.1 * level)
+        wrong = Friction(alpha0=level, alpha1=0.1 * level)
         compensator = compensators(friction=wrong, observer_gain=0.0, sample_time=dt)["adaptive"]
         observer = compensators(friction=true, observer_gain=0.0, sample_time=dt)["lugre"]
         memory, true_memory = np.zeros(MEMORY), np.zeros(MEMORY)

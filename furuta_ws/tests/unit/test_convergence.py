@@ -11,21 +11,21 @@ from unit import reference
 from furuta_analysis.convergence.convergence import convergence, largest_stable_gain
 from furuta_analysis.convergence.error_loop import ErrorLoop, error_loop, error_loop_for
 from furuta_analysis.convergence.passive_error import passive_error
-from furuta_analysis.describing_functions.transfer import FIGURE_4
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI
+from furuta_model.transfer import FIGURE_4
 
-P, FRICTION = FurutaPendulum(), LuGre()
+P, FRICTION = FurutaPendulum(), Friction()
 PLACED = tuple(-place_poles(P, DesiredPoles()))
 OTHER = FurutaPendulum(0.7, 0.9, 0.5, 1.3)
 ARM = np.eye(4)[PHI]
 LOOPS = [
     (P, PLACED, FRICTION),
     (P, FIGURE_4["a"], FRICTION),
-    (P, tuple(-place_poles(P, DesiredPoles(3, 0.4, 12, 0.9))), LuGre(sigma0=500.0, sigma1=3.0)),
-    (OTHER, tuple(-place_poles(OTHER, DesiredPoles(2, 0.5, 3, 0.8))), LuGre(sigma1=0.0)),
+    (P, tuple(-place_poles(P, DesiredPoles(3, 0.4, 12, 0.9))), Friction(sigma0=500.0, sigma1=3.0)),
+    (OTHER, tuple(-place_poles(OTHER, DesiredPoles(2, 0.5, 3, 0.8))), Friction(sigma1=0.0)),
 ]
 
 
@@ -35,7 +35,7 @@ def closed(p: FurutaPendulum, feedback: tuple[float, ...]) -> tuple[np.ndarray, 
 
 
 def errors(
-    loop: tuple[FurutaPendulum, tuple[float, ...], LuGre],
+    loop: tuple[FurutaPendulum, tuple[float, ...], Friction],
     gain: float,
     leak: float = 0.0,
     error: np.ndarray = ARM,
@@ -58,7 +58,7 @@ def rightmost(matrix: np.ndarray) -> float:
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize("error", [ARM, np.array([-1.0, -0.7, -8.0, -1.7])])
 def test_response_agrees_with_state_space(
-    loop: tuple[FurutaPendulum, tuple[float, ...], LuGre], error: np.ndarray
+    loop: tuple[FurutaPendulum, tuple[float, ...], Friction], error: np.ndarray
 ) -> None:
     """Both ways to build G(s) give python-control's response times the factor of the bristle."""
     p, feedback, friction = loop
@@ -111,7 +111,7 @@ def test_arm_angle_never_satisfies_the_condition() -> None:
 
 @pytest.mark.parametrize("loop", LOOPS)
 def test_stability_limit_agrees_with_eigenvalues(
-    loop: tuple[FurutaPendulum, tuple[float, ...], LuGre],
+    loop: tuple[FurutaPendulum, tuple[float, ...], Friction],
 ) -> None:
     """Any K > 0 is unstable; K < 0 is stable up to the limit and not beyond."""
     g = error_loop(*loop)
@@ -158,7 +158,7 @@ def _growth(g: ErrorLoop, gain: float) -> float:
 @pytest.mark.parametrize("loop", LOOPS)
 @pytest.mark.parametrize("gain", [0.02, -0.02])
 def test_a_guaranteed_leak_stabilises(
-    loop: tuple[FurutaPendulum, tuple[float, ...], LuGre], gain: float
+    loop: tuple[FurutaPendulum, tuple[float, ...], Friction], gain: float
 ) -> None:
     """The leak at the given speed is sufficient; if G(0) is the minimum, less leak is not."""
     p = loop[2]

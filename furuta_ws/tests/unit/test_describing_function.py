@@ -8,17 +8,17 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import ive
 from unit import reference
 
-from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta_analysis.describing_functions.describing_function import bias, describing_function
+from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 
 COULOMB, LUGRE, STICTION, STRIBECK = (
     LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
 )
 
-UNEQUAL = LuGre(viscous=0.3, asymmetry=0.25)
+UNEQUAL = Friction(viscous=0.3, asymmetry=0.25)
 
 
 def fundamental(force: np.ndarray, phase: np.ndarray, amplitude: float) -> complex:
@@ -26,7 +26,7 @@ def fundamental(force: np.ndarray, phase: np.ndarray, amplitude: float) -> compl
     return complex(2j * np.mean(force * np.exp(-1j * phase)) / amplitude)
 
 
-def simulated(amplitude: float, omega: float, p: LuGre) -> complex:
+def simulated(amplitude: float, omega: float, p: Friction) -> complex:
     """LuGre's N from equation (5) integrated in time over one period.
 
     z after a period is linear in z before, so two integrations give the periodic solution.
@@ -60,9 +60,9 @@ def simulated(amplitude: float, omega: float, p: LuGre) -> complex:
 
 
 @pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
-@pytest.mark.parametrize("p", [LuGre(), UNEQUAL])
+@pytest.mark.parametrize("p", [Friction(), UNEQUAL])
 @pytest.mark.parametrize("amplitude", [1e-3, 0.04, 0.3, 10.0])
-def test_static_laws_by_quadrature(kind: int, p: LuGre, amplitude: float) -> None:
+def test_static_laws_by_quadrature(kind: int, p: Friction, amplitude: float) -> None:
     """N is the first Fourier coefficient of F(A sin x), real for any asymmetry."""
     law = FrictionLaw(kind, p)
 
@@ -112,8 +112,8 @@ def test_closed_forms_by_hand() -> None:
 
 @pytest.mark.parametrize("amplitude", [1e-3, 0.01, 0.05, 0.3, 2.0])
 @pytest.mark.parametrize("omega", [1.0, 30.0])
-@pytest.mark.parametrize("p", [LuGre(), LuGre(viscous=0.3, sigma1=0.2, alpha1=0.1)])
-def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: LuGre) -> None:
+@pytest.mark.parametrize("p", [Friction(), Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)])
+def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Friction) -> None:
     """N is the fundamental of equation (5) simulated by a stiff solver."""
     n = describing_function(amplitude, omega, FrictionLaw(LUGRE, p))
     assert n == pytest.approx(simulated(amplitude, omega, p), rel=2e-6)
@@ -123,7 +123,7 @@ def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: LuGre) 
 @pytest.mark.parametrize("omega", [0.1, 50.0])
 def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omega: float) -> None:
     """With g constant and κ = σ₀X/α₀, Z₁ = (2α₀/σ₀)(2/π (1 − tanh κ/κ) − j I₁(κ)/cosh κ)."""
-    p = LuGre(alpha1=0.0)
+    p = Friction(alpha1=0.0)
     k = p.sigma0 * deflection / p.alpha0
     tanh = 1 - np.tanh(k) / k if k > 1e-3 else k * k / 3
     bessel = ive(1, k) * 2 / (1 + np.exp(-2 * k))
@@ -134,7 +134,7 @@ def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omeg
 
 def test_number_of_steps_is_sufficient() -> None:
     """Twice the steps per quarter cycle give the same N, also for a sharp Stribeck curve."""
-    sharp = LuGre(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)
+    sharp = Friction(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)
     for law in (FrictionLaw(LUGRE), FrictionLaw(LUGRE, sharp)):
         for amplitude in np.geomspace(1e-5, 30, 12):
             for omega in (0.1, 3.0, 100.0):
@@ -146,7 +146,7 @@ def test_number_of_steps_is_sufficient() -> None:
 
 def test_limits_of_lugre() -> None:
     """A spring and damper at small amplitude, Coulomb friction at large, without asymmetry."""
-    p = LuGre(viscous=0.1)
+    p = Friction(viscous=0.1)
     law = FrictionLaw(LUGRE, p)
     for omega in (0.5, 5.0, 50.0):
         spring = complex(p.sigma1 + p.viscous, -p.sigma0 / omega)
@@ -154,7 +154,7 @@ def test_limits_of_lugre() -> None:
         large = describing_function(1e3 * omega, omega, law)
         coulomb = describing_function(1e3 * omega, omega, FrictionLaw(COULOMB, p))
         assert large == pytest.approx(coulomb, rel=1e-3)
-    stiff = FrictionLaw(LUGRE, LuGre(sigma0=1e5, sigma1=0.0, alpha1=0.0))
+    stiff = FrictionLaw(LUGRE, Friction(sigma0=1e5, sigma1=0.0, alpha1=0.0))
     assert describing_function(1.0, 3.0, stiff) == pytest.approx(
         describing_function(1.0, 3.0, FrictionLaw(COULOMB)), rel=1e-2
     )
@@ -164,11 +164,11 @@ def test_asymmetry_enters_in_second_order_only() -> None:
     """With unequal levels the fundamental differs from that of the mean level as a²."""
     equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))
     errors = [
-        abs(simulated(0.1, 3.0, LuGre(asymmetry=each)) / equal - 1.0) for each in (0.1, 0.2, 0.4)
+        abs(simulated(0.1, 3.0, Friction(asymmetry=each)) / equal - 1.0) for each in (0.1, 0.2, 0.4)
     ]
     assert errors[0] < 2e-3
     assert np.diff(np.log2(errors)) == pytest.approx([2.0, 2.0], abs=0.4)
-    assert describing_function(0.1, 3.0, FrictionLaw(LUGRE, LuGre(asymmetry=0.4))) == equal
+    assert describing_function(0.1, 3.0, FrictionLaw(LUGRE, Friction(asymmetry=0.4))) == equal
 
 
 @pytest.mark.parametrize(("amplitude", "omega"), [(0, 1), (1, 0), (-1, 1), (float("nan"), 1)])

@@ -22,17 +22,17 @@ from furuta_model.friction.laws import (
     steady_friction,
     sticking_force,
 )
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import Actuator, PlantFriction, PlantParameters
 
-P = LuGre(alpha1=0.05, viscous=0.02, asymmetry=0.2)
+P = Friction(alpha1=0.05, viscous=0.02, asymmetry=0.2)
 STICKING = [law.name for law in ALL if not law.bristle]
 
 
-def plant(law: str, p: LuGre, dt: float) -> PlantParameters:
+def plant(law: str, p: Friction, dt: float) -> PlantParameters:
     """A rig with ideal sensors and a drive of high resolution."""
     return PlantParameters(
         friction=PlantFriction(law, p),
@@ -80,8 +80,8 @@ def test_the_arm_truly_sticks(law: str) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("p", [LuGre(), LuGre(alpha1=0.0, asymmetry=0.1)])
-def test_limit_cycle_agrees_with_the_exact_one(law: str, p: LuGre) -> None:
+@pytest.mark.parametrize("p", [Friction(), Friction(alpha1=0.0, asymmetry=0.1)])
+def test_limit_cycle_agrees_with_the_exact_one(law: str, p: Friction) -> None:
     """The limit cycle of the plant at 0.2 ms is within 0.5 % of the event-driven solution."""
     dt = 2e-4
     controller = ControllerParameters(sample_time=dt)

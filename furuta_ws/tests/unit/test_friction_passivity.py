@@ -7,17 +7,17 @@ import pytest
 
 from furuta_analysis.convergence.friction_passivity import friction_passivity
 from furuta_model.friction.lugre import bristle_after, bristle_rate, friction
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
-PAPER = LuGre()
+PAPER = Friction()
 
 
-def surplus(v: float, z: float, p: LuGre) -> float:
+def surplus(v: float, z: float, p: Friction) -> float:
     """Fv − Ṡ [V rad/s] of (5), from the model's own functions."""
     return friction(v, z, p) * v - p.sigma0 * z * bristle_rate(v, z, p)
 
 
-def surplus_over_bound(v: float, p: LuGre) -> float:
+def surplus_over_bound(v: float, p: Friction) -> float:
     """The minimum over all deflections of the bristle, in both directions."""
     least = np.inf
     for direction in (1.0, -1.0):
@@ -35,11 +35,11 @@ def surplus_over_bound(v: float, p: LuGre) -> float:
         PAPER,
         PAPER._replace(asymmetry=0.3),
         PAPER._replace(viscous=0.05),
-        LuGre(10.0, 3.0, 0.1, 0.4, 0.5, 0.2),
-        LuGre(1000.0, 0.2, 0.5, 0.1, 2.0),
+        Friction(10.0, 3.0, 0.1, 0.4, 0.5, 0.2),
+        Friction(1000.0, 0.2, 0.5, 0.1, 2.0),
     ],
 )
-def test_speed_up_to_which_friction_dissipates(p: LuGre) -> None:
+def test_speed_up_to_which_friction_dissipates(p: Friction) -> None:
     """Just below it no deflection returns energy, just above it some deflection does."""
     result = friction_passivity(p)
     assert not result.passive
@@ -63,7 +63,7 @@ def test_viscous_friction_required() -> None:
     assert friction_passivity(PAPER._replace(alpha1=0.0)).viscous_needed == 0.0
 
 
-def energy_of_a_stroke(speed: float, p: LuGre) -> float:
+def energy_of_a_stroke(speed: float, p: Friction) -> float:
     """∫Fv dt [V rad] while the bristle is bent slowly, then moved by a fast stroke of 0.2 mrad."""
     z, energy = 0.0, 0.0
     for v, travel in ((1e-4, 0.03), (speed, 2e-4)):

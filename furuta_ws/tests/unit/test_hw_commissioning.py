@@ -14,7 +14,7 @@ from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.errors import DriverError, NotStillError
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_rig.calibration import ArmEncoder, PendulumSensor, SpeedSensor
 from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
@@ -56,10 +56,10 @@ def perform(rig: Rig, experiment: Experiment, true: Rig | None = None) -> tuple:
 
 @pytest.mark.parametrize(
     "friction",
-    [LuGre(), LuGre(asymmetry=0.15, viscous=0.05), LuGre(alpha0=0.4, alpha1=0.1)],
+    [Friction(), Friction(asymmetry=0.15, viscous=0.05), Friction(alpha0=0.4, alpha1=0.1)],
     ids=["paper", "asymmetric", "strong"],
 )
-def test_friction_is_found(friction: LuGre) -> None:
+def test_friction_is_found(friction: Friction) -> None:
     """Levels, asymmetry and viscous part, from one count of 25 mrad and a noisy tachometer."""
     rig = Rig(friction=friction)
     found, furthest = perform(rig, measure_friction(rig, 3.0))

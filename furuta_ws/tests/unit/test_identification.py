@@ -24,7 +24,7 @@ from furuta_identification.preparation.prepare import prepare
 from furuta_identification.regression.equations import ratios
 from furuta_identification.regression.momentum import momentum_fit
 from furuta_identification.regression.speeds import speed_lag, with_speeds
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
@@ -39,7 +39,7 @@ def balanced(
     seconds: float, ideal: bool, seed: int = 0, excitation: ExcitationParameters | None = None
 ) -> Recording:
     """A closed-loop recording of the simulated rig: sensor values and the drive's voltage."""
-    friction = PlantFriction(parameters=LuGre(asymmetry=0.1))
+    friction = PlantFriction(parameters=Friction(asymmetry=0.1))
     plant = PlantParameters(friction=friction, sensors=Sensors(ideal=ideal), seed=seed)
     estimator = EstimatorParameters(sensors=Sensors(ideal=ideal))
     controller = ControllerParameters(excitation=excitation or ExcitationParameters())

@@ -11,7 +11,7 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta_model.friction.laws import LAWS, FrictionLaw
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
@@ -22,11 +22,11 @@ COULOMB, LUGRE, STICTION, STRIBECK = (
 )
 
 BODY = FurutaPendulum()
-PAPER = LuGre()
+PAPER = Friction()
 
 
 def ideal(
-    lugre: LuGre = PAPER, kind: int = LUGRE, linear: bool = False, **poles: float
+    lugre: Friction = PAPER, kind: int = LUGRE, linear: bool = False, **poles: float
 ) -> IdealLoop:
     """The loop with the poles of the paper by default."""
     return IdealLoop(BODY, FrictionLaw(kind, lugre), *_gain(**poles), linear)
@@ -47,12 +47,12 @@ def test_values_of_the_paper() -> None:
 
 
 SETS = {
-    "strong stiction": (LuGre(alpha1=0.2), {}),
-    "viscosity": (LuGre(viscous=0.1), {}),
-    "asymmetry": (LuGre(asymmetry=0.3), {}),
-    "soft bristle": (LuGre(sigma0=20.0, sigma1=0.4), {"omega1": 9.0}),
+    "strong stiction": (Friction(alpha1=0.2), {}),
+    "viscosity": (Friction(viscous=0.1), {}),
+    "asymmetry": (Friction(asymmetry=0.3), {}),
+    "soft bristle": (Friction(sigma0=20.0, sigma1=0.4), {"omega1": 9.0}),
     "all, other poles": (
-        LuGre(alpha0=0.3, alpha1=0.1, asymmetry=-0.2, viscous=0.03, stribeck_velocity=0.2),
+        Friction(alpha0=0.3, alpha1=0.1, asymmetry=-0.2, viscous=0.03, stribeck_velocity=0.2),
         {"omega1": 6.0, "zeta1": 0.9, "omega2": 4.0},
     ),
 }
@@ -77,7 +77,7 @@ def test_independent_integration_closes_the_orbit(name: str) -> None:
 @pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
 def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
     """With a stiff, well damped bristle LuGre approaches the law that truly sticks."""
-    lugre = LuGre(alpha1=0.0 if kind != STRIBECK else 0.05)
+    lugre = Friction(alpha1=0.0 if kind != STRIBECK else 0.05)
     sharp = limit_cycle(ideal(lugre, kind))
     errors = [
         abs(limit_cycle(ideal(lugre._replace(sigma0=s, sigma1=d))).period_s - sharp.period_s)
@@ -90,7 +90,7 @@ def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
 
 def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
     """While stuck the holding force is within the breakaway level, and it ends at the level."""
-    loop = ideal(LuGre(alpha1=0.1), STICTION)
+    loop = ideal(Friction(alpha1=0.1), STICTION)
     motion = trace(loop, limit_cycle(loop))
     stuck = motion.state[:, 1] == 0.0
     held = np.abs(motion.friction[stuck])
@@ -106,7 +106,7 @@ def test_positive_speed_feedback_alone_rotates(law: int, l2: float) -> None:
     motion = limit_cycle(loop)
     assert motion.kind == "rotation"
     speed = abs(motion.rotation_rate_rad_s)
-    lugre = LuGre()
+    lugre = Friction()
     bump = lugre.alpha1 * np.exp(-((speed / lugre.stribeck_velocity) ** 2))
     assert l2 * speed == pytest.approx(0.21 + (bump if law == LUGRE else 0.0), rel=1e-6)
 
@@ -120,7 +120,7 @@ def test_without_arm_feedback_friction_accelerates_the_arm() -> None:
 
 def test_loop_without_friction_comes_to_rest() -> None:
     """A stable loop with nearly no friction ends at rest."""
-    assert limit_cycle(ideal(LuGre(alpha0=0.0, alpha1=0.0, viscous=0.01))).kind == "rest"
+    assert limit_cycle(ideal(Friction(alpha0=0.0, alpha1=0.0, viscous=0.01))).kind == "rest"
 
 
 def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
@@ -132,15 +132,15 @@ def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
     disturbed = start.copy()
     disturbed[0] += 1e-3
     gains = np.array([10.0, 4.0, 60.0, 20.0])
-    turns = reference.upper_reversals(disturbed, gains, 5 * cycle.period_s, BODY, LuGre())
+    turns = reference.upper_reversals(disturbed, gains, 5 * cycle.period_s, BODY, Friction())
     off = [abs(turn[0] - start[0]) for turn in turns]
     assert off[3] / off[2] == pytest.approx(largest, rel=0.02)
 
 
 def test_amplitude_scales_with_the_friction_level() -> None:
     """The linear loop has no amplitude of its own: twice the Coulomb level, twice the cycle."""
-    one = limit_cycle(ideal(LuGre(alpha0=0.21), COULOMB, linear=True))
-    two = limit_cycle(ideal(LuGre(alpha0=0.42), COULOMB, linear=True))
+    one = limit_cycle(ideal(Friction(alpha0=0.21), COULOMB, linear=True))
+    two = limit_cycle(ideal(Friction(alpha0=0.42), COULOMB, linear=True))
     assert two.phi_peak_to_peak_rad == pytest.approx(2 * one.phi_peak_to_peak_rad, rel=1e-6)
     assert two.period_s == pytest.approx(one.period_s, rel=1e-6)
 
@@ -149,7 +149,7 @@ def branch(low: float = 0.0, high: float = 0.3) -> list:
     """The cycle over viscous friction, through the fold."""
 
     def loop_at(viscous: float) -> IdealLoop:
-        return ideal(LuGre(viscous=viscous))
+        return ideal(Friction(viscous=viscous))
 
     return Branch(loop_at, low, high).follow(0.0, limit_cycle(loop_at(0.0)))
 
@@ -159,8 +159,8 @@ def test_branch_folds_where_the_cycle_disappears() -> None:
     points = branch()
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
     value = fold_value(points, fold)
-    assert limit_cycle(ideal(LuGre(viscous=value - 0.004))).kind == "oscillation"
-    assert limit_cycle(ideal(LuGre(viscous=value + 0.004))).kind == "unbounded"
+    assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "oscillation"
+    assert limit_cycle(ideal(Friction(viscous=value + 0.004))).kind == "unbounded"
     multiplier = abs(points[fold].cycle.floquet_multipliers[0])
     assert multiplier == pytest.approx(1.0, abs=0.15)
 
@@ -168,7 +168,7 @@ def test_branch_folds_where_the_cycle_disappears() -> None:
 def test_unstable_cycle_bounds_the_region_of_attraction() -> None:
     """A start just inside the unstable cycle ends in the stable one, just outside it falls."""
     unstable = next(p for p in branch() if not p.cycle.stable and p.value < 0.15)
-    loop = ideal(LuGre(viscous=unstable.value))
+    loop = ideal(Friction(viscous=unstable.value))
     point = np.array(unstable.cycle.point)
     ends = {limit_cycle(loop, point * (1.0 + d)).kind for d in (-0.01, 0.01)}
     assert ends == {"oscillation", "unbounded"}

@@ -10,7 +10,7 @@ import pytest
 
 from furuta_control.control import ControllerParameters
 from furuta_graph.description import NODES
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import (
     INLINE,
     About,
@@ -41,13 +41,13 @@ class Outer(NamedTuple):
     """Groups nested with and without a name."""
 
     named: Inner = Inner()
-    inline: Annotated[LuGre, INLINE] = LuGre()
+    inline: Annotated[Friction, INLINE] = Friction()
     on: Annotated[bool, About("switch")] = False
 
 
 def test_names_of_nested_groups() -> None:
     """A nested group adds its field's name, an inline one does not."""
-    expected = ["named.gain", "named.taps", *LuGre._fields, "on"]
+    expected = ["named.gain", "named.taps", *Friction._fields, "on"]
     assert [each.name for each in declared(Outer)] == expected
     assert list(values(Outer())) == expected
     assert build(Outer, {"named.gain": 2.0, "alpha0": 0.4}).inline.alpha0 == 0.4

@@ -10,11 +10,11 @@ from furuta_analysis.describing_functions.describing_function import static_desc
 from furuta_analysis.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta_analysis.describing_functions.residual import residual
-from furuta_analysis.describing_functions.transfer import FIGURE_4, Transfer, transfer
 from furuta_model.friction.laws import LAWS, FrictionLaw
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import FIGURE_4, Transfer, transfer
 
 COULOMB, LUGRE = map(LAWS.index, ("coulomb", "lugre"))
 
@@ -22,7 +22,7 @@ P = FurutaPendulum()
 PLACED = -place_poles(P, DesiredPoles())
 
 
-def brute_force(g: Transfer, p: LuGre, prediction: Prediction) -> list[tuple[float, float]]:
+def brute_force(g: Transfer, p: Friction, prediction: Prediction) -> list[tuple[float, float]]:
     """(X, ω) of cells in which both parts of 1/G + N change sign, with N in closed form."""
     omega = np.geomspace(*prediction.omega_range_rad_s, 1500)[None, :]
     deflection = np.geomspace(*prediction.phi_amplitude_range_rad, 1500)[:, None]
@@ -40,11 +40,11 @@ def brute_force(g: Transfer, p: LuGre, prediction: Prediction) -> list[tuple[flo
     return [(float(deflection[i, 0]), float(omega[0, j])) for i, j in np.argwhere(both)]
 
 
-def random_loop(rng: np.random.Generator) -> tuple[Transfer, LuGre]:
+def random_loop(rng: np.random.Generator) -> tuple[Transfer, Friction]:
     """A feedback near pole placement and a bristle, often without damping."""
     omega1, omega2, zeta1, zeta2 = rng.uniform([0.5, 0.5, 0.02, 0.02], [20, 20, 1.5, 1.5])
     gain = -place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2)) * rng.uniform(0.8, 1.2, 4)
-    p = LuGre(
+    p = Friction(
         alpha1=0.0,
         sigma0=float(10 ** rng.uniform(0, 4)),
         sigma1=float(rng.choice([0.0, 10 ** rng.uniform(-2, 1)])),
@@ -87,17 +87,17 @@ def test_prediction_of_the_rig() -> None:
         # Bristles without damping.
         (
             (26.405, 3.6467, 58.786, 6.479),
-            LuGre(alpha1=0.0, sigma0=25.906, sigma1=0.0),
+            Friction(alpha1=0.0, sigma0=25.906, sigma1=0.0),
             [False, True],
         ),
         (
             (23.567, 1.818, 52.279, 3.085),
-            LuGre(alpha1=0.0, sigma0=16.37, sigma1=0.0),
+            Friction(alpha1=0.0, sigma0=16.37, sigma1=0.0),
             [False, True],
         ),
     ],
 )
-def test_several_cycles(gain: tuple[float, ...], p: LuGre, stable: list[bool]) -> None:
+def test_several_cycles(gain: tuple[float, ...], p: Friction, stable: list[bool]) -> None:
     """An unstable cycle separates rest from a stable one."""
     prediction = predict_cycles(transfer(P, gain), FrictionLaw(LUGRE, p))
     assert [cycle.stable for cycle in prediction.cycles] == stable
@@ -144,7 +144,7 @@ def test_small_cycles_are_found_too() -> None:
     """With friction of a nanovolt the cycles shrink in proportion, and none is missed."""
     g = transfer(P, PLACED)
     for kind in range(len(LAWS)):
-        p = LuGre(alpha0=0.21e-9, alpha1=0.022e-9, stribeck_velocity=1e-6, sigma0=80.0)
+        p = Friction(alpha0=0.21e-9, alpha1=0.022e-9, stribeck_velocity=1e-6, sigma0=80.0)
         (cycle,) = predict_cycles(g, FrictionLaw(kind, p)).cycles
         assert cycle.phi_peak_to_peak_rad == pytest.approx(0.64e-9, rel=0.2)
 
@@ -153,18 +153,18 @@ def test_frictionless_and_viscous_loops_have_none() -> None:
     """No cycle without friction, or with viscous friction beyond 1/|G| at the crossing."""
     g = transfer(P, PLACED)
     for kind in range(len(LAWS)):
-        assert predict_cycles(g, FrictionLaw(kind, LuGre(alpha0=0.0, alpha1=0.0))).cycles == ()
+        assert predict_cycles(g, FrictionLaw(kind, Friction(alpha0=0.0, alpha1=0.0))).cycles == ()
         viscous = 1.0 / abs(g.crossings[0].real)
-        (cycle,) = predict_cycles(g, FrictionLaw(kind, LuGre(viscous=0.5 * viscous))).cycles
+        (cycle,) = predict_cycles(g, FrictionLaw(kind, Friction(viscous=0.5 * viscous))).cycles
         assert cycle.phi_peak_to_peak_rad > 0.9
-        assert predict_cycles(g, FrictionLaw(kind, LuGre(viscous=1.05 * viscous))).cycles == ()
+        assert predict_cycles(g, FrictionLaw(kind, Friction(viscous=1.05 * viscous))).cycles == ()
 
 
 def test_bias_is_the_asymmetry() -> None:
     """Unequal levels do not change the cycle and add a mean force."""
     g = transfer(P, PLACED)
     (equal,) = predict_cycles(g, FrictionLaw(COULOMB)).cycles
-    (unequal,) = predict_cycles(g, FrictionLaw(COULOMB, LuGre(asymmetry=0.1))).cycles
+    (unequal,) = predict_cycles(g, FrictionLaw(COULOMB, Friction(asymmetry=0.1))).cycles
     assert unequal == equal._replace(bias_v=pytest.approx(0.021))
 
 

@@ -7,28 +7,28 @@ import pytest
 from scipy.integrate import solve_ivp
 from unit import reference
 
-from furuta_analysis.describing_functions.loop_note import loop_note
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
-from furuta_analysis.describing_functions.transfer import FIGURE_4
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
+from furuta_model.transfer import FIGURE_4
 from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters, Sensors
+from furuta_studies.loop_note import loop_note
 
 COULOMB, LUGRE, STRIBECK = map(LAWS.index, ("coulomb", "lugre", "stribeck"))
 
 P = FurutaPendulum()
 FREE = {case: FIGURE_4[case] for case in "cd"}
 # A Stribeck curve so steep about the rotation of case d that it destabilises it.
-STEEP = LuGre(alpha0=0.05, alpha1=0.3, stribeck_velocity=0.02)
+STEEP = Friction(alpha0=0.05, alpha1=0.3, stribeck_velocity=0.02)
 
 
 def speeds(
-    feedback: tuple[float, ...], p: LuGre, start: InitialState, seconds: float = 60.0
+    feedback: tuple[float, ...], p: Friction, start: InitialState, seconds: float = 60.0
 ) -> np.ndarray:
     """Arm speed [rad/s] under LuGre friction, ideal sensors, strong drive."""
     plant = PlantParameters(
@@ -60,7 +60,7 @@ def test_lugre_ends_in_rotation(feedback: tuple[float, ...], start: InitialState
     """From any start the arm of cases c and d ends at one of the two speeds."""
     expected = [each.rate_rad_s for each in steady_rotations(P, feedback, FrictionLaw())]
     assert expected[0] == -expected[1] > 0.0
-    end = speeds(feedback, LuGre(), start)[-1]
+    end = speeds(feedback, Friction(), start)[-1]
     assert min(abs(end - each) for each in expected) < 1e-5
 
 
@@ -86,7 +86,7 @@ def test_coulomb_rotates_at_fc_over_l2(feedback: tuple[float, ...]) -> None:
 @pytest.mark.parametrize("kind", range(len(LAWS)))
 def test_feedback_cancels_friction(kind: int) -> None:
     """l₂v is F at every rotation, with viscous part and unequal levels."""
-    law = FrictionLaw(kind, LuGre(viscous=0.3, asymmetry=0.2, alpha1=0.1))
+    law = FrictionLaw(kind, Friction(viscous=0.3, asymmetry=0.2, alpha1=0.1))
     for rotation in steady_rotations(P, FIGURE_4["c"], law):
         v = rotation.rate_rad_s
         assert steady_friction(v, law) == pytest.approx(FIGURE_4["c"][1] * v, rel=1e-9)
@@ -109,12 +109,12 @@ def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
 )
 def test_no_rotation(feedback: tuple[float, ...]) -> None:
     """None if φ is fed back, or if l2 is at most the viscous friction."""
-    assert steady_rotations(P, feedback, FrictionLaw(COULOMB, LuGre(viscous=0.3))) == ()
+    assert steady_rotations(P, feedback, FrictionLaw(COULOMB, Friction(viscous=0.3))) == ()
 
 
 def test_case_b_accelerates() -> None:
     """If neither φ nor its speed is fed back, friction accelerates the arm at δFc/a₂."""
-    v = speeds(FIGURE_4["b"], LuGre(), InitialState(0, 0.2, 0.0, 0), 30.0)
+    v = speeds(FIGURE_4["b"], Friction(), InitialState(0, 0.2, 0.0, 0), 30.0)
     early = np.diff(v[[10_000, 20_000]])[0] / 2.0  # from 2 s to 4 s
     note = loop_note(P, FIGURE_4["b"], FrictionLaw())
     assert "faster by 0.143 rad/s²" in note
@@ -128,7 +128,7 @@ def test_overdamped_loop_comes_to_rest_off_centre() -> None:
     feedback = (0.1, 1.0, 60.0, 20.0)
     assert "The slowest pole is real" in loop_note(P, feedback, FrictionLaw())
     assert "The slowest pole" not in loop_note(P, FIGURE_4["a"], FrictionLaw())
-    v = speeds(feedback, LuGre(), InitialState(0, 0, 0.02, 0), 100.0)
+    v = speeds(feedback, Friction(), InitialState(0, 0, 0.02, 0), 100.0)
     assert abs(v[-1]) < 1e-5
     assert abs(np.sum(v) * 2e-4) == pytest.approx(0.232 / 0.1, rel=1e-2)
 

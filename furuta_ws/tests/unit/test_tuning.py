@@ -13,7 +13,7 @@ from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import values
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction
@@ -21,18 +21,18 @@ from furuta_studies.tuning.plan import TuningPlan
 from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta_studies.tuning.tuning import tune
 
-NOMINAL = LuGre()
+NOMINAL = Friction()
 STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().kalman)
 # The motor of Fig. 6 with other friction than the compensator's default.
-OTHER = LuGre(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
+OTHER = Friction(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
 
 
-def plant(friction: LuGre, seed: int) -> PlantParameters:
+def plant(friction: Friction, seed: int) -> PlantParameters:
     """A rig with this friction."""
     return PlantParameters(friction=PlantFriction(parameters=friction), seed=seed)
 
 
-def scaled(factor: float, friction: LuGre = NOMINAL) -> LuGre:
+def scaled(factor: float, friction: Friction = NOMINAL) -> Friction:
     """All of LuGre's five parameters wrong by a factor."""
     five = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity")
     return friction._replace(**{name: factor * getattr(friction, name) for name in five})
@@ -42,7 +42,7 @@ def silent(message: str, seconds: float) -> None:
     """Ignore progress."""
 
 
-def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
+def amplitude(friction: Friction, true: Friction, seeds: range) -> float:
     """Arm, peak to peak over 30 s [rad], mean over the seeds."""
     observer = ObserverParameters("lugre", friction)
     loops = (Loop(plant(true, seed), observer=observer) for seed in seeds)
@@ -54,11 +54,11 @@ def amplitude(friction: LuGre, true: LuGre, seeds: range) -> float:
     [
         NOMINAL,
         OTHER,
-        LuGre(sigma0=40.0, sigma1=0.7),
-        LuGre(sigma0=150.0, sigma1=3.0, viscous=0.05),
+        Friction(sigma0=40.0, sigma1=0.7),
+        Friction(sigma0=150.0, sigma1=3.0, viscous=0.05),
     ],
 )
-def test_friction_is_identified_from_the_limit_cycle(true: LuGre) -> None:
+def test_friction_is_identified_from_the_limit_cycle(true: Friction) -> None:
     """Twelve seconds without compensation determine the friction from a start 30 % off."""
     simulation = Simulation(Loop(plant(true, 31)))
     simulation.run(3.0)
@@ -111,7 +111,7 @@ def test_a_fit_needs_observed_friction() -> None:
 
 @pytest.mark.parametrize("true", [NOMINAL, OTHER])
 @pytest.mark.parametrize("factor", [0.7, 1.3])
-def test_tuning_is_close_to_an_exhaustive_search(true: LuGre, factor: float) -> None:
+def test_tuning_is_close_to_an_exhaustive_search(true: Friction, factor: float) -> None:
     """From a start 30 % off, the result is within 20 % of the best of a grid around the truth."""
     start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
     rig = SimulatedLoop(Loop(plant(true, 33), observer=start))
@@ -218,7 +218,7 @@ def test_search_of_several_parameters_stays_in_range() -> None:
     """All searched parameters vary, and stay within their declared ranges."""
     search = ("sigma1", "observer_gain", "asymmetry")
     rig = SimulatedLoop(Loop(PlantParameters(seed=36)))
-    start = ObserverParameters("lugre", LuGre(asymmetry=0.99))
+    start = ObserverParameters("lugre", Friction(asymmetry=0.99))
     tuned = tune(rig, start, EstimatorParameters(), TuningPlan(("sigma1",), search), silent)
     tried = [values(trial.observer) for trial in tuned.trials]
     assert all(len({each[name] for each in tried}) > 1 for name in search)

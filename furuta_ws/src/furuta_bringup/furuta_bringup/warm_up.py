@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from furuta_analysis.describing_functions.predicted_cycles import predict_cycles
-from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings import default_settings
+from furuta_model.transfer import transfer
 from furuta_ros.context import ros_context
 from furuta_studies.analysis_options import AnalysisOptions
 from furuta_studies.feedback_map import predicted_peak_to_peak

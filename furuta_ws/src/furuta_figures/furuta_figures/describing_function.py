@@ -9,11 +9,11 @@ import numpy as np
 
 from furuta_analysis.describing_functions.describing_function import describing_function
 from furuta_analysis.describing_functions.predicted_cycles import Prediction
-from furuta_analysis.describing_functions.transfer import Transfer, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
 from furuta_figures.nyquist import feedback_title, nyquist_curve
 from furuta_model.friction.laws import LAWS, FrictionLaw
+from furuta_model.transfer import Transfer, transfer
 
 # Amplitudes are drawn from 1/SPAN to SPAN of the predicted one. ZOOM is the extent of the axes over
 # |G| at the predicted frequency.

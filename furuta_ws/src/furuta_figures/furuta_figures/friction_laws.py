@@ -10,7 +10,7 @@ import numpy as np
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
 from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level, steady_friction
 from furuta_model.friction.lugre import bristle_after
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 # Largest speed shown, in Stribeck velocities.
 LARGEST_SPEED = 4.0
@@ -20,7 +20,7 @@ SAMPLES = 20_000
 STEADY, REST, MOVING = "tab:blue", "tab:red", "tab:green"
 
 
-def draw_friction_laws(p: LuGre, path: Path) -> None:
+def draw_friction_laws(p: Friction, path: Path) -> None:
     """Draw one panel per law."""
     shared: dict[str, Any] = {"sharex": True, "sharey": True, "figsize": (13, 4.2)}
     with saved_figure(path, 1, len(LAWS), **shared) as (figure, axes):
@@ -58,7 +58,7 @@ def _draw_rest(axis: Any, law: FrictionLaw) -> None:
     )
 
 
-def _draw_oscillation(axis: Any, p: LuGre) -> None:
+def _draw_oscillation(axis: Any, p: Friction) -> None:
     """F over v in the second period of v = A sin ωt: the bristle lags behind."""
     step = 4.0 * np.pi / OSCILLATION / SAMPLES
     amplitude = LARGEST_SPEED * p.stribeck_velocity

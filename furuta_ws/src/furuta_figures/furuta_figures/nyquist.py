@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.describing_functions.transfer import Transfer, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta_model.transfer import Transfer, transfer
 
 # Decades of ω shown below and above the loop's frequencies, and points of the curve.
 DECADES = 4.0

@@ -17,7 +17,7 @@ from furuta_friction.compensators.adaptive import LARGEST_FACTOR
 from furuta_friction.compensators.bristle_observer import observe
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.lugre import highest_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import INLINE, About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT
 
@@ -50,7 +50,7 @@ class ObserverParameters(NamedTuple):
     """Parameters of the node ``friction_observer``."""
 
     compensation: Annotated[str, About(_MEANINGS, choices=COMPENSATIONS)] = "none"
-    friction: Annotated[LuGre, INLINE] = LuGre()
+    friction: Annotated[Friction, INLINE] = Friction()
     observer_gain: Annotated[
         float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
     ] = 0.01
@@ -71,7 +71,7 @@ class Compensator(NamedTuple):
     """The compensator as :func:`estimate_friction` uses it."""
 
     kind: int
-    friction: LuGre
+    friction: Friction
     observer_gain: float
     adaptation_gain: float
     sample_time: float

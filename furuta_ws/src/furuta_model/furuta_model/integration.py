@@ -29,7 +29,7 @@ from furuta_model.friction.laws import (
     bristle_force,
     sticking_force,
 )
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum, accelerations_at, rotate
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -45,7 +45,7 @@ MAX_SUBSTEPS = 10_000
 Stage = Callable[..., tuple[float, float, float]]
 
 
-def substeps_for(dt: float, pendulum: FurutaPendulum, friction: LuGre) -> int:
+def substeps_for(dt: float, pendulum: FurutaPendulum, friction: Friction) -> int:
     """Number of substeps that resolve the stuck arm over a sample of ``dt`` [s]."""
     mobility = pendulum.beta / pendulum.determinant
     spring = sqrt(friction.sigma0 * mobility)

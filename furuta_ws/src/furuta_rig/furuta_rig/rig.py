@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Annotated, NamedTuple
 
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -56,7 +56,7 @@ class Rig(NamedTuple):
     """Everything that a rig file describes."""
 
     model: FurutaPendulum = FurutaPendulum()
-    friction: LuGre = LuGre()
+    friction: Friction = Friction()
     arm: ArmEncoder = ArmEncoder()
     speed: SpeedSensor = SpeedSensor()
     pendulum: PendulumSensor = PendulumSensor()

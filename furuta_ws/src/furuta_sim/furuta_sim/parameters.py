@@ -9,7 +9,7 @@ from math import pi
 from typing import Annotated, NamedTuple
 
 from furuta_model.friction.laws import LAWS
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
@@ -42,7 +42,7 @@ class PlantFriction(NamedTuple):
     """Friction in the arm's joint: the law, and the parameters that all laws share."""
 
     law: Annotated[str, About("friction law of the simulated arm", choices=LAWS)] = "lugre"
-    parameters: Annotated[LuGre, INLINE] = LuGre()
+    parameters: Annotated[Friction, INLINE] = Friction()
 
 
 class PlantParameters(NamedTuple):

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_graph.parameter_names import parameters_named
 from furuta_graph.settings import load_settings, loop
 from furuta_model.friction.laws import friction_law
 from furuta_model.parameters import ParameterError
+from furuta_model.transfer import checked_feedback, transfer
 from furuta_studies.parameter_range import GAINS
 
 

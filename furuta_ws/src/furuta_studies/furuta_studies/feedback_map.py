@@ -7,12 +7,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 from furuta_analysis.describing_functions.predicted_cycles import predict_cycles
-from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
 from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle
 from furuta_analysis.simulation.batch import available_cores
 from furuta_model.parameters import ParameterError
+from furuta_model.transfer import transfer
 
 
 class MapPoint(NamedTuple):

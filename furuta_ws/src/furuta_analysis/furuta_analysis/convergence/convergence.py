@@ -17,7 +17,7 @@ import numpy as np
 from furuta_analysis.convergence.error_loop import ErrorLoop
 from furuta_analysis.convergence.positive_real import real_part, strictly_positive_real
 from furuta_model.friction.lugre import highest_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 
 class Convergence(NamedTuple):
@@ -48,7 +48,7 @@ class Convergence(NamedTuple):
     forgetting_travel_rad: float
 
 
-def convergence(loop: ErrorLoop, gain: float, friction: LuGre) -> Convergence:
+def convergence(loop: ErrorLoop, gain: float, friction: Friction) -> Convergence:
     """Check the condition for an observer with gain K [1/s]."""
     sign = -1.0 if gain < 0.0 else 1.0
     numerator = sign * loop.numerator

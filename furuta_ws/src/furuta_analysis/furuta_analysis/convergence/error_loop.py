@@ -22,10 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.describing_functions.transfer import checked_feedback, transfer
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import checked_feedback, transfer
 
 
 class ErrorLoop(NamedTuple):
@@ -72,7 +72,7 @@ class ErrorLoop(NamedTuple):
         return np.polyval(self.numerator, s) / np.polyval(self.denominator, s)
 
 
-def error_loop(p: FurutaPendulum, feedback: Sequence[float], friction: LuGre) -> ErrorLoop:
+def error_loop(p: FurutaPendulum, feedback: Sequence[float], friction: Friction) -> ErrorLoop:
     """G(s) for e = φ and u = l·x + F̂, ``feedback`` = l (4,)."""
     g = transfer(p, feedback)
     # φ/u is G of (10), that is v/u, without the factor s.
@@ -80,7 +80,7 @@ def error_loop(p: FurutaPendulum, feedback: Sequence[float], friction: LuGre) ->
 
 
 def error_loop_for(
-    p: FurutaPendulum, feedback: Sequence[float], friction: LuGre, error: Sequence[float]
+    p: FurutaPendulum, feedback: Sequence[float], friction: Friction, error: Sequence[float]
 ) -> ErrorLoop:
     """G(s) for an error e = c·x, ``error`` = c (4,), by the Faddeev–LeVerrier algorithm."""
     a, b = linearize(p)
@@ -98,7 +98,7 @@ def error_loop_for(
 
 
 def _with_bristle(
-    numerator: Sequence[float], denominator: Sequence[float], friction: LuGre
+    numerator: Sequence[float], denominator: Sequence[float], friction: Friction
 ) -> ErrorLoop:
     """The transfer function from u to e times σ₁s + σ₀."""
     product = np.polymul([friction.sigma1, friction.sigma0], numerator)

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.friction.stribeck import level as symmetric_level
 
 
@@ -37,7 +37,7 @@ class FrictionPassivity(NamedTuple):
     up_to_rad_s: float
 
 
-def friction_passivity(p: LuGre) -> FrictionPassivity:
+def friction_passivity(p: Friction) -> FrictionPassivity:
     """Check the condition of this module.
 
     Up to the speed ``up_to_rad_s`` no deflection within its bound returns energy. The speed is
@@ -50,7 +50,7 @@ def friction_passivity(p: LuGre) -> FrictionPassivity:
     return FrictionPassivity(passive, needed, np.inf if passive else _largest_speed(p))
 
 
-def dissipation_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
+def dissipation_margin(v: float, p: Friction, direction: float = 1.0) -> float:
     """Minimum of the bracket [V²] over |ζ| ≤ max g at speed v [rad/s]."""
     side = 1.0 + direction * p.asymmetry
     level, highest = symmetric_level(v, p) * side, (p.alpha0 + p.alpha1) * side
@@ -58,12 +58,12 @@ def dissipation_margin(v: float, p: LuGre, direction: float = 1.0) -> float:
     return worst**2 - p.sigma1 * abs(v) * worst + (p.sigma1 + p.viscous) * abs(v) * level
 
 
-def _largest_speed(p: LuGre) -> float:
+def _largest_speed(p: Friction) -> float:
     """The speed [rad/s] at which the margin becomes negative; g falls with |v|, so it stays so."""
     return min(_largest_speed_in(p, side) for side in (1.0, -1.0) if 1.0 + side * p.asymmetry > 0.0)
 
 
-def _largest_speed_in(p: LuGre, direction: float) -> float:
+def _largest_speed_in(p: Friction, direction: float) -> float:
     high = p.stribeck_velocity
     while dissipation_margin(high, p, direction) >= 0.0:
         high *= 2.0

@@ -19,15 +19,15 @@ from scipy.linalg import solve_continuous_lyapunov
 
 from furuta_analysis.convergence.error_loop import error_loop_for
 from furuta_analysis.convergence.positive_real import strictly_positive_real
-from furuta_analysis.describing_functions.transfer import checked_feedback
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI
+from furuta_model.transfer import checked_feedback
 
 
 def passive_error(
-    p: FurutaPendulum, feedback: Sequence[float], friction: LuGre
+    p: FurutaPendulum, feedback: Sequence[float], friction: Friction
 ) -> np.ndarray | None:
     """Row c (4,) of e = c·x, for K > 0, with c = −1 for φ [rad per rad, rad/s], or None.
 

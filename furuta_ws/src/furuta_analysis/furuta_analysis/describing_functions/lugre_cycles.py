@@ -23,12 +23,12 @@ from math import exp, log, pi
 
 import numpy as np
 
-from furuta_analysis.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta_analysis.describing_functions.residual import residual, residual_slopes
-from furuta_analysis.describing_functions.transfer import Transfer
 from furuta_model.compiled import compiled
+from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import FrictionLaw
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
+from furuta_model.transfer import Transfer
 
 Zero = tuple[float, float]
 Range = tuple[float, float]
@@ -61,7 +61,7 @@ def search(g: Transfer, law: FrictionLaw) -> tuple[list[Zero], Range, Range, boo
     return zeros, omegas, deflections, complete
 
 
-def omega_range(g: Transfer, p: LuGre) -> Range:
+def omega_range(g: Transfer, p: Friction) -> Range:
     """Range of ω [rad/s], from well below to well above all frequencies of the loop."""
     mobility = g.numerator[0] / g.denominator[0]
     stuck = (p.sigma0 * mobility) ** 0.5 + (p.sigma1 + p.viscous) * mobility
@@ -70,7 +70,7 @@ def omega_range(g: Transfer, p: LuGre) -> Range:
     return BELOW * float(np.min(frequencies)), ABOVE * float(np.max(frequencies))
 
 
-def deflection_range(g: Transfer, p: LuGre, omegas: Range) -> Range:
+def deflection_range(g: Transfer, p: Friction, omegas: Range) -> Range:
     """Range of X [rad], from a linear bristle to where friction is too weak."""
     omega = np.geomspace(*omegas, 2000)
     level = p.alpha0 + p.alpha1

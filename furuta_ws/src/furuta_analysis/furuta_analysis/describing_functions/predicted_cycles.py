@@ -33,8 +33,8 @@ from furuta_analysis.describing_functions.describing_function import (
 )
 from furuta_analysis.describing_functions.lugre_cycles import search
 from furuta_analysis.describing_functions.residual import residual_slopes
-from furuta_analysis.describing_functions.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
+from furuta_model.transfer import Transfer
 
 
 class PredictedCycle(NamedTuple):

@@ -7,8 +7,8 @@ imaginary axis is ω = 0.
 from __future__ import annotations
 
 from furuta_analysis.describing_functions.describing_function import describing_function
-from furuta_analysis.describing_functions.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
+from furuta_model.transfer import Transfer
 
 # Relative step of the central differences; their relative error is 1e-10.
 STEP = 1e-5

@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-from furuta_analysis.describing_functions.loop_note import loop_note
 from furuta_analysis.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
-from furuta_analysis.describing_functions.transfer import transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
+from furuta_model.transfer import transfer
 from furuta_studies.analysis_options import AnalysisOptions
+from furuta_studies.loop_note import loop_note
 
 INCOMPLETE = "The winding number does not match the cycles found; some may be missing."
 

@@ -8,13 +8,13 @@ from typing import Any
 import click
 import numpy as np
 
-from furuta_analysis.describing_functions.loop_note import loop_note
-from furuta_analysis.describing_functions.transfer import FIGURE_4, open_loop_poles, transfer
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
 from furuta_model.parameters import ParameterError
+from furuta_model.transfer import FIGURE_4, open_loop_poles, transfer
 from furuta_studies.analysis_options import AnalysisOptions
+from furuta_studies.loop_note import loop_note
 
 
 @click.command()

@@ -12,7 +12,7 @@ import numpy as np
 from furuta_friction.compensators.bristle_observer import BRISTLE, observe
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import stribeck_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 # Index in the compensators' memory: factor on the levels minus 1, for v > 0 and v < 0.
 FORWARD, BACKWARD = 1, 2
@@ -30,7 +30,7 @@ def estimate(
     correction: float,
     rate: float,
     dt: float,
-    p: LuGre,
+    p: Friction,
 ) -> float:
     """F̂ [V] at speed v [rad/s]; the levels move towards the ``observed`` friction [V].
 
@@ -42,13 +42,13 @@ def estimate(
 
 
 @inlined
-def adapted(memory: np.ndarray, p: LuGre) -> LuGre:
+def adapted(memory: np.ndarray, p: Friction) -> Friction:
     """The friction parameters with the adapted levels."""
     forward = (1.0 + p.asymmetry) * (1.0 + memory[FORWARD])
     backward = (1.0 - p.asymmetry) * (1.0 + memory[BACKWARD])
     mean = 0.5 * (forward + backward)
     asymmetry = 0.5 * (forward - backward) / mean if mean > 0.0 else 0.0
-    return LuGre(
+    return Friction(
         p.sigma0,
         p.sigma1,
         p.alpha0 * mean,
@@ -61,7 +61,7 @@ def adapted(memory: np.ndarray, p: LuGre) -> LuGre:
 
 @inlined
 def _adapt(
-    memory: np.ndarray, v: float, force: float, observed: float, step: float, p: LuGre
+    memory: np.ndarray, v: float, force: float, observed: float, step: float, p: Friction
 ) -> None:
     """Adapt the level of the present direction to the observed friction; ``step`` is Γ·dt.
 

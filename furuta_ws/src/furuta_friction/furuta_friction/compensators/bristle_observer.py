@@ -16,14 +16,14 @@ import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 # Index of ẑ [rad] in the compensators' memory.
 BRISTLE = 0
 
 
 @inlined
-def observe(memory: np.ndarray, v: float, correction: float, dt: float, p: LuGre) -> float:
+def observe(memory: np.ndarray, v: float, correction: float, dt: float, p: Friction) -> float:
     """Move ẑ by one sample at speed v [rad/s] and return F̂ [V]; ``correction`` is −Ke [rad/s]."""
     z, _ = bristle_after(v, correction, memory[BRISTLE], dt, p)
     highest = highest_level(p)

@@ -11,13 +11,13 @@ from math import isnan
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 _STICTION = LAWS.index("stiction")
 
 
 @compiled
-def estimate(v: float, observed: float, p: LuGre) -> float:
+def estimate(v: float, observed: float, p: Friction) -> float:
     """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; 0 at rest if that is NaN."""
     if abs(v) > p.stribeck_velocity:
         return coulomb.estimate(v, p)

@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta_identification.shooting.rig_model import NO_RIPPLE, RigModel
 from furuta_identification.shooting.unknowns import BY_NAME, INDEX, LOGARITHMIC, UNKNOWNS
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 
 # How far a logarithm may move from its starting value in one fit: a factor of 20.
@@ -62,9 +62,9 @@ class ParameterValues:
         )
 
     @property
-    def friction(self) -> LuGre:
+    def friction(self) -> Friction:
         """The arm's friction."""
-        return LuGre(
+        return Friction(
             sigma0=self["sigma0"],
             sigma1=self["sigma1"],
             alpha0=self["coulomb"],

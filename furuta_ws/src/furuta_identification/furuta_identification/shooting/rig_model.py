@@ -21,7 +21,7 @@ import numpy as np
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import LAWS, FrictionLaw
 from furuta_model.friction.lugre import bristle_after
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
 from furuta_model.pendulum import FurutaPendulum, accelerations
 
@@ -42,7 +42,7 @@ class RigModel(NamedTuple):
     """
 
     body: FurutaPendulum = FurutaPendulum()
-    arm: LuGre = LuGre()
+    arm: Friction = Friction()
     pendulum_viscous: float = 0.0
     pendulum_coulomb: float = 0.0
     tilt_x: float = 0.0

@@ -10,7 +10,7 @@ from furuta_identification.regression.speeds import with_speeds
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_model.compiled import compiled
 from furuta_model.friction.lugre import bristle_after, highest_level
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
@@ -91,7 +91,7 @@ def _smooth_angles(row: np.ndarray, recording: Recording, start: int) -> None:
 
 
 @compiled
-def bristle_along(time: np.ndarray, v: np.ndarray, friction: LuGre) -> np.ndarray:
+def bristle_along(time: np.ndarray, v: np.ndarray, friction: Friction) -> np.ndarray:
     """The bristle's deflection (n,) [rad] driven by the speed v (n,) [rad/s]."""
     z = np.zeros(len(time))
     limit = highest_level(friction) / friction.sigma0

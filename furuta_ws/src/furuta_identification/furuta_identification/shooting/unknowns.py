@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 
 class Unknown(NamedTuple):
@@ -27,7 +27,7 @@ class Unknown(NamedTuple):
 
 
 _NO_PRIOR = (0.0, math.inf)
-_BRISTLE = LuGre()
+_BRISTLE = Friction()
 
 
 def _positive(name: str, unit: str, mean: float = 0.0, spread: float = math.inf) -> Unknown:

@@ -12,14 +12,14 @@ from __future__ import annotations
 from math import expm1
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.parameters import SMALLEST_LEVEL, LuGre
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
 # Below this rate times step the rational form of the decay is exact to rounding, and it is faster.
 SMALL_DECAY = 0.3
 
 
 @compiled
-def deflection_rate(v: float, speed: float, z: float, level: float, p: LuGre) -> float:
+def deflection_rate(v: float, speed: float, z: float, level: float, p: Friction) -> float:
     """ż [rad/s] of (5) at deflection z [rad] and level g [V].
 
     ``speed`` is |v|. For a slide in a known direction give direction · v instead, which is smooth
@@ -30,7 +30,7 @@ def deflection_rate(v: float, speed: float, z: float, level: float, p: LuGre) ->
 
 @compiled
 def deflection_after(
-    v: float, correction: float, z: float, dt: float, level: float, p: LuGre
+    v: float, correction: float, z: float, dt: float, level: float, p: Friction
 ) -> tuple[float, float]:
     """Exact solution of ż = v + correction − λz over ``dt`` [s] at constant v and level.
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 
 @compiled
-def level(v: float, p: LuGre) -> float:
+def level(v: float, p: Friction) -> float:
     """α₀ [V] at any speed v [rad/s]."""
     return p.alpha0
 
 
 @compiled
-def breakaway(p: LuGre) -> float:
+def breakaway(p: Friction) -> float:
     """α₀ [V]."""
     return p.alpha0
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import quad
 
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 # Relative step of the central difference for the slope.
 STEP = 1e-6
@@ -39,15 +39,15 @@ class Law(NamedTuple):
     """
 
     name: str
-    level: Callable[[float, LuGre], float]
-    breakaway: Callable[[LuGre], float]
+    level: Callable[[float, Friction], float]
+    breakaway: Callable[[Friction], float]
     bristle: bool = False
     constant: bool = False
-    fundamental: Callable[[float, LuGre], float] | None = None
-    mean: Callable[[float, LuGre], float] | None = None
-    slope: Callable[[float, LuGre], float] | None = None
+    fundamental: Callable[[float, Friction], float] | None = None
+    mean: Callable[[float, Friction], float] | None = None
+    slope: Callable[[float, Friction], float] | None = None
 
-    def fundamental_level(self, amplitude: float, p: LuGre) -> float:
+    def fundamental_level(self, amplitude: float, p: Friction) -> float:
         """The constant level [V] with the same fundamental at amplitude A [rad/s]."""
         if self.constant:
             return self.level(0.0, p)
@@ -55,7 +55,7 @@ class Law(NamedTuple):
             return self.fundamental(amplitude, p)
         return _quarter_cycle(lambda x: self.level(amplitude * np.sin(x), p) * np.sin(x))
 
-    def mean_level(self, amplitude: float, p: LuGre) -> float:
+    def mean_level(self, amplitude: float, p: Friction) -> float:
         """Mean level [V] over a cycle of amplitude A [rad/s]."""
         if self.constant:
             return self.level(0.0, p)
@@ -63,7 +63,7 @@ class Law(NamedTuple):
             return self.mean(amplitude, p)
         return _quarter_cycle(lambda x: self.level(amplitude * np.sin(x), p)) * 2.0 / np.pi
 
-    def level_slope(self, v: float, p: LuGre) -> float:
+    def level_slope(self, v: float, p: Friction) -> float:
         """dg/dv [V s/rad] at speed v > 0 [rad/s]."""
         if self.constant:
             return 0.0

@@ -22,7 +22,7 @@ from furuta_model.compiled import by_kind, compiled
 from furuta_model.friction import coulomb, lugre, stiction, stribeck
 from furuta_model.friction.bristle import deflection_after, deflection_rate
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 ALL: tuple[Law, ...] = (coulomb.LAW, stiction.LAW, stribeck.LAW, lugre.LAW)
 
@@ -38,7 +38,7 @@ class FrictionLaw(NamedTuple):
     """A law (index into :data:`LAWS`) with its parameters, for compiled code."""
 
     kind: int = LAWS.index("lugre")
-    parameters: LuGre = LuGre()
+    parameters: Friction = Friction()
 
     @property
     def law(self) -> Law:
@@ -60,7 +60,7 @@ class FrictionLaw(NamedTuple):
         return self._replace(kind=LAWS.index(name))
 
 
-def friction_law(name: str, parameters: LuGre) -> FrictionLaw:
+def friction_law(name: str, parameters: Friction) -> FrictionLaw:
     """The law with this name, one of :data:`LAWS`, and these parameters."""
     return FrictionLaw(LAWS.index(name), parameters)
 

@@ -10,8 +10,8 @@ from furuta_model.parameters import About
 SMALLEST_LEVEL = 1e-12
 
 
-class LuGre(NamedTuple):
-    """Parameters of (5). Defaults: the paper's, Fig. 8.
+class Friction(NamedTuple):
+    """Parameters of the friction laws. Defaults: the paper's values for LuGre, Fig. 8.
 
     The paper does not give a Stribeck velocity. 0.05 rad/s is a tenth of the speed in the limit
     cycle, so α₁ acts only at reversals, like stiction.

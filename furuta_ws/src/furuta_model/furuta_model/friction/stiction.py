@@ -8,11 +8,11 @@ from __future__ import annotations
 from furuta_model.compiled import compiled
 from furuta_model.friction.coulomb import level
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 
 
 @compiled
-def breakaway(p: LuGre) -> float:
+def breakaway(p: Friction) -> float:
     """α₀ + α₁ [V]."""
     return p.alpha0 + p.alpha1
 

@@ -12,7 +12,7 @@ from scipy.special import dawsn, i0e
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.friction.stiction import breakaway
 
 # Above this (v/vs)² the stiction term is below the rounding of α₀.
@@ -20,7 +20,7 @@ LARGE_RATIO = 50.0
 
 
 @compiled
-def level(v: float, p: LuGre) -> float:
+def level(v: float, p: Friction) -> float:
     """α₀ + α₁ exp(−(v/vs)²) [V] at speed v [rad/s]."""
     ratio = v / p.stribeck_velocity
     if ratio * ratio > LARGE_RATIO:
@@ -28,19 +28,19 @@ def level(v: float, p: LuGre) -> float:
     return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
 
 
-def fundamental(amplitude: float, p: LuGre) -> float:
+def fundamental(amplitude: float, p: Friction) -> float:
     """∫ g(A sin x) sin x dx over a quarter cycle [V]: Dawson's integral."""
     ratio = amplitude / p.stribeck_velocity
     return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
 
 
-def mean(amplitude: float, p: LuGre) -> float:
+def mean(amplitude: float, p: Friction) -> float:
     """Mean of g(A sin x) over a cycle [V]: a modified Bessel function."""
     ratio = amplitude / p.stribeck_velocity
     return p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio))
 
 
-def slope(v: float, p: LuGre) -> float:
+def slope(v: float, p: Friction) -> float:
     """dg/dv [V s/rad] at v > 0 [rad/s]."""
     ratio = v / p.stribeck_velocity
     return float(-2.0 * abs(ratio) / p.stribeck_velocity * p.alpha1 * np.exp(-ratio * ratio))

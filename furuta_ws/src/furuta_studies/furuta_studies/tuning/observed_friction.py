@@ -26,7 +26,7 @@ from scipy.optimize import least_squares
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.lugre import bristle_after, friction
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT, RIGID_STATES
 
 # Standard deviation of the observed friction that the model cannot explain [V].
@@ -71,7 +71,7 @@ BOUND = 4.0
 class FrictionFit(NamedTuple):
     """Fitted parameters, their standard errors by name, and the rms residual [V]."""
 
-    friction: LuGre
+    friction: Friction
     standard_errors: dict[str, float]
     residual: float
 
@@ -80,7 +80,7 @@ def fit_friction(
     estimates: np.ndarray,
     kalman_step: np.ndarray,
     sample_time: float,
-    start: LuGre,
+    start: Friction,
     names: tuple[str, ...] = FITTED,
 ) -> FrictionFit:
     """Fit the parameters ``names`` to ``estimates`` (n, 5); the others keep their start values.
@@ -113,7 +113,7 @@ class _Model(NamedTuple):
     observed: np.ndarray
     errors: np.ndarray
     sample_time: float
-    start: LuGre
+    start: Friction
     names: tuple[str, ...]
 
     @property
@@ -123,7 +123,7 @@ class _Model(NamedTuple):
         values = [each.to_variable(getattr(self.start, name)) for name, each in transforms]
         return np.array(values), np.array([each.prior_deviation for _, each in transforms])
 
-    def friction(self, variables: np.ndarray) -> LuGre:
+    def friction(self, variables: np.ndarray) -> Friction:
         """The friction parameters that belong to ``variables``."""
         pairs = zip(self.names, variables, strict=True)
         fitted = {name: TRANSFORMS[name].to_parameter(float(each)) for name, each in pairs}
@@ -156,7 +156,7 @@ def _propagated_error(transform: Transform, variable: float, error: float) -> fl
 
 
 @compiled
-def _predict_observed(speed: np.ndarray, dt: float, p: LuGre, errors: np.ndarray) -> np.ndarray:
+def _predict_observed(speed: np.ndarray, dt: float, p: Friction, errors: np.ndarray) -> np.ndarray:
     """The friction (n,) [V] that the estimator observes if the true one has parameters ``p``."""
     observed = np.empty(len(speed))
     e = np.zeros(4)

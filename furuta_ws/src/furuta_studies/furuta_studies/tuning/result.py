@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import values
 
 
@@ -23,7 +23,7 @@ class TuningResult(NamedTuple):
     """Start and result with their amplitudes, the friction fit, all trials, pendulum time [s]."""
 
     before: Trial
-    fitted: LuGre
+    fitted: Friction
     after: Trial
     trials: list[Trial]
     seconds: float

@@ -24,7 +24,7 @@ import numpy as np
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import LuGre
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import values
 from furuta_model.state import PHI
 from furuta_studies.tuning.observed_friction import fit_friction
@@ -100,7 +100,7 @@ class _Tuner:
         self._rig.apply(after.observer)
         return TuningResult(before, fitted, after, self._trials, self._rig.elapsed)
 
-    def _identify_friction(self, estimator: EstimatorParameters) -> LuGre:
+    def _identify_friction(self, estimator: EstimatorParameters) -> Friction:
         """The friction parameters, from the limit cycle without compensation."""
         self._report("recording the friction without compensation")
         self._rig.apply(self._start._replace(compensation="none"))

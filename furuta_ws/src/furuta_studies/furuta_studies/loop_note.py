@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
-from furuta_analysis.describing_functions.transfer import Transfer, transfer
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import Transfer, transfer
 
 ARM_FEEDBACK = "φ is fed back: the curve starts and ends at 0 and only its crossings count."
 CREEPS_TO_REST = (
