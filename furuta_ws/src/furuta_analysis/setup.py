@@ -5,7 +5,7 @@ NAME = "furuta_analysis"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The loop without ROS",
+    description="Simulation and analysis of the closed loop without ROS",
     license="Apache-2.0",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",

@@ -5,7 +5,7 @@ NAME = "furuta_model"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Pure mathematics of the Furuta pendulum",
+    description="Mathematics of the Furuta pendulum",
     license="Apache-2.0",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",

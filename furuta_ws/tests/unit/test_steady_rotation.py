@@ -117,7 +117,7 @@ def test_case_b_accelerates() -> None:
     v = speeds(FIGURE_4["b"], Friction(), InitialState(0, 0.2, 0.0, 0), 30.0)
     early = np.diff(v[[10_000, 20_000]])[0] / 2.0  # from 2 s to 4 s
     note = loop_note(P, FIGURE_4["b"], FrictionLaw())
-    assert "faster by 0.143 rad/s²" in note
+    assert "initially by 0.143 rad/s²" in note
     assert early == pytest.approx(0.1434, rel=0.05)
     assert v[-1] > 5.0
     assert np.all(np.diff(v[10_000::1000]) > 0.0)

@@ -28,8 +28,8 @@ ALL: tuple[Law, ...] = (coulomb.LAW, stiction.LAW, stribeck.LAW, lugre.LAW)
 
 LAWS = tuple(law.name for law in ALL)
 HAS_BRISTLE = tuple(law.bristle for law in ALL)
-# Speed [rad/s] below which the arm is stuck under a law without bristle.
-STUCK_SPEED = 1e-9
+# Speed [rad/s] below which the arm counts as at rest under a law without bristle.
+ZERO_SPEED = 1e-9
 _level = by_kind([law.level for law in ALL])
 _breakaway = by_kind([law.breakaway for law in ALL])
 
@@ -148,7 +148,7 @@ def sticking_force(v: float, start_speed: float, holding: float, law: FrictionLa
     brings the arm to rest and keeps it there if the level is high enough; otherwise it is the
     level.
     """
-    if abs(start_speed) < STUCK_SPEED:
+    if abs(start_speed) < ZERO_SPEED:
         forward, backward = breakaway_level(1.0, law), breakaway_level(-1.0, law)
     else:
         forward, backward = sliding_level(v, 1.0, law), sliding_level(v, -1.0, law)
