@@ -100,26 +100,21 @@ def room_of(name: str) -> str | None:
     return f"{package}.{room}" if is_room else None
 
 
-def imported_modules(file: Path, types_too: bool) -> set[str]:
-    """Full names that a file imports; ``types_too``: those under TYPE_CHECKING as well."""
-    names, skipped = set(), set()
+def imported_modules(file: Path) -> set[str]:
+    """Full names that a file imports, for types too."""
+    names = set()
     for node in ast.walk(ast.parse(file.read_text())):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            skipped |= set() if types_too else set(node.body)
-        elif isinstance(node, ast.Import):
+        if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module and node not in skipped:
+        elif isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return names
 
 
-def import_graph(types_too: bool) -> dict[str, set[str]]:
+def import_graph() -> dict[str, set[str]]:
     """The modules of the workspace, each with those that it imports."""
     files = {module_name(file): file for package in PACKAGES for file in modules(package)}
-    return {
-        name: imported_modules(file, types_too) & set(files) - {name}
-        for name, file in files.items()
-    }
+    return {name: imported_modules(file) & set(files) - {name} for name, file in files.items()}
 
 
 def assert_no_circle(graph: dict[str, set[str]]) -> None:
@@ -193,14 +188,14 @@ def test_packages_import_downward_only(package: str) -> None:
 
 
 def test_modules_form_no_circle() -> None:
-    """No module imports one that imports it, by whatever way."""
-    assert_no_circle(import_graph(types_too=False))
+    """No module imports one that imports it, directly or through others, not even for types."""
+    assert_no_circle(import_graph())
 
 
 def test_rooms_form_no_circle() -> None:
     """No subpackage uses one that uses it, not even for types."""
     rooms: dict[str, set[str]] = {}
-    for name, imported in import_graph(types_too=True).items():
+    for name, imported in import_graph().items():
         others = {room_of(each) for each in imported} - {room_of(name), None}
         if room_of(name) is not None:
             rooms.setdefault(room_of(name), set()).update(others)
