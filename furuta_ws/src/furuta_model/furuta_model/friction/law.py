@@ -15,7 +15,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import quad
 
 from furuta_model.friction.parameters import Friction
 
@@ -74,4 +73,6 @@ class Law(NamedTuple):
 
 
 def _quarter_cycle(integrand: Callable[[float], float]) -> float:
+    from scipy.integrate import quad  # noqa: PLC0415 - nodes, which never need it, start sooner
+
     return float(quad(integrand, 0.0, 0.5 * np.pi, epsabs=1e-13, epsrel=1e-11, limit=200)[0])

@@ -8,7 +8,6 @@ from __future__ import annotations
 from math import exp
 
 import numpy as np
-from scipy.special import dawsn, i0e
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.law import Law
@@ -30,12 +29,16 @@ def level(v: float, p: Friction) -> float:
 
 def fundamental(amplitude: float, p: Friction) -> float:
     """∫ g(A sin x) sin x dx over a quarter cycle [V]: Dawson's integral."""
+    from scipy.special import dawsn  # noqa: PLC0415 - nodes, which never need it, start sooner
+
     ratio = amplitude / p.stribeck_velocity
     return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
 
 
 def mean(amplitude: float, p: Friction) -> float:
     """Mean of g(A sin x) over a cycle [V]: a modified Bessel function."""
+    from scipy.special import i0e  # noqa: PLC0415 - nodes, which never need it, start sooner
+
     ratio = amplitude / p.stribeck_velocity
     return p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio))
 
