@@ -14,7 +14,8 @@ from furuta_control.control import MEMORY, ControllerParameters, control, design
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
-from furuta_ros.messages import NANOSECONDS, read_float, read_joints, stamp_nanoseconds
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.messages import read_float, read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS

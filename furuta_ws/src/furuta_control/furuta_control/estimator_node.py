@@ -13,7 +13,8 @@ from furuta_control.estimation import MEMORY, EstimatorParameters, design_estima
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNALS
-from furuta_ros.messages import NANOSECONDS, JointWriter, read_joints, stamp_nanoseconds
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.messages import JointWriter, read_joints
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT

@@ -20,7 +20,8 @@ from furuta_friction.compensation import (
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNALS
-from furuta_ros.messages import read_joints, stamp_nanoseconds
+from furuta_model.time_stamps import stamp_nanoseconds
+from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES

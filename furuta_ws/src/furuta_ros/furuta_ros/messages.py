@@ -16,7 +16,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds  # noqa: F401 - for nodes
+from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINTS
 
 

@@ -13,7 +13,8 @@ from std_srvs.srv import Trigger
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
-from furuta_ros.messages import NANOSECONDS, JointWriter, read_float
+from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep

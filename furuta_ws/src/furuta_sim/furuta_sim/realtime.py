@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
-from furuta_ros.messages import NANOSECONDS
+from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.topics import TIMING
 from furuta_sim.histogram import Histogram

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_analysis.simulation.oscillation import measure_oscillation
-from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.recorded_run import RecordedRun
 
 # The phases: the three compensations of the paper, then LuGre with tuned parameters.
@@ -45,9 +44,3 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
             }
         )
     return rows
-
-
-def check_seconds(seconds: float) -> None:
-    """Reject a phase that is too short for a limit cycle (2.4 s) after its transients."""
-    if not 5.0 <= seconds <= 3600.0:
-        raise ParameterError(f"--seconds must be 5 to 3600, given {seconds:g}")

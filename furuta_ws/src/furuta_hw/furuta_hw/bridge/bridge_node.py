@@ -25,9 +25,10 @@ from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
 from furuta_model.parameters import ParameterError
+from furuta_model.time_stamps import NANOSECONDS
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig
-from furuta_ros.messages import NANOSECONDS, JointWriter, RefusedError
+from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
