@@ -112,8 +112,8 @@ def test_old_estimate_becomes_zero(loop: Loop) -> None:
 
 
 def test_rejects_bad_messages_and_continues(loop: Loop) -> None:
-    """NaN in either input is counted, reported and ignored."""
-    loop.state(1, (nan, 0.0, 0.0, 0.0))
+    """Impossible values in either input are counted, reported and ignored."""
+    loop.state(1, (1e300, 0.0, 0.0, 0.0))
     loop.estimate(nan)
     assert loop.node.refused == 2
     loop.state(2)

@@ -11,14 +11,14 @@ from std_msgs.msg import Float64
 from testbench import joint_state
 
 from furuta_model.time_stamps import stamp_nanoseconds
-from furuta_ros.messages import RefusedError, read_float, read_joints
+from furuta_ros.messages import RefusedError, read_float, read_joints, read_measurement
 
 STATE = (0.1, -0.2, 0.3, -0.4)
 
 
-def read(message: object, speed: bool = True, effort: bool = False) -> np.ndarray:
+def read(message: object, partly: bool = False) -> np.ndarray:
     x = np.zeros(5)
-    read_joints(message, x, speed, effort)
+    read_joints(message, x, partly)
     return x
 
 
@@ -47,10 +47,10 @@ def test_wrong_joint_names_are_rejected(names: list[str]) -> None:
 
 @pytest.mark.parametrize("field", ["position", "velocity"])
 @pytest.mark.parametrize(
-    "values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf]]
+    "values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf], [0.0, 1e300]]
 )
 def test_bad_values_are_rejected_and_nothing_is_written(field: str, values: list[float]) -> None:
-    """Empty, short, long and non-finite arrays leave the state unchanged."""
+    """Empty, short, long, non-finite and impossible arrays leave the state unchanged."""
     message = joint_state(STATE, 0)
     setattr(message, field, array("d", values))
     x = np.full(5, 7.0)
@@ -59,25 +59,36 @@ def test_bad_values_are_rejected_and_nothing_is_written(field: str, values: list
     assert x.tolist() == [7.0] * 5
 
 
-def test_unmeasured_pendulum_speed_may_be_nan() -> None:
-    """A rig without that sensor sends NaN; only a reader that needs the speed rejects it."""
-    message = joint_state((0.1, -0.2, 0.3, nan), 0)
-    assert read(message, speed=False)[:3].tolist() == [0.1, -0.2, 0.3]
+def test_unknown_values_may_be_nan() -> None:
+    """An estimate that is not complete is read if the reader says so."""
+    message = joint_state((0.1, -0.2, nan, nan), 0)
+    assert read(message, partly=True)[:2].tolist() == [0.1, -0.2]
+    assert np.all(np.isnan(read(message, partly=True)[2:4]))
     with pytest.raises(RefusedError):
         read(message)
+    message.velocity[0] = inf
+    with pytest.raises(RefusedError):
+        read(message, partly=True)
 
 
 @pytest.mark.parametrize("efforts", [[], [nan, 0.0]])
-def test_missing_effort_is_nan_and_rejected_if_needed(efforts: list[float]) -> None:
-    """A missing effort is NaN; a reader that needs it gets a reason."""
+def test_missing_effort_is_nan(efforts: list[float]) -> None:
+    """No effort is read as NaN."""
     message = joint_state(STATE, 0)
     message.effort = array("d", efforts)
     assert isnan(read(message)[4])
-    with pytest.raises(RefusedError, match="effort"):
-        read(message, effort=True)
 
 
-@pytest.mark.parametrize("efforts", [[0.0], [0.0, 0.0, 0.0], [inf, 0.0]])
+def test_readings_are_read_whatever_they_are() -> None:
+    """The estimator decides about values; the joints must be right."""
+    measurement = np.zeros(5)
+    read_measurement(joint_state((inf, -1e300, 0.3, nan), 0, effort=-inf), measurement)
+    assert measurement[[0, 1, 2, 4]].tolist() == [inf, -1e300, 0.3, -inf]
+    with pytest.raises(RefusedError):
+        read_measurement(joint_state(STATE, 0, ["arm"]), measurement)
+
+
+@pytest.mark.parametrize("efforts", [[0.0], [0.0, 0.0, 0.0], [inf, 0.0], [-1e300, 0.0]])
 def test_bad_effort_is_rejected(efforts: list[float]) -> None:
     """An effort must be one number for each joint."""
     message = joint_state(STATE, 0)
@@ -86,7 +97,7 @@ def test_bad_effort_is_rejected(efforts: list[float]) -> None:
         read(message)
 
 
-@pytest.mark.parametrize("value", [nan, inf, -inf])
+@pytest.mark.parametrize("value", [nan, inf, -inf, 1e300])
 def test_non_finite_number_is_rejected(value: float) -> None:
     """A command or friction estimate must be finite."""
     with pytest.raises(RefusedError, match="finite"):

@@ -7,13 +7,15 @@ import pytest
 from unit import reference
 
 from furuta_control.control import (
-    BALANCING,
+    BALANCE_MEMORY,
     MEMORY,
     ControllerParameters,
     control,
     design_controller,
+    start_anew,
 )
 from furuta_control.excitation import ExcitationParameters
+from furuta_control.modes.balance import BALANCING
 from furuta_model.pendulum import FurutaPendulum
 
 GAIN = (-1.0, -2.0, -30.0, -4.0)
@@ -23,7 +25,7 @@ RNG = np.random.default_rng(13)
 def memory_of(balancing: bool = True) -> np.ndarray:
     """The memory of a controller that balances the pendulum, or does not."""
     memory = np.zeros(MEMORY)
-    memory[BALANCING] = balancing
+    memory[BALANCE_MEMORY + BALANCING] = balancing
     return memory
 
 
@@ -68,7 +70,10 @@ def test_saturation(limit: float) -> None:
     for x in RNG.uniform(-1, 1, (50, 4)) * [50, 50, 0.19, 50]:
         friction = RNG.uniform(-5, 5)
         expected = np.clip(-np.dot(GAIN, x) + friction, -limit, limit)
-        assert command(x, friction, voltage_limit=limit) == pytest.approx(expected)
+        found = command(
+            x, friction, voltage_limit=limit, arm_angle_limit=50.0, arm_speed_limit=50.0
+        )
+        assert found == pytest.approx(expected)
 
 
 def test_disabled() -> None:
@@ -80,15 +85,68 @@ def test_disabled() -> None:
 @pytest.mark.parametrize("side", [-1, 1])
 def test_fall_and_catch(side: int) -> None:
     """Beyond fall_angle the command is 0 V until the pendulum is within catch_angle."""
-    feedback = design_controller(
-        ControllerParameters(gain=GAIN, fall_angle=0.7, catch_angle=0.2, voltage_limit=100.0)
-    )
     memory = memory_of(False)
-    driven = [
-        control(memory, np.array([0, 0, side * tilt, 0]), 0.1, feedback) != 0.0
-        for tilt in (0.5, 0.21, 0.2, 0.5, 0.7, 0.71, 0.5, 0.21, 3.0, 0.0)
+    tilts = [0.5, 0.21, 0.2, 0.5, 0.7, 0.71, 0.5, 0.21, 3.0]
+    assert driven(memory, [[0, 0, side * tilt, 0] for tilt in tilts]) == [
+        *(False, False, True, True, True),
+        *(False, False, False, False),
     ]
-    assert driven == [False, False, True, True, True, False, False, False, False, True]
+    assert driven(memory, [[0, 0, side * 0.1, 0]] * 6) == [False] * 5 + [True]
+
+
+CATCHING = ControllerParameters(gain=GAIN, voltage_limit=100.0, catch_time=0.005)
+
+
+def driven(
+    memory: np.ndarray, states: list[list[float]], p: ControllerParameters = CATCHING
+) -> list[bool]:
+    """Whether the controller drives the arm in each state."""
+    feedback = design_controller(p)
+    return [control(memory, np.array(x, dtype=float), 0.1, feedback) != 0.0 for x in states]
+
+
+FALLEN = [0, 0, 1.0, 0]
+UPRIGHT = [0, 0, 0.01, 0]
+
+
+def test_after_a_fall_only_a_slow_pendulum_is_caught() -> None:
+    """A pendulum that passes through upright is not driven; one that stays there is."""
+    memory = memory_of()
+    passing = [[0, 0, 0.3 - 0.1 * k, -100.0] for k in range(7)]
+    assert driven(memory, [FALLEN, *passing]) == [False] * 8
+    assert driven(memory, [UPRIGHT] * 4 + [passing[3]] + [UPRIGHT] * 6) == [False] * 10 + [True]
+
+
+@pytest.mark.parametrize("index", range(4))
+def test_unknown_state_is_not_driven(index: int) -> None:
+    """NaN in any state gives 0 V and counts as a fall."""
+    unknown = list(UPRIGHT)
+    unknown[index] = float("nan")
+    memory = memory_of()
+    assert driven(memory, [UPRIGHT, unknown, UPRIGHT]) == [True, False, False]
+    assert driven(memory, [UPRIGHT] * 5)[-1]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize(("index", "limit"), [(0, 6.283), (1, 9.9)])
+def test_arm_beyond_its_limits_is_not_driven(side: int, index: int, limit: float) -> None:
+    """Nor is it caught there."""
+    memory = memory_of()
+    beyond, within = [0.0] * 4, [0.0] * 4
+    beyond[index], within[index] = side * (limit + 0.01), side * (limit - 0.01)
+    assert driven(memory, [within, beyond, within]) == [True, False, False]
+    assert not any(driven(memory, [beyond] * 20))
+    assert driven(memory, [within] * 6)[-1]
+
+
+def test_new_start_forgets_a_fall() -> None:
+    """After a reset the pendulum is caught at once; balancing is not interrupted."""
+    memory = memory_of()
+    assert driven(memory, [FALLEN, UPRIGHT]) == [False, False]
+    start_anew(memory)
+    assert driven(memory, [UPRIGHT, [0, 0, 0.5, 0]]) == [True, True]
+    start_anew(memory)
+    assert driven(memory, [[0, 0, 0.5, 0]]) == [True]
 
 
 def test_disabled_controller_detects_a_fall() -> None:
@@ -162,14 +220,10 @@ def test_open_loop_drives_a_hanging_pendulum() -> None:
 
 
 def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
-    """A mode starts without memory: after open loop balancing starts within catch_angle only."""
-    modes = [design_controller(ControllerParameters(mode=m)) for m in ("open_loop", "balance")]
-    memory, tilted, upright = memory_of(), np.array([0, 0, 0.5, 0]), np.array([0, 0, 0.1, 0])
-    open_loop, balance = modes
-    control(memory, tilted, 0.0, open_loop)
-    assert control(memory, tilted, 0.0, balance) == 0.0
-    assert control(memory, upright, 0.0, balance) != 0.0
-    assert control(memory, tilted, 0.0, balance) != 0.0
+    """After open loop the pendulum must be caught, as after a fall."""
+    memory, tilted = memory_of(), [0, 0, 0.5, 0]
+    driven(memory, [tilted], CATCHING._replace(mode="open_loop"))
+    assert driven(memory, [tilted, *[UPRIGHT] * 6, tilted]) == [False] * 6 + [True, True]
 
 
 def test_off() -> None:

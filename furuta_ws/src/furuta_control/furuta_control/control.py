@@ -8,6 +8,7 @@ and its branch in :func:`_mode_command`.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import ceil, pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -39,8 +40,8 @@ _MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
 
 # The controller's memory: the phase of the excitation, then the memory of each mode.
 PHASE = 0
-BALANCING = 1
-MEMORY = 2
+BALANCE_MEMORY = 1
+MEMORY = BALANCE_MEMORY + balance.MEMORY
 
 INACTIVE = (0.0, False)
 
@@ -70,8 +71,20 @@ class ControllerParameters(NamedTuple):
         float, About("pendulum angle beyond which the command is 0 V", "rad", 0.01, 3.0)
     ] = 0.7
     catch_angle: Annotated[
-        float, About("pendulum angle within which balancing starts again", "rad", 0.0, 3.0)
+        float, About("pendulum angle within which balancing starts", "rad", 0.0, 3.0)
     ] = 0.2
+    catch_speed: Annotated[
+        float, About("after a fall: highest pendulum speed to start balancing", "rad/s", 0.0, 1e3)
+    ] = 2.0
+    catch_time: Annotated[
+        float, About("after a fall: time within catch angle and speed before it", "s", 0.0, 10.0)
+    ] = 0.05
+    arm_angle_limit: Annotated[
+        float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
+    ] = 2 * pi
+    arm_speed_limit: Annotated[
+        float, About("arm speed beyond which balancing stops", "rad/s", 0.1, 1e6)
+    ] = 9.9
     friction_timeout: Annotated[
         float,
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
@@ -118,9 +131,21 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
     return ControllerDesign(
         p.enabled,
         mode,
-        Balance(*p.feedback_gain, p.fall_angle, p.catch_angle),
+        _balance(p),
         design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
         p.voltage_limit,
+    )
+
+
+def _balance(p: ControllerParameters) -> Balance:
+    return Balance(
+        *p.feedback_gain,
+        p.fall_angle,
+        p.arm_angle_limit,
+        p.arm_speed_limit,
+        p.catch_angle,
+        p.catch_speed,
+        ceil(p.catch_time / p.sample_time),
     )
 
 
@@ -137,16 +162,21 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDes
 
 
 @inlined
+def start_anew(memory: np.ndarray) -> None:
+    """Forget a fall, as the rig has been put back into its initial state."""
+    balance.start_anew(memory, BALANCE_MEMORY)
+
+
+@inlined
 def _mode_command(
     memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
 ) -> tuple[float, bool]:
     """Command u [V] of the mode, and whether the mode is active."""
     if p.mode == BALANCE:
-        memory[BALANCING] = balance.balances(memory[BALANCING], x, p.balance)
-        if memory[BALANCING] == 0.0:
+        if not balance.balances(memory, BALANCE_MEMORY, x, p.balance):
             return INACTIVE
         return balance.command(x, friction, p.balance), True
-    memory[BALANCING] = 0.0
+    balance.leave(memory, BALANCE_MEMORY)
     if p.mode == OPEN_LOOP:
         return 0.0, True
     return INACTIVE

@@ -10,11 +10,17 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_control.control import MEMORY, ControllerParameters, control, design_controller
+from furuta_control.control import (
+    MEMORY,
+    ControllerParameters,
+    control,
+    design_controller,
+    start_anew,
+)
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_float, read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
@@ -59,8 +65,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         _control(self._memory.copy(), self._x, 0.0, self._design)
 
     def _on_state(self, message: JointState) -> None:
-        read_joints(message, self._x)
+        read_joints(message, self._x, partly=True)
         stamp = stamp_nanoseconds(message)
+        if starts_anew(self._stamp, stamp):
+            start_anew(self._memory)
         repeated = stamp == self._stamp
         self._stamp = stamp
         if not (repeated and self._surplus < 0):

@@ -8,20 +8,31 @@ a row of :data:`METHODS`, its parameters, its design, and its branch in the func
 from __future__ import annotations
 
 from functools import lru_cache
-from math import isnan, nan
+from math import nan
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from furuta_control import readings
 from furuta_control.estimators import kalman, lowpass
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
 from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
 from furuta_control.estimators.rig import NominalRig
-from furuta_model.compiled import inlined
+from furuta_control.readings import ReadingLimits, reading_limits
+from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import INLINE, About
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_model.state import OBSERVED_FRICTION, RIGID_STATES, SIGNALS, THETA_DOT
+from furuta_model.state import (
+    APPLIED_TORQUE,
+    OBSERVED_FRICTION,
+    PHI,
+    PHI_DOT,
+    RIGID_STATES,
+    SIGNALS,
+    THETA,
+    THETA_DOT,
+)
 
 
 class Method(NamedTuple):
@@ -53,10 +64,14 @@ _NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 _OBSERVES_FRICTION = tuple(method.observes_friction for method in METHODS)
 
-# The estimator's memory: the estimate, the running method (0: none yet), the method's memory.
+# The estimator's memory: the estimate, the running method (0: no estimate), the last readings.
 RUNNING = SIGNALS
-OWN = RUNNING + 1
-MEMORY = OWN + lowpass.MEMORY
+READINGS = RUNNING + 1
+MEMORY = READINGS + readings.MEMORY
+# Value of RUNNING while ideal measurements are the estimate.
+UNFILTERED = -1.0
+# Result of :func:`unusable_readings` without an estimate.
+LOST = -1
 
 
 class EstimatorParameters(NamedTuple):
@@ -87,6 +102,8 @@ class EstimatorDesign(NamedTuple):
 
     method: int
     ideal: bool
+    readings: ReadingLimits
+    sample_time: float
     lowpass: Lowpass
     kalman: Kalman
 
@@ -97,6 +114,8 @@ def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     return EstimatorDesign(
         _NAMES.index(p.method),
         p.sensors.ideal,
+        reading_limits(p.rig, p.chosen.needs_applied_torque),
+        p.sample_time,
         lowpass.design(p.rig, p.lowpass),
         kalman.design(p.rig, p.kalman),
     )
@@ -108,27 +127,17 @@ def estimate_state(
 ) -> None:
     """One sample: ``memory`` (MEMORY,) is updated, ``estimate`` (5,) written.
 
-    After a change of method the new one starts from the estimate of the previous one. Ideal
-    measurements are not filtered; the method is then used only to observe the friction, if it can.
+    Unusable readings in ``measurement`` are replaced (:mod:`furuta_control.readings`). Without an
+    estimate ``estimate`` is what the usable readings say, NaN where they say nothing. After a
+    change of method the new one starts from the estimate of the previous one. Ideal measurements
+    are not filtered; the method is then used only to observe the friction, if it can.
     """
-    if p.ideal and not _OBSERVES_FRICTION[p.method]:
-        for i in range(RIGID_STATES):
-            estimate[i] = measurement[i]
-        estimate[OBSERVED_FRICTION] = nan
-        memory[RUNNING] = 0.0
+    if memory[RUNNING] != 0.0 and readings.all_usable(memory, READINGS, measurement, p.readings):
+        readings.forget_unusable(memory, READINGS)
+    elif not _repair(memory, measurement, p, estimate):
         return
-    if memory[RUNNING] == 0.0:
-        for i in range(THETA_DOT):
-            memory[i] = measurement[i]
-        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
-        _begin(memory, measurement, p)
-    else:
-        if memory[RUNNING] != p.method + 1:
-            if isnan(memory[OBSERVED_FRICTION]):
-                memory[OBSERVED_FRICTION] = 0.0
-            _begin(memory, measurement, p)
-        _update(memory, measurement, p)
-    memory[RUNNING] = p.method + 1
+    _filter(memory, measurement, p)
+    readings.remember(memory, READINGS, measurement)
     for i in range(SIGNALS):
         estimate[i] = memory[i]
     if p.ideal:
@@ -137,10 +146,73 @@ def estimate_state(
 
 
 @inlined
+def unusable_readings(memory: np.ndarray) -> int:
+    """Readings of the last sample that were replaced: a bit for each signal, -1 if lost."""
+    if memory[RUNNING] == 0.0:
+        return LOST
+    bits = 0
+    for i in range(SIGNALS):
+        if memory[READINGS + readings.UNUSABLE + i] > 0.0:
+            bits |= 1 << i
+    return bits
+
+
+@inlined
+def restart(memory: np.ndarray) -> None:
+    """Forget the estimate: the next measurement starts a new one."""
+    memory[RUNNING] = 0.0
+
+
+@inlined
+def _filter(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Start the estimate or move it by one sample."""
+    if p.ideal and not _OBSERVES_FRICTION[p.method]:
+        for i in range(RIGID_STATES):
+            memory[i] = measurement[i]
+        memory[OBSERVED_FRICTION] = nan
+        memory[RUNNING] = UNFILTERED
+        return
+    if memory[RUNNING] == 0.0:
+        for i in range(THETA_DOT):
+            memory[i] = measurement[i]
+        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
+        _begin(memory, measurement, p)
+    else:
+        if memory[RUNNING] != p.method + 1:
+            if np.isnan(memory[OBSERVED_FRICTION]):
+                memory[OBSERVED_FRICTION] = 0.0
+            _begin(memory, measurement, p)
+        _update(memory, measurement, p)
+    memory[RUNNING] = p.method + 1
+
+
+@compiled
+def _repair(
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+) -> bool:
+    """Make the measurement usable or the estimate unknown; return whether there is one."""
+    if memory[RUNNING] != 0.0:
+        if p.readings.full_turn:
+            seam = readings.cross_seam(memory, READINGS, measurement)
+            memory[THETA] += seam
+            memory[READINGS + THETA] += seam
+        _predict(memory, measurement, p, estimate)
+        if readings.replace_unusable(memory, READINGS, measurement, estimate, p.readings):
+            return True
+        restart(memory)
+    if readings.can_start(measurement, p.readings):
+        readings.forget_unusable(memory, READINGS)
+        return True
+    readings.unknown_state(measurement, estimate, p.readings)
+    return False
+
+
+@inlined
 def _begin(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
     """Initialise the method's memory; the estimate in ``memory`` is already set."""
     if p.method == LOWPASS:
-        lowpass.begin(memory, OWN, measurement, p.lowpass)
+        memory[READINGS + THETA] = measurement[THETA]
+        lowpass.begin(memory, p.lowpass)
 
 
 @inlined
@@ -148,4 +220,22 @@ def _update(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> 
     if p.method == KALMAN:
         kalman.update(memory, measurement, p.kalman)
     elif p.method == LOWPASS:
-        lowpass.update(memory, OWN, measurement, p.lowpass)
+        lowpass.update(memory, memory[READINGS + THETA], measurement, p.lowpass)
+
+
+@inlined
+def _predict(
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, predicted: np.ndarray
+) -> None:
+    """Write the measurement (5,) that is expected: from the model, or at constant speeds."""
+    dt = p.sample_time
+    predicted[PHI] = memory[READINGS + PHI] + memory[PHI_DOT] * dt
+    predicted[PHI_DOT] = memory[READINGS + PHI_DOT]
+    predicted[THETA] = memory[READINGS + THETA] + memory[THETA_DOT] * dt
+    predicted[THETA_DOT] = memory[READINGS + THETA_DOT]
+    predicted[APPLIED_TORQUE] = memory[READINGS + APPLIED_TORQUE]
+    if p.method == KALMAN:
+        torque = measurement[APPLIED_TORQUE]
+        if np.isnan(torque):
+            torque = predicted[APPLIED_TORQUE]
+        kalman.predict(memory, torque, p.kalman, predicted)

@@ -9,13 +9,21 @@ import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_control.estimation import (
+    LOST,
+    MEMORY,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+    restart,
+    unusable_readings,
+)
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.state import OBSERVED_FRICTION, SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
-from furuta_ros.messages import JointWriter, read_joints
-from furuta_ros.node import FurutaNode
+from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
+from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
+from furuta_ros.messages import JointWriter, RefusedError, read_measurement
+from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
@@ -31,7 +39,8 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     Subscribes to ``measurement`` (effort of the arm: the torque applied since the last one [V]);
     publishes ``joint_states`` with the stamp of the measurement (effort of the arm: the observed
     friction [V], NaN with method lowpass). If a measurement is repeated (same stamp), the last
-    estimate is published again without a new step.
+    estimate is published again without a new step. Readings that cannot be used are replaced and
+    reported. What cannot be estimated is NaN.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -41,6 +50,8 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         self._writer = JointWriter()
         self._last_stamp = -1
         self._deviating_intervals = 0
+        self._unusable = 0
+        self.unusable_readings = 0
         super().__init__("estimator", EstimatorParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(JOINT_STATES)
@@ -49,7 +60,6 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Redesign the estimator; its memory is kept."""
         design = design_estimator(parameters)
-        self._ideal = design.ideal
         self._estimator = block(design)
         self._interval = parameters.sample_time * NANOSECONDS
         _estimate(self._memory.copy(), self._measurement, self._estimator, self._estimate)
@@ -58,7 +68,11 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             self._read(message)
-            _estimate(self._memory, self._measurement, self._estimator, self._estimate)
+            if starts_anew(self._last_stamp, stamp):
+                restart(self._memory)
+            unusable = _estimate(self._memory, self._measurement, self._estimator, self._estimate)
+            if unusable != self._unusable or unusable > 0:
+                self._report(unusable, message)
             answer = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
             answer.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
@@ -66,13 +80,28 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         self._publisher.publish(self._writer.message)
 
     def _read(self, message: JointState) -> None:
-        """Read the measurement; reject it if it lacks a value that the estimator needs."""
-        read_joints(
-            message,
-            self._measurement,
-            pendulum_speed=self._ideal,
-            effort=self.parameters.chosen.needs_applied_torque,
-        )
+        """Read the measurement; refuse it if the torque that the estimator needs is never in it."""
+        if self.parameters.chosen.needs_applied_torque and not message.effort:
+            raise RefusedError("needs the arm's effort, the torque applied since the last one [V]")
+        read_measurement(message, self._measurement)
+
+    def _report(self, unusable: int, message: JointState) -> None:
+        """Log readings that cannot be used, and the loss and return of the estimate."""
+        given = f"position {list(message.position)}, velocity {list(message.velocity)}"
+        log = self.get_logger()
+        if unusable == LOST:
+            log.warning(f"no estimate: the sensors cannot see the state; {given}")
+        elif self._unusable == LOST:
+            log.info(f"estimating again from {given}")
+        elif unusable:
+            self.unusable_readings += 1
+            names = ", ".join(name for i, name in enumerate(SIGNAL_NAMES) if unusable >> i & 1)
+            log.warning(
+                f"replaced readings of {names} by predictions in {self.unusable_readings} "
+                f"measurements so far; {given}",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+        self._unusable = unusable
 
     def _check_interval(self, interval: int) -> None:
         """Warn if measurements keep arriving at an interval other than the sample time."""
@@ -90,8 +119,10 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
 @compiled
 def _estimate(
     memory: np.ndarray, measurement: np.ndarray, estimator: np.ndarray, estimate: np.ndarray
-) -> None:
+) -> int:
+    """One sample; return the readings that were replaced."""
     estimate_state(memory, measurement, estimator[0], estimate)
+    return unusable_readings(memory)
 
 
 def main() -> None:

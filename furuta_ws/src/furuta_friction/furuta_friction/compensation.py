@@ -8,13 +8,14 @@ friction. To add a compensator, write its file in ``compensators/`` and add it h
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_friction.compensators import adaptive, coulomb, stiction
 from furuta_friction.compensators.adaptive import LARGEST_FACTOR
-from furuta_friction.compensators.bristle_observer import observe
+from furuta_friction.compensators.bristle_observer import BRISTLE, observe
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -89,12 +90,21 @@ def design_compensator(p: ObserverParameters) -> Compensator:
 
 
 @inlined
+def start_anew(memory: np.ndarray) -> None:
+    """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
+    memory[BRISTLE] = 0.0
+
+
+@inlined
 def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
     """F̂ [V] for the state estimate (5,); ``memory`` (MEMORY,) is updated.
 
     The observer runs with every compensation, so it has converged when the user switches to it.
+    While the arm's state is unknown (NaN), F̂ is 0 V and the memory is kept.
     """
     v, observed = estimate[PHI_DOT], estimate[OBSERVED_FRICTION]
+    if isnan(v + estimate[PHI]):
+        return 0.0
     correction = -p.observer_gain * estimate[PHI]
     if p.kind == ADAPTIVE:
         return adaptive.estimate(

@@ -16,11 +16,12 @@ from furuta_friction.compensation import (
     ObserverParameters,
     design_compensator,
     estimate_friction,
+    start_anew,
 )
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.state import OBSERVED_FRICTION, SIGNALS
-from furuta_model.time_stamps import stamp_nanoseconds
+from furuta_model.state import OBSERVED_FRICTION, SIGNALS, THETA_DOT
+from furuta_model.time_stamps import stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
@@ -52,7 +53,9 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
     def _on_state(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
-            read_joints(message, self._x)
+            read_joints(message, self._x, partly=True)
+            if starts_anew(self._last_stamp, stamp):
+                start_anew(self._memory)
             self._check_observed_friction()
             self._estimate.data = _estimate(self._memory, self._x, self._compensator)
             self._last_stamp = stamp
@@ -61,7 +64,9 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
     def _check_observed_friction(self) -> None:
         """Warn if the compensation needs the observed friction and does not get it."""
         chosen = self.parameters.chosen
-        if chosen.needs_observed_friction and isnan(self._x[OBSERVED_FRICTION]):
+        if not chosen.needs_observed_friction or isnan(self._x[THETA_DOT]):
+            return
+        if isnan(self._x[OBSERVED_FRICTION]):
             self.get_logger().warning(
                 f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
                 "use an estimator that observes it (method kalman)",

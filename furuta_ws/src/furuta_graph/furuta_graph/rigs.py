@@ -54,7 +54,12 @@ def rig_settings(rig: Rig) -> Settings:
     }
     settings["estimator"] = model | sensors | time
     settings["friction_observer"] = values(rig.friction) | time
-    settings["controller"] = model | time | {"voltage_limit": rig.limits.voltage}
+    settings["controller"] = model | time
+    settings["controller"] |= {
+        "voltage_limit": rig.limits.voltage,
+        "arm_angle_limit": rig.limits.arm_angle,
+        "arm_speed_limit": rig.limits.arm_speed,
+    }
     return settings
 
 

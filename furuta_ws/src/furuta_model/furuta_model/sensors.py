@@ -38,3 +38,30 @@ class Sensors(NamedTuple):
     potentiometer_noise: Annotated[
         float, About("standard deviation of the potentiometer's noise", "rad", 0.0, 1.0)
     ] = pi / 2 / 4096
+
+    @property
+    def variances(self) -> tuple[float, float, float]:
+        """Variance of a reading of φ [rad²], φ̇ [rad²/s²] and θ [rad²], rounding included."""
+        tachometer_step = step_size(self.tachometer_range, self.tachometer_bits)
+        potentiometer_step = step_size(self.potentiometer_range, self.potentiometer_bits)
+        count = 2.0 * pi / self.encoder_counts if self.encoder_counts else 0.0
+        return (
+            variance(0.0, count),
+            variance(self.tachometer_noise, tachometer_step),
+            variance(self.potentiometer_noise, potentiometer_step),
+        )
+
+
+def variance(noise: float, step: float) -> float:
+    """Variance of a reading with noise of standard deviation ``noise``, rounded to steps."""
+    return noise**2 + step**2 / 12.0
+
+
+def step_size(full_scale: float, bits: int) -> float:
+    """Step of a converter of ±``full_scale`` with ``bits``; 0 without quantisation."""
+    return 2.0 * full_scale / 2**bits if bits else 0.0
+
+
+def end_of_range(full_scale: float, bits: int) -> float:
+    """Size of a reading at which a converter of ±``full_scale`` clips: its highest code."""
+    return full_scale - step_size(full_scale, bits)

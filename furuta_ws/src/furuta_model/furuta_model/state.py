@@ -30,5 +30,16 @@ PLANT_STATES: Final = 5
 APPLIED_TORQUE: Final = 4
 OBSERVED_FRICTION: Final = 4
 SIGNALS: Final = 5
+# Names of a measurement's signals, for messages.
+SIGNAL_NAMES: Final = (
+    "arm angle",
+    "arm speed",
+    "pendulum angle",
+    "pendulum speed",
+    "applied torque",
+)
 # Index in a message: effort of the arm.
 EFFORT: Final = 4
+
+# No sensor, drive or estimate gives a larger value [rad, rad/s, V].
+LARGEST_VALUE: Final = 1e6

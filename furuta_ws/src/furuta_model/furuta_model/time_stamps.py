@@ -5,9 +5,20 @@ from __future__ import annotations
 from typing import Any, Final
 
 NANOSECONDS: Final = 1_000_000_000
+# Time between two samples [ns] from which the later one begins anew: longer than any sample time
+# and any pause of a loaded machine that the loop rides out.
+NEW_START_AFTER: Final = 150_000_000
 
 
 def stamp_nanoseconds(message: Any) -> int:
     """The time stamp in the message's header [ns]."""
     stamp = message.header.stamp
     return int(stamp.sec * NANOSECONDS + stamp.nanosec)
+
+
+def starts_anew(previous: int, stamp: int) -> bool:
+    """Whether the sample of ``stamp`` does not continue that of ``previous`` [ns].
+
+    So it is after a reset of the rig, and when another plant or a replay takes over.
+    """
+    return not 0 <= stamp - previous <= NEW_START_AFTER

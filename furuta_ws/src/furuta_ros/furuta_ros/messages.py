@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from math import isfinite, isinf, isnan, nan
+from math import isnan, nan
 
 import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_model.state import EFFORT, PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINTS
 
@@ -25,24 +25,51 @@ class RefusedError(ValueError):
 
 
 def read_float(message: Float64) -> float:
-    """The message's value, which must be finite."""
+    """The message's value [V], which must be finite and possible."""
     value: float = message.data
-    if not isfinite(value):
-        raise RefusedError(f"data is {value}, must be finite")
+    if not abs(value) <= LARGEST_VALUE:
+        raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
     return value
 
 
-def read_joints(
-    message: JointState, x: np.ndarray, pendulum_speed: bool = True, effort: bool = False
-) -> None:
+def read_joints(message: JointState, x: np.ndarray, partly: bool = False) -> None:
     """Write the message's state and the arm's effort to ``x`` (5,).
 
-    The pendulum's speed and the arm's effort may be missing (NaN) unless ``pendulum_speed`` and
-    ``effort`` require them.
+    The effort may be unknown (NaN); with ``partly`` so may the other values.
 
     Raises:
         RefusedError: The message is invalid; ``x`` is unchanged.
     """
+    phi, phi_dot, theta, theta_dot, effort = _values(message)
+    if not abs(phi) + abs(phi_dot) + abs(theta) + abs(theta_dot) <= LARGEST_VALUE:
+        for value in (phi, phi_dot, theta, theta_dot):
+            if abs(value) > LARGEST_VALUE or (isnan(value) and not partly):
+                raise RefusedError(
+                    f"values must be finite and at most {LARGEST_VALUE:g}, given position "
+                    f"{list(message.position)}, velocity {list(message.velocity)}"
+                )
+    if abs(effort) > LARGEST_VALUE:
+        raise RefusedError(f"effort must be at most {LARGEST_VALUE:g}, given {effort}")
+    x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot
+    x[EFFORT] = effort
+
+
+def read_measurement(message: JointState, measurement: np.ndarray) -> None:
+    """Write the message's readings and the arm's effort to ``measurement`` (5,), whatever they are.
+
+    The estimator decides which readings it can use.
+
+    Raises:
+        RefusedError: The message is invalid; ``measurement`` is unchanged.
+    """
+    phi, phi_dot, theta, theta_dot, effort = _values(message)
+    measurement[PHI], measurement[PHI_DOT] = phi, phi_dot
+    measurement[THETA], measurement[THETA_DOT] = theta, theta_dot
+    measurement[EFFORT] = effort
+
+
+def _values(message: JointState) -> tuple[float, float, float, float, float]:
+    """φ, φ̇, θ, θ̇ and the effort of the arm (NaN if there is none), by the names of the joints."""
     position, velocity, efforts = message.position, message.velocity, message.effort
     if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
         raise RefusedError(
@@ -56,22 +83,8 @@ def read_joints(
         if sorted(message.name) != JOINTS:
             raise RefusedError(f"joint names must be {JOINTS}, given {list(message.name)}")
         arm, pendulum = 1, 0
-    phi, theta, phi_dot = position[arm], position[pendulum], velocity[arm]
-    theta_dot = velocity[pendulum]
-    arm_effort = efforts[arm] if efforts else nan
-    # A sum is finite only if its terms are.
-    total = phi + theta + phi_dot
-    if pendulum_speed:
-        total += theta_dot
-    if not isfinite(total) or isinf(arm_effort):
-        raise RefusedError(
-            f"values must be finite, given position {list(position)}, velocity "
-            f"{list(velocity)}, effort {list(efforts)}"
-        )
-    if effort and isnan(arm_effort):
-        raise RefusedError("needs the arm's effort, the torque applied since the last message [V]")
-    x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot
-    x[EFFORT] = arm_effort
+    effort = efforts[arm] if efforts else nan
+    return position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort
 
 
 class JointWriter:

@@ -31,6 +31,9 @@ from furuta_sim.plant import (
 )
 from furuta_sim.realtime import RealTime
 
+# Time that a reset takes [s]. Longer than NEW_START_AFTER, so that the other nodes start anew.
+RESET_TIME = 0.2
+
 
 class PlantNode(PacedNode):
     """Simulates the rig.
@@ -38,7 +41,9 @@ class PlantNode(PacedNode):
     Publishes ``measurement`` (NaN without a sensor; effort of the arm: the torque applied since
     the last one [V]) and ``ground_truth`` (effort: the true friction [V]); subscribes to
     ``command`` [V]. The rig is held in its initial state until the first command arrives, and
-    again after the service ``~/reset``. :class:`RealTime` or :class:`LockStep` starts the samples.
+    again after the service ``~/reset``. A reset takes ``RESET_TIME``, in which nothing is measured:
+    from the gap the other nodes see that the motion does not continue. :class:`RealTime` or
+    :class:`LockStep` starts the samples.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -46,6 +51,7 @@ class PlantNode(PacedNode):
         self._measurement_writer = JointWriter()
         self._truth_writer = JointWriter()
         self._torque = 0.0
+        self._resetting = False
         self.x = np.zeros(0)
         super().__init__("plant", overrides)
         self.watch_parameters(self.parameters_changed)
@@ -84,6 +90,7 @@ class PlantNode(PacedNode):
         self._measurement_writer.stamp(stamp)
         self._measurement_writer.fill(self._measurement, self._torque)
         self._truth_publisher.publish(self._truth_writer.message)
+        self._resetting = False
         self.repeat_measurement()
 
     def repeat_measurement(self) -> None:
@@ -98,13 +105,15 @@ class PlantNode(PacedNode):
 
     def _on_command(self, message: Float64) -> None:
         command = read_float(message)
-        self.held = False
+        # A command during a reset belongs to a measurement from before it.
+        self.held = self._resetting
         self.pacing.on_command(command)
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self.x = initial_state(self._rig)
-        self.held = True
+        self.held = self._resetting = True
         self._torque = 0.0
+        self.sample += round(RESET_TIME * NANOSECONDS / self._period)
         response.success = True
         response.message = "held in the initial state until the next command"
         return response

@@ -73,7 +73,8 @@ class RealTime:
             # Shift by whole periods: the timer keeps its phase.
             self._first_deadline += (deadline - plant.sample) * self._period
             return
-        if late > self._period // 2:
+        # After a reset the next sample is not due yet.
+        if late > self._period // 2 or deadline < plant.sample:
             return
         due_samples = max(1, deadline - plant.sample)
         stale = now - self._command_time > plant.parameters.command_timeout * NANOSECONDS

@@ -14,12 +14,14 @@ class RecordedLoop(NamedTuple):
 
     ``time`` (n,) [s], ``measurement`` (n, 5). ``outputs`` are what the nodes computed, NaN where
     nothing was recorded. ``changes``: (sample, node, {parameter: value}) of parameters set.
+    ``starts``: samples that do not continue the ones before, as after a reset.
     """
 
     time: np.ndarray
     measurement: np.ndarray
     outputs: Recomputed
     changes: list[tuple[int, str, dict[str, Any]]]
+    starts: list[int]
 
 
 def compare(recorded: RecordedLoop, recomputed: Recomputed) -> dict[str, Any]:

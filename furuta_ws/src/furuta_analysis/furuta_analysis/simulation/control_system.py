@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_control import control as controller
 from furuta_control.control import MEMORY as CONTROLLER_MEMORY
 from furuta_control.control import (
     ControllerDesign,
@@ -22,7 +23,9 @@ from furuta_control.estimation import (
     EstimatorParameters,
     design_estimator,
     estimate_state,
+    restart,
 )
+from furuta_friction import compensation
 from furuta_friction.compensation import MEMORY as OBSERVER_MEMORY
 from furuta_friction.compensation import (
     Compensator,
@@ -62,6 +65,13 @@ def initial_memory() -> Memory:
     """The memory of a control system before its first measurement."""
     sizes = (ESTIMATOR_MEMORY, OBSERVER_MEMORY, CONTROLLER_MEMORY)
     return Memory(*(np.zeros(size) for size in sizes))
+
+
+def start_anew(memory: Memory) -> None:
+    """Prepare for a measurement that does not continue the ones before, as the nodes do."""
+    restart(memory.estimator)
+    compensation.start_anew(memory.observer)
+    controller.start_anew(memory.controller)
 
 
 @inlined

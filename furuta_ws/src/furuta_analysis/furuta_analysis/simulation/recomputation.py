@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +15,7 @@ from furuta_analysis.simulation.control_system import (
     control_sample,
     design_control_system,
     initial_memory,
+    start_anew,
 )
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
@@ -26,21 +29,30 @@ class Recomputed(NamedTuple):
     command: np.ndarray
 
 
-def recompute(measurement: np.ndarray, changes: list[tuple[int, Loop]]) -> Recomputed:
+def recompute(
+    measurement: np.ndarray, changes: list[tuple[int, Loop]], starts: Sequence[int] = ()
+) -> Recomputed:
     """Process ``measurement`` (n, 5) by estimator, friction observer and controller.
 
     ``changes`` lists parameters and the sample from which they apply; the first must be 0. The
-    memories are kept over a change, as in the nodes.
+    memories are kept over a change, as in the nodes. ``starts`` are samples that do not continue
+    the ones before.
     """
     n = len(measurement)
     result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
     memory = initial_memory()
-    ends = [start for start, _ in changes[1:]] + [n]
-    for (start, loop), end in zip(changes, ends, strict=True):
+    loops = dict(changes)
+    bounds = sorted({*loops, *starts, n})
+    for start, end in pairwise(bounds):
+        if start in loops:
+            control_system = design_control_system(*loops[start][1:])
+        if start in starts:
+            start_anew(memory)
         _run(
-            measurement[start:end],
+            # The estimator replaces unusable readings.
+            measurement[start:end].copy(),
             memory,
-            design_control_system(loop.estimator, loop.observer, loop.controller),
+            control_system,
             Recomputed(*(series[start:end] for series in result)),
         )
     return result

@@ -21,6 +21,7 @@ from furuta_cli.options import (
     print_json,
 )
 from furuta_graph.settings import load_settings, loop
+from furuta_model.state import LARGEST_VALUE
 
 
 @click.command(context_settings={"ignore_unknown_options": False})
@@ -32,7 +33,11 @@ from furuta_graph.settings import load_settings, loop
     metavar="NAME",
     help="Friction compensation; default: as set by the parameters.",
 )
-@click.option("--ideal-sensors", is_flag=True, help="Measure all four states exactly.")
+@click.option(
+    "--ideal-sensors",
+    is_flag=True,
+    help="Measure all four states exactly; the arm may turn without limit.",
+)
 @feedback_option
 @click.option("--seed", type=SEED, help="Seed of the sensors' noise.")
 @click.option(
@@ -55,16 +60,18 @@ def command(
     as_json: bool,
 ) -> None:
     """Simulate the closed loop without ROS and measure the oscillation in the second half."""
-    extra = []
+    first, extra = [], []
     if compensation is not None:
         extra.append(f"friction_observer.compensation={compensation}")
     if ideal_sensors:
         extra.append("sensors.ideal=true")
+        # The motion of the ideal loop may be a rotation.
+        first += [f"controller.arm_{each}_limit={LARGEST_VALUE}" for each in ("angle", "speed")]
     if seed is not None:
         extra.append(f"plant.seed={seed}")
     if feedback is not None:
         extra.append(f"controller.gain={[-each for each in feedback]}")
-    settings = load_settings(files, [*assignments, *extra])
+    settings = load_settings(files, [*first, *assignments, *extra])
     began = perf_counter()
     record = simulate(loop(settings), seconds)
     wall = perf_counter() - began

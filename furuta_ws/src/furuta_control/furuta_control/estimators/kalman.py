@@ -21,7 +21,7 @@ the second stays within its count.
 
 from __future__ import annotations
 
-from math import isnan, pi
+from math import pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -75,15 +75,21 @@ class KalmanParameters(NamedTuple):
 
 
 class Kalman(NamedTuple):
-    """The sampled filter: ``step`` (5, 8) of one sample, and half an encoder count [rad]."""
+    """The sampled filter: ``step`` (5, 8) of one sample, and half an encoder count [rad].
+
+    ``prediction`` (3, 6) gives φ, φ̇ and θ of the next sample from the estimate and the torque.
+    """
 
     step: np.ndarray
+    prediction: np.ndarray
     half_count: float
 
 
 def design(rig: NominalRig, p: KalmanParameters) -> Kalman:
     """The filter for a rig."""
-    return Kalman(sample_kalman(rig, p), half_count(rig.sensors))
+    dynamics, torque, _ = _sampled(rig, p)
+    prediction = np.column_stack([dynamics, torque])[: THETA + 1]
+    return Kalman(sample_kalman(rig, p), prediction, half_count(rig.sensors))
 
 
 def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
@@ -129,38 +135,17 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
     """Stationary Kalman gain (4, 2) for tachometer and potentiometer."""
     outputs = np.zeros((2, 4))
     outputs[0, PHI_DOT - 1] = outputs[1, THETA - 1] = 1.0
-    noise = np.diag(
-        [
-            _variance(sensors.tachometer_noise, sensors.tachometer_range, sensors.tachometer_bits),
-            _variance(
-                sensors.potentiometer_noise,
-                sensors.potentiometer_range,
-                sensors.potentiometer_bits,
-            ),
-        ]
-    )
+    _, *variances = sensors.variances
+    noise = np.diag([max(each, SMALLEST_VARIANCE) for each in variances])
     covariance = solve_discrete_are(dynamics.T, outputs.T, process, noise)
     innovation = outputs @ covariance @ outputs.T + noise
     gain: np.ndarray = np.linalg.solve(innovation, outputs @ covariance).T
     return gain
 
 
-def _variance(noise: float, full_scale: float, bits: int) -> float:
-    step = 2.0 * full_scale / 2**bits if bits else 0.0
-    return max(noise**2 + step**2 / 12.0, SMALLEST_VARIANCE)
-
-
 @inlined
 def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
-    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``.
-
-    Without an applied torque (NaN) the filter restarts at every sample.
-    """
-    if isnan(measurement[APPLIED_TORQUE]):
-        for i in range(THETA_DOT):
-            memory[i] = measurement[i]
-        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
-        return
+    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``."""
     phi, phi_dot = memory[PHI], memory[PHI_DOT]
     theta, theta_dot, friction = memory[THETA], memory[THETA_DOT], memory[OBSERVED_FRICTION]
     for i in range(SIGNALS):
@@ -176,3 +161,12 @@ def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
         )
     phi = measurement[PHI]
     memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)
+
+
+@inlined
+def predict(memory: np.ndarray, torque: float, p: Kalman, predicted: np.ndarray) -> None:
+    """Write φ, φ̇ and θ of the next sample to ``predicted``, for the ``torque`` [V] until then."""
+    for i in range(THETA + 1):
+        predicted[i] = p.prediction[i, SIGNALS] * torque
+        for j in range(SIGNALS):
+            predicted[i] += p.prediction[i, j] * memory[j]

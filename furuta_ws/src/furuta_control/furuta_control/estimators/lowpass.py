@@ -19,9 +19,6 @@ from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
 
-# Size of the filter's memory besides the estimate: the previous measurement of θ.
-MEMORY = 1
-
 
 class LowpassParameters(NamedTuple):
     """The filter on the potentiometer."""
@@ -58,19 +55,19 @@ def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
 
 
 @inlined
-def begin(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
+def begin(memory: np.ndarray, p: Lowpass) -> None:
     """Start in the steady state for the estimated speed; no friction is observed."""
     memory[THETA] -= p.lag * memory[THETA_DOT]
-    memory[at] = measurement[THETA]
     memory[OBSERVED_FRICTION] = nan
 
 
 @inlined
-def update(memory: np.ndarray, at: int, measurement: np.ndarray, p: Lowpass) -> None:
-    """Update the estimate, the first (5,) of ``memory``; the filter's memory begins at ``at``."""
+def update(memory: np.ndarray, previous: float, measurement: np.ndarray, p: Lowpass) -> None:
+    """Update the estimate, the first (5,) of ``memory``; ``previous`` is the last reading of θ."""
     step = p.step
-    y, y_dot, old, new = memory[THETA], memory[THETA_DOT], memory[at], measurement[THETA]
+    y, y_dot, new = memory[THETA], memory[THETA_DOT], measurement[THETA]
     memory[PHI], memory[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
-    memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * old + step[0, 3] * new
-    memory[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * old + step[1, 3] * new
-    memory[at] = new
+    memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * previous + step[0, 3] * new
+    memory[THETA_DOT] = (
+        step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * previous + step[1, 3] * new
+    )

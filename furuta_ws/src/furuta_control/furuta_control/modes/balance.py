@@ -17,28 +17,71 @@ import numpy as np
 from furuta_model.compiled import inlined
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
+# The mode's memory: 1 while the pendulum is balanced; 1 after it has fallen, until it is caught;
+# samples for which it has been ready to be caught.
+BALANCING = 0
+FALLEN = 1
+READY = 2
+MEMORY = 3
+
 
 class Balance(NamedTuple):
-    """Gain L of u = −Lx [V per unit of state]; angles [rad] at which balancing stops and starts."""
+    """Gain L of u = −Lx [V per unit of state], and when balancing stops and starts.
+
+    Angles [rad], speeds [rad/s], number of samples.
+    """
 
     l1: float
     l2: float
     l3: float
     l4: float
     fall_angle: float
+    arm_angle_limit: float
+    arm_speed_limit: float
     catch_angle: float
+    catch_speed: float
+    catch_samples: float
 
 
 @inlined
-def balances(balancing: float, x: np.ndarray, p: Balance) -> float:
-    """Whether the pendulum is balanced (1) or has fallen (0); ``balancing`` is the last result.
+def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
+    """Whether the pendulum is balanced; the mode's memory begins at ``at``.
 
-    Balancing stops beyond the fall angle and starts within the catch angle.
+    Balancing stops beyond the fall angle or the arm's limits, and when the state is unknown (NaN).
+    At the start it begins within the catch angle. After a fall the pendulum must also have been
+    slow for the catch time, so that a pendulum on its way through upright is not caught.
     """
-    tilt = abs(x[THETA])
-    if tilt > p.fall_angle:
-        return 0.0
-    return 1.0 if tilt <= p.catch_angle else balancing
+    # A comparison with NaN is false.
+    allowed = (
+        abs(x[THETA]) <= p.fall_angle
+        and abs(x[PHI]) <= p.arm_angle_limit
+        and abs(x[PHI_DOT]) <= p.arm_speed_limit
+    )
+    if not allowed or np.isnan(x[THETA_DOT]):
+        leave(memory, at)
+        return False
+    if memory[at + BALANCING] == 0.0 and abs(x[THETA]) <= p.catch_angle:
+        slow = abs(x[THETA_DOT]) <= p.catch_speed
+        memory[at + READY] = memory[at + READY] + 1.0 if slow else 0.0
+        if memory[at + FALLEN] == 0.0 or memory[at + READY] > p.catch_samples:
+            memory[at + BALANCING] = 1.0
+            memory[at + FALLEN] = memory[at + READY] = 0.0
+    elif memory[at + BALANCING] == 0.0:
+        memory[at + READY] = 0.0
+    return memory[at + BALANCING] != 0.0
+
+
+@inlined
+def leave(memory: np.ndarray, at: int) -> None:
+    """Stop balancing: the pendulum counts as fallen."""
+    memory[at + BALANCING] = memory[at + READY] = 0.0
+    memory[at + FALLEN] = 1.0
+
+
+@inlined
+def start_anew(memory: np.ndarray, at: int) -> None:
+    """Forget a fall: the pendulum has been put back."""
+    memory[at + FALLEN] = 0.0
 
 
 @inlined
