@@ -52,6 +52,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._repetitions = 0  # of this state while it waits: estimates that may be surplus
         self._command = Float64()
         self._answered_stamp = -1
+        self._is_repeat = False  # whether this state has been answered and is now repeated
         self.missed_estimates = 0
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
@@ -69,6 +70,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         stamp = stamp_nanoseconds(message)
         repeated = stamp == self._stamp
         self._stamp = stamp
+        self._is_repeat = repeated and stamp == self._answered_stamp
         if repeated and self._surplus < 0:
             self._repetitions += 1
         else:
@@ -114,7 +116,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         return self.parameters.friction_timeout * NANOSECONDS
 
     def _publish(self, friction: float) -> None:
-        if self._stamp != self._answered_stamp:
+        if not self._is_repeat:
             self._command.data = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
         self._publisher.publish(self._command)

@@ -26,11 +26,17 @@ CHECK_PERIOD = 1.0
 
 
 class FurutaNode(Node, Generic[Group]):
-    """A node with a declared group of parameters and validated subscriptions."""
+    """A node with a declared group of parameters and validated subscriptions.
+
+    Attributes:
+        refused: Number of invalid messages.
+        accepted_publishers: By topic name, which publisher's messages are accepted.
+    """
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         super().__init__(name, parameter_overrides=list(overrides))
         self.refused = 0
+        self.accepted_publishers: dict[str, OnePublisher] = {}
         self._declared = NodeParameters(self, group)
 
     @property
@@ -50,13 +56,13 @@ class FurutaNode(Node, Generic[Group]):
         """A publisher on a topic of the graph."""
         return self.create_publisher(topic.type, topic.name, QOS)
 
-    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> OnePublisher:
-        """Call ``receive`` with each message of the topic's one publisher.
+    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
+        """Call ``receive`` with each message from the one publisher of the topic.
 
-        A message that ``receive`` refuses is counted and logged. The return value decides which
-        publisher is accepted.
+        A message that ``receive`` refuses is counted and logged.
         """
         one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
+        self.accepted_publishers[topic.name] = one
 
         def checked(message: Any, info: dict[str, Any]) -> None:
             if not one.accepts(info["publication_sequence_number"]):
@@ -72,7 +78,6 @@ class FurutaNode(Node, Generic[Group]):
 
         self.create_subscription(topic.type, topic.name, _with_message_info(checked), QOS)
         self.create_timer(CHECK_PERIOD, one.check, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        return one
 
     def _warn(self, text: str) -> None:
         self.get_logger().warning(text)

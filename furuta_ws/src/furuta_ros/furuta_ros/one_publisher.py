@@ -88,6 +88,11 @@ class OnePublisher:
         """Whether the topic has one publisher."""
         return len(self._listed) == 1
 
+    @property
+    def _names(self) -> str:
+        """The nodes that publish the topic."""
+        return " and ".join(sorted(each.node for each in self._listed))
+
     def _update(self) -> None:
         """Look up the publishers, always anew if there was only one."""
         now = self._now()
@@ -108,6 +113,11 @@ class OnePublisher:
         if self._follows(number) or (time >= HANDOVER_TIME and self._may_replace(number)):
             self._next = number + 1
             self._accepted = self._listed[0] if self._alone else None
+            if not self._alone:
+                self._report(
+                    f"another publisher of {self._topic} is accepted from now on, of nodes "
+                    f"{self._names}: the one so far is silent, or messages of it were lost"
+                )
             return True
         return False
 
@@ -140,7 +150,6 @@ class OnePublisher:
                 )
 
     def _description(self) -> str:
-        listed = " and ".join(sorted(each.node for each in self._listed))
         if self._accepted is not None:
             rule = f"only messages from {self._accepted.node} are accepted"
         elif self._next != NONE_YET:
@@ -148,7 +157,7 @@ class OnePublisher:
         else:
             rule = "no message is accepted until there is only one"
         return (
-            f"{len(self._listed)} nodes publish {self._topic}: {listed}; {rule} "
+            f"{len(self._listed)} nodes publish {self._topic}: {self._names}; {rule} "
             f"({self.rejected} rejected so far)"
         )
 
