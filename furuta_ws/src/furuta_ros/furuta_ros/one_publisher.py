@@ -150,7 +150,10 @@ class OnePublisher:
                 )
 
     def _description(self) -> str:
-        if self._accepted is not None:
+        same_name = len({each.node for each in self._listed}) < len(self._listed)
+        if self._accepted is not None and same_name:
+            rule = "only messages from the one that was first are accepted"
+        elif self._accepted is not None:
             rule = f"only messages from {self._accepted.node} are accepted"
         elif self._next != NONE_YET:
             rule = "only messages from one of them are accepted"
