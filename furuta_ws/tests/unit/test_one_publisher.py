@@ -7,10 +7,9 @@ from collections.abc import Iterable
 from furuta_ros.one_publisher import (
     HANDOVER_TIME,
     LOOKUP_PERIOD,
-    REPORT_PERIOD,
     OnePublisher,
-    TopicPublisher,
 )
+from furuta_ros.publisher_report import REPORT_PERIOD, TopicPublisher
 
 CONTROLLER = TopicPublisher(b"1", "/controller")
 RESTARTED = TopicPublisher(b"2", "/controller")

@@ -11,23 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf
 from time import monotonic
-from typing import NamedTuple
+
+from furuta_ros.publisher_report import PublisherReport, TopicPublisher
 
 # Time [s] for which a sequence must be the only one received before it replaces the accepted one.
 HANDOVER_TIME = 0.4
 # Time [s] for which a list of several publishers is used before they are looked up again.
 LOOKUP_PERIOD = 0.1
-# Time [s] between two reports of the same publishers.
-REPORT_PERIOD = 5.0
 # No message has this number.
 NONE_YET = 0
-
-
-class TopicPublisher(NamedTuple):
-    """A publisher of a topic: its identity in the middleware and the full name of its node."""
-
-    identity: bytes
-    node: str
 
 
 class OnePublisher:
@@ -49,14 +41,14 @@ class OnePublisher:
         report: Callable[[str], None],
         now: Callable[[], float] = monotonic,
     ) -> None:
-        self._topic, self._look_up, self._report, self._now = topic, look_up, report, now
+        self._look_up, self._now = look_up, now
+        self._report = PublisherReport(topic, report, now)
         self.rejected = 0
         self._next = NONE_YET  # sequence number that the next message must have
         self._accepted: TopicPublisher | None = None  # None while it is not known which one it is
         self._candidate = _Candidate()
         self._listed: Sequence[TopicPublisher] = ()
-        self._lookup_time = self._report_time = -inf
-        self._reported: frozenset[bytes] = frozenset()
+        self._lookup_time = -inf
 
     def accepts(self, number: int | None) -> bool:
         """Whether to accept the message with this sequence number.
@@ -70,7 +62,7 @@ class OnePublisher:
         if self._is_accepted(number):
             return True
         self.rejected += 1
-        self._report_publishers()
+        self._report.rejection(self._listed, self._rule, self.rejected)
         return False
 
     def check(self) -> None:
@@ -78,20 +70,24 @@ class OnePublisher:
         self._update()
         if self._alone and self._accepted is None and self._next != NONE_YET:
             self._accepted = self._listed[0]
-        if self._alone:
-            self._reported = frozenset()
-        else:
-            self._report_publishers()
+        self._report.publishers(self._listed, self._rule, self.rejected)
+
+    @property
+    def _rule(self) -> str:
+        """Which messages are accepted while there are several publishers."""
+        if self._next == NONE_YET:
+            return "no message is accepted until there is only one"
+        accepted = self._accepted
+        if accepted is None:
+            return "only messages from one of them are accepted"
+        if sum(each.node == accepted.node for each in self._listed) > 1:
+            return "only messages from the one that was first are accepted"
+        return f"only messages from {accepted.node} are accepted"
 
     @property
     def _alone(self) -> bool:
         """Whether the topic has one publisher."""
         return len(self._listed) == 1
-
-    @property
-    def _names(self) -> str:
-        """The nodes that publish the topic."""
-        return " and ".join(sorted(each.node for each in self._listed))
 
     def _update(self) -> None:
         """Look up the publishers, always anew if there was only one."""
@@ -114,10 +110,7 @@ class OnePublisher:
             self._next = number + 1
             self._accepted = self._listed[0] if self._alone else None
             if not self._alone:
-                self._report(
-                    f"another publisher of {self._topic} is accepted from now on, of nodes "
-                    f"{self._names}: the one so far is silent, or messages of it were lost"
-                )
+                self._report.replacement(self._listed)
             return True
         return False
 
@@ -135,34 +128,6 @@ class OnePublisher:
             return True
         others = [each.node for each in self._listed if each.identity != accepted.identity]
         return accepted.node in others
-
-    def _report_publishers(self) -> None:
-        present = frozenset(each.identity for each in self._listed)
-        now = self._now()
-        if present != self._reported or now - self._report_time >= REPORT_PERIOD:
-            self._reported, self._report_time = present, now
-            if len(present) > 1:
-                self._report(self._description())
-            elif present:
-                self._report(
-                    f"rejected a message on {self._topic}: it is not from the publisher of "
-                    f"{self._listed[0].node}, and its own publisher has ended"
-                )
-
-    def _description(self) -> str:
-        same_name = len({each.node for each in self._listed}) < len(self._listed)
-        if self._accepted is not None and same_name:
-            rule = "only messages from the one that was first are accepted"
-        elif self._accepted is not None:
-            rule = f"only messages from {self._accepted.node} are accepted"
-        elif self._next != NONE_YET:
-            rule = "only messages from one of them are accepted"
-        else:
-            rule = "no message is accepted until there is only one"
-        return (
-            f"{len(self._listed)} nodes publish {self._topic}: {self._names}; {rule} "
-            f"({self.rejected} rejected so far)"
-        )
 
 
 class _Candidate:
