@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from statistics import median
 from time import monotonic, perf_counter, perf_counter_ns, sleep, thread_time
 from typing import Any
@@ -55,10 +56,11 @@ def _costs(graph: SimulatedGraph) -> dict[str, float]:
     """CPU time per sample [µs] of each node's callbacks, including publishing, and in total."""
     spent = dict.fromkeys((node.get_name() for node in graph.nodes), 0.0)
 
-    def timed(name: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
-        def call(message: Any) -> None:
+    def timed(name: str, callback: Callable[..., None]) -> Callable[..., None]:
+        @wraps(callback)
+        def call(*arguments: Any) -> None:
             start = thread_time()
-            callback(message)
+            callback(*arguments)
             spent[name] += thread_time() - start
 
         return call

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from functools import wraps
 from time import monotonic
 from typing import Any
 
@@ -68,9 +69,10 @@ class Bench:
         """Counts the messages that the callbacks of a node have handled, by topic name."""
         handled: Counter[str] = Counter()
 
-        def counted(name: str, callback: Callable[[Any], None]) -> Callable[[Any], None]:
-            def call(message: Any) -> None:
-                callback(message)
+        def counted(name: str, callback: Callable[..., None]) -> Callable[..., None]:
+            @wraps(callback)
+            def call(*arguments: Any) -> None:
+                callback(*arguments)
                 handled[name] += 1
 
             return call

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
@@ -140,3 +141,26 @@ def test_gain_and_poles_by_service(loop: Loop) -> None:
     loop.state(2)
     loop.estimate(0.2)
     loop.expect(0.0)
+
+
+def test_an_answered_state_that_is_repeated_gets_the_same_command(loop: Loop) -> None:
+    """Without a new step, so not with the gain that has been set since."""
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.node.set_parameters([Parameter("gain", value=[1.0, 2.0, 3.0, 4.0])])
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.expect(FEEDBACK + 0.2, FEEDBACK + 0.2)
+
+
+def test_estimates_for_repetitions_are_not_matched_to_the_next_state(loop: Loop) -> None:
+    """A state repeated twice because its estimate was late gets one command; the next its own."""
+    for _ in range(3):
+        loop.state(1)
+    for _ in range(3):
+        loop.estimate(0.2)
+    loop.expect(FEEDBACK + 0.2)
+    loop.state(2)
+    loop.expect()
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)

@@ -203,3 +203,12 @@ def test_loop_has_what_was_set(file: Any) -> None:
     assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)
     assert made.estimator.method == "lowpass"
     assert made.plant.seed == 9
+
+
+def test_simulated_time_in_a_file_is_reported(file: Any, caplog: pytest.LogCaptureFixture) -> None:
+    """It is ignored, but not silently; false is what the nodes have anyway."""
+    for value, warnings in (("false", 0), ("true", 1)):
+        path = file(f"/**: {{ros__parameters: {{use_sim_time: {value}}}}}", f"{value}.yaml")
+        assert read_file(path) == default_settings()
+        assert len(caplog.messages) == warnings
+    assert "use_sim_time is ignored" in caplog.text

@@ -41,6 +41,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     once with the newest estimate, or with F̂ = 0 V if that is older than ``friction_timeout``. The
     late estimate is not matched to a later state when it arrives. If as many estimates in a row are
     late as the queue can hold, they count as lost and are no longer expected.
+
+    A state may be repeated (same stamp) because its estimate seems lost. If the estimate was only
+    late, the estimates for the repetitions are surplus and are ignored. If a state that has been
+    answered is repeated, its command is published again without a new step.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -51,7 +55,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._friction_stamp = -1
         self._surplus = 0  # number of estimates minus number of states
         self._missed_in_a_row = 0
+        self._repetitions = 0  # of this state while it waits: estimates that may be surplus
         self._command = Float64()
+        self._answered_stamp = -1
+        self._is_repeat = False  # whether this state has been answered and is now repeated
         self.missed_estimates = 0
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
@@ -71,7 +78,11 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             start_anew(self._memory)
         repeated = stamp == self._stamp
         self._stamp = stamp
-        if not (repeated and self._surplus < 0):
+        self._is_repeat = repeated and stamp == self._answered_stamp
+        if repeated and self._surplus < 0:
+            self._repetitions += 1
+        else:
+            self._repetitions = 0
             self._surplus -= 1
         if self._surplus == 0:
             self._answer()
@@ -81,6 +92,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _on_friction(self, message: Float64) -> None:
         friction = read_float(message)
         if self._stamp < 0:
+            return
+        if self._repetitions > 0 and self._surplus >= 0:
+            self._repetitions -= 1
             return
         self._friction = friction
         self._friction_stamp = self._stamp
@@ -110,7 +124,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         return self.parameters.friction_timeout * NANOSECONDS
 
     def _publish(self, friction: float) -> None:
-        self._command.data = _control(self._memory, self._x, friction, self._design)
+        if not self._is_repeat:
+            self._command.data = _control(self._memory, self._x, friction, self._design)
+            self._answered_stamp = self._stamp
         self._publisher.publish(self._command)
 
 

@@ -101,6 +101,8 @@ def read_file(file: Path) -> Settings:
         for name, value in _flat(section["ros__parameters"]).items():
             if name not in ROS_PARAMETERS:
                 _set(settings, node, name, value, file)
+            elif name == "use_sim_time" and value:
+                warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
     return settings
 
 

@@ -13,5 +13,7 @@ FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
 TIMING: Final = "timing"
+# Simulated time.
+CLOCK: Final = "clock"
 # Every ROS 2 node reports its parameter changes here.
 PARAMETER_EVENTS: Final = "/parameter_events"

@@ -23,6 +23,8 @@ from furuta_ros.topics import deep
 QUEUE_DEPTH = 20_000
 # Longest wait for subscribers [s].
 SUBSCRIBER_TIMEOUT = 30.0
+# Where nodes with use_sim_time expect the time.
+CLOCK_TOPIC = "/clock"
 # Time of the bag between two messages on /clock [ns].
 CLOCK_PERIOD = 10_000_000
 # Longest sleep [s] between two checks whether to stop.
@@ -57,13 +59,13 @@ class ReplayNode(Node):
         for topic, type_name in self._chosen_types().items():
             self._create_publisher(topic, type_name)
         self._clock_publisher = (
-            self.create_publisher(Clock, "/clock", deep(10)) if options.clock else None
+            self.create_publisher(Clock, CLOCK_TOPIC, deep(10)) if options.clock else None
         )
 
     def _chosen_types(self) -> dict[str, str]:
         """Topics to replay with their types."""
         with Bag(self._bag) as bag:
-            types = {c.topic: c.msgtype for c in bag.connections}
+            types = {c.topic: c.msgtype for c in bag.connections if not self._replaces(c.topic)}
         wanted = {_absolute(topic) for topic in self._options.topics}
         unknown = wanted - {_absolute(topic) for topic in types}
         if unknown:
@@ -71,6 +73,10 @@ class ReplayNode(Node):
                 f"{self._bag} has no topic {', '.join(sorted(unknown))}; it has {', '.join(types)}"
             )
         return {topic: t for topic, t in types.items() if not wanted or _absolute(topic) in wanted}
+
+    def _replaces(self, topic: str) -> bool:
+        """Whether the replay's own clock replaces this recorded one: time has one publisher."""
+        return self._options.clock and _absolute(topic) == CLOCK_TOPIC
 
     def _create_publisher(self, topic: str, type_name: str) -> None:
         """Create a topic's publisher, if its type is installed."""

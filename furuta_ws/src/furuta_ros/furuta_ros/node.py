@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial, wraps
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
+from furuta_ros.loop_topics import publishers_of
 from furuta_ros.messages import RefusedError
+from furuta_ros.one_publisher import OnePublisher
 from furuta_ros.parameters import NodeParameters
 from furuta_ros.topics import QOS, Topic
 
@@ -17,14 +21,22 @@ Group = TypeVar("Group", bound=NamedTuple)
 
 # Shortest time between two warnings of one kind [s].
 WARNING_PERIOD = 1.0
+# Time between two checks for second publishers [s].
+CHECK_PERIOD = 1.0
 
 
 class FurutaNode(Node, Generic[Group]):
-    """A node with a declared group of parameters and validated subscriptions."""
+    """A node with a declared group of parameters and validated subscriptions.
+
+    Attributes:
+        refused: Number of invalid messages.
+        accepted_publishers: By topic name, which publisher's messages are accepted.
+    """
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         super().__init__(name, parameter_overrides=list(overrides))
         self.refused = 0
+        self.accepted_publishers: dict[str, OnePublisher] = {}
         self._declared = NodeParameters(self, group)
 
     @property
@@ -45,9 +57,16 @@ class FurutaNode(Node, Generic[Group]):
         return self.create_publisher(topic.type, topic.name, QOS)
 
     def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
-        """Call ``receive`` with each message; one that it refuses is counted and logged."""
+        """Call ``receive`` with each message from the one publisher of the topic.
 
-        def checked(message: Any) -> None:
+        A message that ``receive`` refuses is counted and logged.
+        """
+        one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
+        self.accepted_publishers[topic.name] = one
+
+        def checked(message: Any, info: dict[str, Any]) -> None:
+            if not one.accepts(info["publication_sequence_number"]):
+                return
             try:
                 receive(message)
             except RefusedError as refusal:
@@ -57,4 +76,23 @@ class FurutaNode(Node, Generic[Group]):
                     throttle_duration_sec=WARNING_PERIOD,
                 )
 
-        self.create_subscription(topic.type, topic.name, checked, QOS)
+        self.create_subscription(topic.type, topic.name, _with_message_info(checked), QOS)
+        self.create_timer(CHECK_PERIOD, one.check, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _warn(self, text: str) -> None:
+        self.get_logger().warning(text)
+
+
+def _with_message_info(receive: Callable[[Any, dict[str, Any]], None]) -> Callable[..., None]:
+    """A callback with message and message info for every executor.
+
+    The events executor of some builds passes both as one tuple.
+    """
+
+    # The wrapper has the signature of ``receive``, which tells rclpy to pass the message info.
+    @wraps(receive)
+    def call(*arguments: Any) -> None:
+        message, info = arguments if len(arguments) == 2 else arguments[0]
+        receive(message, info)
+
+    return call

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, UInt64MultiArray
 
@@ -47,3 +48,6 @@ TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 # How late samples of real time were, once a second, as two rows of counts: the latency from
 # measurement to command and the lateness of the measurement. A label says how wide a bin is.
 TIMING = Topic(topic_names.TIMING, UInt64MultiArray)
+
+# Simulated time in lock-step. Its name is relative too: two graphs must not mix their times.
+CLOCK = Topic(topic_names.CLOCK, Clock)

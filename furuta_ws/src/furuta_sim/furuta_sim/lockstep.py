@@ -1,10 +1,10 @@
 """Lock-step: the next sample starts when the command for this one has arrived.
 
 A run then depends on the parameters and the seed alone. One message at a time passes around the
-loop plant → estimator → (observer →) controller → plant. A message can be lost only while a node is
-not yet connected, at the start or after a restart. The measurement is then sent again, and its
-command is applied only after no further command arrives, so that there are never two messages in
-the loop.
+loop plant → estimator → (observer →) controller → plant. A message can be lost while a node is not
+yet connected, at the start or after a restart, or while a topic has two publishers. The measurement
+is then sent again. The plant continues when every sending of it has been answered, or when no
+further command arrives, so that there are never two messages in the loop.
 """
 
 from __future__ import annotations
@@ -13,13 +13,18 @@ from time import monotonic
 
 from rclpy.clock import Clock, ClockType
 
+from furuta_ros.loop_topics import missing_from_loop, publishers_of
+from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
 from furuta_sim.paced_node import PacedNode
 
 CHECK_PERIOD = 0.1  # [s] between checks of the loop
 REPEAT_AFTER = 0.5  # [s] without a command until a lost measurement is sent again
-SETTLE_TIME = 0.3  # [s] without a further command until the command to a repetition is applied
-WARN_AFTER = 5.0  # [s] without a command until a warning, and between warnings
+# [s] without a command until it is sent again although the loop has the same nodes: a slow
+# controller gets this time for a sample.
+LOST_AFTER = 3.0
+SETTLE_TIME = 1.0  # [s] without a further command until the command to a repetition is applied
+WARN_AFTER = 4.0  # [s] without a command until a warning, and between warnings
 
 
 class LockStep:
@@ -28,13 +33,13 @@ class LockStep:
     def __init__(self, plant: PacedNode) -> None:
         self._plant = plant
         self._waiting = False  # for the command to the published sample
+        self._unanswered = 0  # measurements of this sample without a command
         self._repeated = False
         self._command: float | None = None  # received after a repetition, not yet applied
-        self._publish_time = 0.0
-        self._repeat_time = 0.0
+        self._publish_time = self._repeat_time = self._warning_time = monotonic()
         self._arrival_time = 0.0
-        self._warning_time = 0.0
         self._known_publishers: frozenset[bytes] = frozenset()
+        self._clock = SimulatedClock(plant)
         plant.create_timer(CHECK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME))
         plant.on_change = self._resume
 
@@ -42,13 +47,15 @@ class LockStep:
         """Apply the command for the published sample; ignore any other."""
         if not self._waiting:
             return
-        if self._repeated:
+        self._unanswered -= 1
+        if self._unanswered == 0:
+            self._step(command)
+        else:
             self._command, self._arrival_time = command, monotonic()
-            return
-        self._step(command)
 
     def _step(self, command: float) -> None:
         self._waiting = False
+        self._command = None
         self._plant.move(command)
         if not self._plant.paused:
             self._publish()
@@ -56,7 +63,9 @@ class LockStep:
     def _publish(self) -> None:
         self._waiting = True
         self._repeated = False
+        self._unanswered = 1
         self._publish_time = self._repeat_time = monotonic()
+        self._clock.advance(self._plant.stamp)
         self._plant.publish_sample()
 
     def _resume(self) -> None:
@@ -66,30 +75,36 @@ class LockStep:
 
     def _check(self) -> None:
         """Start when the graph is connected; while waiting, recover a lost message."""
+        now = monotonic()
         if self._waiting:
-            self._recover(monotonic())
-        elif not self._plant.paused and self._connected():
+            self._recover(now)
+        elif self._plant.paused:
+            self._warning_time = now
+        elif self._connected():
             self._known_publishers = self._publishers()
             self._publish()
-
-    def _recover(self, now: float) -> None:
-        if self._command is not None:
-            if now - self._arrival_time >= SETTLE_TIME:
-                command, self._command = self._command, None
-                self._step(command)
-        elif now - self._repeat_time >= REPEAT_AFTER:
-            self._repeat_time = now
-            self._repeat_if_lost()
+        self._clock.repeat()
         if now - max(self._publish_time, self._warning_time) >= WARN_AFTER:
             self._warning_time = now
             self._warn()
 
-    def _repeat_if_lost(self) -> None:
-        """Repeat the measurement if a node has joined or left, or none has answered yet."""
+    def _recover(self, now: float) -> None:
+        if self._command is not None:
+            if now - self._arrival_time >= SETTLE_TIME:
+                self._step(self._command)
+        elif now - self._repeat_time >= REPEAT_AFTER:
+            self._repeat_if_lost(now)
+
+    def _repeat_if_lost(self, now: float) -> None:
+        """Repeat the measurement if a node has joined or left, or the answer takes too long."""
         publishers = self._publishers()
-        if self._repeated or self._plant.sample == 0 or publishers != self._known_publishers:
+        changed = publishers != self._known_publishers
+        late = now - self._publish_time >= LOST_AFTER
+        if self._repeated or self._plant.sample == 0 or changed or late:
             self._known_publishers = publishers
             self._repeated = True
+            self._repeat_time = now
+            self._unanswered += 1
             self._plant.repeat_measurement()
 
     def _connected(self) -> bool:
@@ -100,22 +115,15 @@ class LockStep:
         )
 
     def _publishers(self) -> frozenset[bytes]:
-        """Identities of all publishers in the loop except the plant."""
+        """Identities of all publishers in the loop."""
         return frozenset(
-            bytes(endpoint.endpoint_gid)
-            for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
-            for endpoint in self._plant.get_publishers_info_by_topic(
-                self._plant.resolve_topic_name(topic.name)
-            )
+            each.identity
+            for topic in (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
+            for each in publishers_of(self._plant, topic)
         )
 
     def _warn(self) -> None:
-        missing = [
-            topic.name
-            for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
-            if self._plant.count_publishers(self._plant.resolve_topic_name(topic.name)) == 0
-        ]
-        reason = f"; no node publishes {', '.join(missing)}" if missing else ""
+        reason = "".join(f"; {each}" for each in missing_from_loop(self._plant))
         self._plant.get_logger().warning(
             f"waiting for the command to sample {self._plant.sample}{reason}"
         )

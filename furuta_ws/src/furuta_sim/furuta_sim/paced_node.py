@@ -30,6 +30,11 @@ class PacedNode(FurutaNode[PlantNodeParameters], ABC):
 
     @property
     @abstractmethod
+    def stamp(self) -> int:
+        """Time stamp of this sample [ns]."""
+
+    @property
+    @abstractmethod
     def paused(self) -> bool:
         """Whether ``run_until`` is reached."""
 

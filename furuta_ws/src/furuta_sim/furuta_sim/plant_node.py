@@ -77,6 +77,11 @@ class PlantNode(PacedNode):
         return self.sample * self._period / NANOSECONDS
 
     @property
+    def stamp(self) -> int:
+        """Time stamp of this sample [ns]."""
+        return self.start + self.sample * self._period
+
+    @property
     def paused(self) -> bool:
         """Whether ``run_until`` is reached."""
         return self.time >= self.parameters.run_until - 0.5 * self._rig.sample_time
@@ -84,7 +89,7 @@ class PlantNode(PacedNode):
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         friction = _read(self.x, self._noise(), self._block, self._measurement)
-        stamp = self.start + self.sample * self._period
+        stamp = self.stamp
         self._truth_writer.stamp(stamp)
         self._truth_writer.fill(self.x, friction)
         self._measurement_writer.stamp(stamp)

@@ -10,6 +10,7 @@ from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
+from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.topics import TIMING
 from furuta_sim.histogram import Histogram
 from furuta_sim.paced_node import PacedNode
@@ -18,6 +19,7 @@ from furuta_sim.paced_node import PacedNode
 BIN_WIDTH, BINS = 20, 250
 # Time between two publications of the histograms [s].
 TIMING_PERIOD = 1.0
+REAL_TIME = "with clock realtime, stamps are the system's time; use clock lockstep to simulate time"
 
 
 class TimingCounts(NamedTuple):
@@ -39,6 +41,7 @@ class RealTime:
     """
 
     def __init__(self, plant: PacedNode) -> None:
+        reject_simulated_time(plant, REAL_TIME)
         self._plant = plant
         self._period = round(plant.parameters.plant.sample_time * NANOSECONDS)
         self._command = 0.0
@@ -51,12 +54,9 @@ class RealTime:
         # Stamps are in ROS time, deadlines in steady time: adjusting the clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()
-        plant.create_timer(
-            plant.parameters.plant.sample_time,
-            self._tick,
-            clock=Clock(clock_type=ClockType.STEADY_TIME),
-        )
-        plant.create_timer(TIMING_PERIOD, self._publish_timing)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        plant.create_timer(plant.parameters.plant.sample_time, self._tick, clock=steady)
+        plant.create_timer(TIMING_PERIOD, self._publish_timing, clock=steady)
 
     def on_command(self, command: float) -> None:
         """Keep the command until the next one."""

@@ -30,6 +30,7 @@ from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig
 from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
+from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 
@@ -52,6 +53,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
         LifecycleNodeMixin.__init__(self)
+        reject_simulated_time(self, "a rig runs in real time")
         self.rig = Rig()
         self.guard = Guard(self.rig.limits, self.rig.line.sample_time)
         self.guarded_rig: GuardedRig | None = None  # None while unconfigured

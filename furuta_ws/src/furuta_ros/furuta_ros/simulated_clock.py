@@ -1,0 +1,56 @@
+"""Publishes simulated time for nodes with ``use_sim_time``, and rejects it where it is wrong."""
+
+from __future__ import annotations
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+
+from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.errors import UserError
+from furuta_ros.topics import CLOCK, QOS
+
+# Simulated time between two messages [ns].
+CLOCK_PERIOD = 10_000_000
+
+
+class SimulatedClock:
+    """Publishes simulated time on ``clock``, which is /clock for a graph without namespace.
+
+    Every ``CLOCK_PERIOD`` is enough for displays and timers, and costs a sample little.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.create_publisher(CLOCK.type, CLOCK.name, QOS)
+        self._message = Clock()
+        self._next = 0
+
+    def advance(self, time: int) -> None:
+        """Publish ``time`` [ns] if ``CLOCK_PERIOD`` has passed."""
+        if time < self._next:
+            return
+        self._next = time + CLOCK_PERIOD
+        self._message.clock.sec, self._message.clock.nanosec = divmod(time, NANOSECONDS)
+        self._publisher.publish(self._message)
+
+    def repeat(self) -> None:
+        """Publish the last time again, for nodes that have joined while time stands still."""
+        self._publisher.publish(self._message)
+
+
+def reject_simulated_time(node: Node, reason: str) -> None:
+    """Reject ``use_sim_time`` for a node whose samples follow real time, now and later.
+
+    Raises:
+        UserError: The node was started with it.
+    """
+    error = f"use_sim_time must be false for {node.get_name()}, given true: {reason}"
+    if node.get_parameter("use_sim_time").value:
+        raise UserError(error)
+
+    def check(parameters: list[Parameter]) -> SetParametersResult:
+        wanted = any(each.name == "use_sim_time" and each.value for each in parameters)
+        return SetParametersResult(successful=not wanted, reason=error if wanted else "")
+
+    node.add_on_set_parameters_callback(check)

@@ -1,0 +1,91 @@
+"""The node ``plant`` in lock-step while nodes are missing or messages are lost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from testbench import Bench
+
+from furuta_ros.topics import COMMAND, MEASUREMENT
+from furuta_sim import lockstep
+from furuta_sim.plant_node import PlantNode
+
+
+def plant(bench: Bench) -> PlantNode:
+    return bench.add(PlantNode([Parameter("clock", value="lockstep")]))
+
+
+def test_a_plant_alone_says_who_is_missing(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, capfd: Any
+) -> None:
+    """Before the first sample too, again and again, and within five seconds."""
+    assert lockstep.WARN_AFTER < 5.0
+    monkeypatch.setattr(lockstep, "WARN_AFTER", 0.2)
+    plant(bench)
+    warnings = ""
+
+    def warned() -> bool:
+        nonlocal warnings
+        warnings += capfd.readouterr().err
+        return warnings.count("waiting for the command to sample 0") >= 3
+
+    bench.spin(warned)
+    for text in (
+        "no node subscribes to /measurement",
+        "no node publishes /joint_states",
+        "no node publishes /friction_estimate",
+        "no node publishes /command",
+    ):
+        assert warnings.count(text) >= 3
+
+
+def test_a_paused_plant_does_not_wait(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, capfd: Any
+) -> None:
+    """Nobody is missing while ``run_until`` is reached."""
+    monkeypatch.setattr(lockstep, "WARN_AFTER", 0.2)
+    node = plant(bench)
+    node.set_parameters([Parameter("run_until", value=0.0)])
+    bench.settle(1.0)
+    assert "waiting" not in capfd.readouterr().err
+
+
+def test_a_lost_measurement_is_sent_again(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the same nodes too, after the time that a slow controller gets."""
+    monkeypatch.setattr(lockstep, "LOST_AFTER", 0.6)
+    plant(bench)
+    measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) == 1)
+    commands.publish(Float64())
+    bench.spin(lambda: len(measurements) >= 4)
+    stamps = [m.header.stamp.nanosec for m in measurements]
+    assert stamps[1:] == [1_000_000] * (len(stamps) - 1)
+
+
+def test_repetitions_that_are_all_answered_make_one_step(bench: Bench) -> None:
+    """The last answer starts the next sample at once; none is left for the sample after it."""
+    node = plant(bench)
+    measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) == 3)
+    for _ in range(2):
+        commands.publish(Float64())
+    bench.settle()
+    assert node.sample == 0
+    commands.publish(Float64())
+    bench.spin(lambda: node.sample == 1)
+    bench.settle()
+    assert node.sample == 1
+
+
+def test_repetitions_with_one_answer_make_one_step(bench: Bench) -> None:
+    """Messages may be lost: the plant goes on when no further command arrives."""
+    node = plant(bench)
+    measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) == 3)
+    commands.publish(Float64())
+    bench.spin(lambda: node.sample == 1)
+    bench.settle()
+    assert node.sample == 1

@@ -1,0 +1,161 @@
+"""Which messages of a topic are accepted, given their sequence numbers and its publishers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from furuta_ros.one_publisher import (
+    HANDOVER_TIME,
+    LOOKUP_PERIOD,
+    OnePublisher,
+)
+from furuta_ros.publisher_report import REPORT_PERIOD, TopicPublisher
+
+CONTROLLER = TopicPublisher(b"1", "/controller")
+RESTARTED = TopicPublisher(b"2", "/controller")
+OTHER = TopicPublisher(b"3", "/other")
+MS = 0.001
+
+
+class Subscriber:
+    """A subscriber of ``command`` with chosen publishers and time."""
+
+    def __init__(self, *publishers: TopicPublisher) -> None:
+        self.publishers = list(publishers)
+        self.time = 0.0
+        self.reports: list[str] = []
+        self.one = OnePublisher(
+            "command", lambda: tuple(self.publishers), self.reports.append, lambda: self.time
+        )
+
+    def accepted(self, numbers: Iterable[int | None], interval: float = MS) -> list[int | None]:
+        """Those of the numbers that are accepted; they come with an interval [s]."""
+        accepted = []
+        for number in numbers:
+            self.time += interval
+            if self.one.accepts(number):
+                accepted.append(number)
+        return accepted
+
+
+def test_a_sole_publisher_is_accepted_with_gaps() -> None:
+    """Wherever its sequence starts, and if messages were lost; nothing is reported."""
+    subscriber = Subscriber(CONTROLLER)
+    assert subscriber.accepted([7, 8, 9, 20, 21, 500]) == [7, 8, 9, 20, 21, 500]
+    assert subscriber.reports == []
+
+
+def test_a_stray_message_is_rejected_and_its_node_named() -> None:
+    """The accepted sequence goes on, for a lower and for a higher number of the stray message."""
+    for stray in (1, 900):
+        subscriber = Subscriber(CONTROLLER)
+        subscriber.accepted(range(5, 100))
+        subscriber.publishers.append(OTHER)
+        assert subscriber.accepted([100, stray, 101, 102]) == [100, 101, 102]
+        (report,) = subscriber.reports
+        assert "2 nodes publish command: /controller and /other" in report
+        assert "only messages from /controller are accepted" in report
+
+
+def test_a_stray_message_that_outlives_its_publisher_is_rejected() -> None:
+    """A message may be taken after its publisher has ended."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(5, 100))
+    assert subscriber.accepted([1, 100, 2, 101]) == [100, 101]
+    assert "not from the publisher of /controller" in subscriber.reports[0]
+
+
+def test_a_second_node_is_rejected_for_as_long_as_it_publishes() -> None:
+    """It is reported again from time to time, with the number of rejected messages."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(5000, 6000))
+    subscriber.publishers.append(OTHER)
+    numbers = [number for k in range(20_000) for number in (6000 + k, 1 + k)]
+    assert subscriber.accepted(numbers, MS / 2) == numbers[::2]
+    assert len(subscriber.reports) == 20 / REPORT_PERIOD
+    assert subscriber.one.rejected == 20_000
+
+
+def test_a_second_node_does_not_replace_a_silent_one() -> None:
+    """It may publish for as long as it likes while the accepted node pauses."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(5000, 6000))
+    subscriber.publishers.append(OTHER)
+    assert subscriber.accepted(range(1, 4000)) == []
+    assert subscriber.accepted([6000, 6001]) == [6000, 6001]
+
+
+def test_a_silent_second_publisher_is_reported() -> None:
+    """The check finds it without any message from it."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted([1])
+    subscriber.one.check()
+    assert subscriber.reports == []
+    subscriber.publishers.append(OTHER)
+    subscriber.one.check()
+    assert "/other" in subscriber.reports[0]
+
+
+def test_the_next_publisher_follows_one_that_has_ended() -> None:
+    """Its first message is accepted."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(1, 50))
+    subscriber.publishers = [OTHER]
+    assert subscriber.accepted([1, 2, 3]) == [1, 2, 3]
+
+
+def test_a_restarted_node_replaces_a_killed_one_that_is_still_listed() -> None:
+    """It must have the same name, and be heard alone for the handover time."""
+    for restarted, replaces in ((RESTARTED, True), (OTHER, False)):
+        subscriber = Subscriber(CONTROLLER)
+        subscriber.accepted(range(1000, 1050))
+        subscriber.publishers.append(restarted)
+        accepted = subscriber.accepted(range(1, 1000))
+        assert bool(accepted) == replaces
+        if replaces:
+            assert accepted[0] >= HANDOVER_TIME / MS
+            assert accepted == list(range(accepted[0], 1000))
+            assert "another publisher of command is accepted" in subscriber.reports[-1]
+            subscriber.publishers.remove(CONTROLLER)
+            subscriber.one.check()
+            subscriber.publishers.append(OTHER)
+            assert subscriber.accepted([1, 1000]) == [1000]
+
+
+def test_a_gap_is_accepted_beside_a_silent_second_publisher() -> None:
+    """After the handover time, because the message could come from either."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(1, 50))
+    subscriber.publishers.append(OTHER)
+    accepted = subscriber.accepted(range(80, 1000))
+    assert accepted == list(range(accepted[0], 1000))
+    assert HANDOVER_TIME / MS <= accepted[0] - 80 < HANDOVER_TIME / MS + 3
+
+
+def test_two_nodes_from_the_start_are_both_rejected() -> None:
+    """Which one is right cannot be told; when one is left, it is accepted."""
+    subscriber = Subscriber(CONTROLLER, OTHER)
+    numbers = [number for k in range(1, 2000) for number in (k, k + 5)]
+    assert subscriber.accepted(numbers) == []
+    assert "no message is accepted until there is only one" in subscriber.reports[0]
+    subscriber.publishers.remove(OTHER)
+    subscriber.time += LOOKUP_PERIOD
+    assert subscriber.accepted([2000, 2001]) == [2000, 2001]
+
+
+def test_coinciding_numbers_are_rejected() -> None:
+    """Two controllers that answer the same states count alike: neither is accepted."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(1, 50))
+    subscriber.publishers.append(OTHER)
+    numbers = [number for k in range(50, 2000) for number in (k, k)]
+    assert subscriber.accepted(numbers) == [50]
+    assert subscriber.one.rejected == len(numbers) - 1
+
+
+def test_a_middleware_without_sequence_numbers() -> None:
+    """A sole publisher is accepted; with a second one no message is."""
+    subscriber = Subscriber(CONTROLLER)
+    assert subscriber.accepted([None, None]) == [None, None]
+    subscriber.publishers.append(OTHER)
+    assert subscriber.accepted([None, None]) == []
