@@ -15,3 +15,5 @@ GROUND_TRUTH: Final = "ground_truth"
 TIMING: Final = "timing"
 # Every ROS 2 node reports its parameter changes here.
 PARAMETER_EVENTS: Final = "/parameter_events"
+# Every ROS 2 node publishes its log messages here.
+ROSOUT: Final = "/rosout"
