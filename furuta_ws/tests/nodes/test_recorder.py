@@ -185,7 +185,7 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
 
 
 def test_a_file_holds_the_metadata_too(ros: None, tmp_path: Path) -> None:
-    """In a record named rosbag2, so that an MCAP file without metadata.yaml is read as version 9."""
+    """In a record named rosbag2: a file without metadata.yaml is read as version 9 too."""
     recorder = RecorderNode(tmp_path / "bag")
     recorder.destroy_node()
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:

@@ -42,7 +42,7 @@ def typestore_of(type_name: str, definition: str) -> Typestore:
     parsed = _types_from_idl(definition) if is_idl else get_types_from_msg(definition, type_name)
     for _, fields in parsed.values():
         for name, (kind, content) in fields:
-            if kind == Nodetype.ARRAY and content[1] > LARGEST_CHUNK:
+            if kind == Nodetype.ARRAY and int(content[1]) > LARGEST_CHUNK:
                 raise DamagedError(f"{name} in {type_name} has {content[1]} elements")
     types = get_typestore(Stores.EMPTY)
     types.register(parsed)
