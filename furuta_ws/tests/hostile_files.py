@@ -177,7 +177,10 @@ def text(value: str | bytes) -> bytes:
 
 
 def mcap_file(chunks: list[tuple[str, bytes, int, int]], repeat: int = 1) -> bytes:
-    """A file with chunks (compression, data, claimed size, start time), each indexed."""
+    """A file with chunks (compression, data, claimed size, start time).
+
+    The summary names each chunk ``repeat`` times.
+    """
     described = record(
         3,
         struct.pack("<H", 1)
@@ -216,7 +219,7 @@ def file_of(content: Callable[[], bytes]) -> Callable[[Path], Path]:
 def compressed(compression: str, size: int) -> bytes:
     zeros = bytes(2**20)
     if compression == "lz4":
-        return bytes(lz4.frame.compress(zeros * (size // 2**20), compression_level=9))
+        return bytes(lz4.frame.compress(zeros * (size // 2**20)))
     compressor = zstandard.ZstdCompressor(level=3).compressobj()
     parts = [compressor.compress(zeros) for _ in range(size // 2**20)]
     return b"".join([*parts, compressor.flush()])
@@ -231,14 +234,14 @@ def bomb(compression: str, size: int, claimed: int | None = None) -> Callable[[P
 
 
 def overlapping_chunks() -> bytes:
-    size = 2**25
-    content = compressed("lz4", size)
-    return mcap_file([("lz4", content, size, 0)] * 8)
+    block = np.random.default_rng(0).bytes(2**20)
+    content = zstandard.compress(block * 32)
+    return mcap_file([("zstd", content, 2**25, 0)] * 8)
 
 
 def repeated_index() -> bytes:
-    size = 2**20
-    return mcap_file([("zstd", compressed("zstd", size), size, 0)], repeat=50_000)
+    content = bytes(2**16)
+    return mcap_file([("zstd", zstandard.compress(content), 2**16, 0)], repeat=50_000)
 
 
 def long_record() -> bytes:
@@ -373,6 +376,17 @@ def npy_claiming(shape: tuple[int, ...]) -> bytes:
     about = {"descr": "<f8", "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(stream, about)
     return stream.getvalue() + bytes(80)
+
+
+def large_series(path: Path) -> Path:
+    """Half a megabyte that stands for more than half a gigabyte."""
+    return npz(time=bytes(2**29 + 2**20))(path)
+
+
+def broken_archive(path: Path) -> Path:
+    file = path.with_suffix(".npz")
+    file.write_bytes(b"PK\x03\x04" + bytes(100))
+    return file
 
 
 class Touch:

@@ -15,6 +15,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from furuta_cli.main import main as furuta
+
 # Memory beyond what Python and the libraries take [bytes], and largest file that may be written.
 MEMORY = 2**30
 LARGEST_FILE = 2**31 - 1
@@ -23,8 +25,6 @@ _PAGE = resource.getpagesize()
 
 def main() -> None:
     """Run the calls of a file; print a report for each."""
-    from furuta_cli.main import main as furuta
-
     calls = json.loads(Path(sys.argv[1]).read_text())
     opened: list[str] = []
     sys.addaudithook(lambda event, about: opened.append(str(about[0])) if event in _OPEN else None)
@@ -33,7 +33,7 @@ def main() -> None:
         if number == 1:  # the first call loads the libraries
             _limit()
         opened.clear()
-        reports.append(_run(furuta, arguments) | {"opened": list(opened)})
+        reports.append(_run(arguments) | {"opened": list(opened)})
     print(json.dumps(reports))
 
 
@@ -46,7 +46,7 @@ def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_FILE,) * 2)
 
 
-def _run(furuta: Any, arguments: list[str]) -> dict[str, Any]:
+def _run(arguments: list[str]) -> dict[str, Any]:
     sys.argv = ["furuta", *arguments]
     out, err, status, began = io.StringIO(), io.StringIO(), 0, perf_counter()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):

@@ -82,8 +82,9 @@ def _check_finished(alias: Any, unfinished: list[tuple[str | None, int]], what: 
 
 def _check_number(event: Any, what: str) -> None:
     """Reject text that is too long for a number, if it would be read as one."""
-    plain = event.tag is None and event.style is None
-    may_be_number = event.tag is not None or (plain and event.value[:1] in set("+-.0123456789"))
+    is_plain, _ = event.implicit
+    starts_as_number = is_plain and event.value[:1] in set("+-.0123456789")
+    may_be_number = event.tag is not None or starts_as_number
     if may_be_number and len(event.value) > LONGEST_NUMBER:
         raise ParameterError(
             f"{what}: a number of {len(event.value)} characters {_place(event)}, at most "

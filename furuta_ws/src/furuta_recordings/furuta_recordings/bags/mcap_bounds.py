@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
-from mcap.records import Chunk, ChunkIndex, Footer
+from mcap.records import Chunk, ChunkIndex, Footer, Statistics
 
 from furuta_recordings.bags.bounds import (
     LARGEST_CHUNK,
@@ -17,6 +17,7 @@ from furuta_recordings.bags.bounds import (
     LARGEST_OVERLAP,
     LARGEST_TOPICS,
     MOST_TOPICS,
+    SMALLEST_MESSAGE,
     largest_expanded,
 )
 from furuta_recordings.bags.damaged_message import DamagedError
@@ -34,7 +35,7 @@ def check_mcap(file: Path) -> None:
         if start:
             stream.seek(start)
             summary.read(stream)
-            _check_chunks(summary.chunks, os.fstat(stream.fileno()).st_size)
+            summary.check(os.fstat(stream.fileno()).st_size)
         if not summary.is_complete:  # the reader scans the data
             stream.seek(len(MAGIC))
             _Content().read(stream)
@@ -47,6 +48,7 @@ class _Content:
         self.chunks: list[ChunkIndex] = []
         self._schemas = self._channels = self._channel_bytes = 0
         self._has_statistics = False
+        self._messages = 0
 
     @property
     def is_complete(self) -> bool:
@@ -65,9 +67,19 @@ class _Content:
                 chunk = Chunk.read(_content(stream, length, LARGEST_CHUNK + LARGEST_DESCRIPTION))
                 size = chunk.uncompressed_size
                 self.read(BytesIO(decompress_chunk(chunk.data, size, chunk.compression)))
+            elif opcode == _STATISTICS:
+                self._has_statistics = True
+                content = _content(stream, length, LARGEST_TOPICS)
+                self._messages = Statistics.read(content).message_count
             else:
-                self._has_statistics |= opcode == _STATISTICS
                 stream.seek(length, os.SEEK_CUR)
+
+    def check(self, file_size: int) -> None:
+        """Check what a summary claims about a file of ``file_size`` [bytes]."""
+        _check_chunks(self.chunks, file_size)
+        data = max(file_size, sum(chunk.uncompressed_size for chunk in self.chunks))
+        if self._messages > data // SMALLEST_MESSAGE:
+            raise DamagedError(f"it claims {self._messages} messages, more than it has space for")
 
     def _check_description(self, opcode: int, length: int) -> None:
         self._schemas += opcode == _SCHEMA

@@ -34,9 +34,7 @@ def csv_columns(path: Path) -> dict[str, np.ndarray]:
         raise ParameterError(f"cannot read {path}: {reason}") from None
     if not header or not columns or not len(columns[0]):
         raise ParameterError(f"{path}: no table in it")
-    return {
-        name: np.array(column) for name, column in zip(header, columns, strict=True) if name
-    }
+    return {name: np.array(column) for name, column in zip(header, columns, strict=True) if name}
 
 
 def _columns(file: TextIO) -> tuple[list[str], list[array[float]]]:

@@ -33,9 +33,7 @@ def read_simulation(path: Path) -> tuple[Recording, list[str]]:
         raise
     except (*_BROKEN, RuntimeError) as error:  # RuntimeError: encrypted
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ParameterError(
-            f"{path} is not a file of `furuta simulate --out`: {reason}"
-        ) from None
+        raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {reason}") from None
     if drive is None:
         return recording, []
     return through_drive(recording, _actuator(path, drive), "the file")
