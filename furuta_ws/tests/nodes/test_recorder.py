@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import json
+import os
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
+from mcap.reader import make_reader
 from rclpy.parameter import Parameter
+from rosbags.rosbag2 import Reader
 from testbench import joint_state
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings import recorder_node as module
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.recorder_node import RecorderNode, chosen_topics
+from furuta_recordings.recorder_node import (
+    PARAMETER_EVENTS,
+    RECORDABLE,
+    ROSOUT,
+    RecorderNode,
+    chosen_topics,
+)
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
 
 X = (0.1, 0.2, 0.3, 0.4)
@@ -90,4 +102,94 @@ def test_dropped_messages_are_counted(bench: Any, tmp_path: Path, monkeypatch: A
     recorder.collect()
     assert recorder.lost == 15
     recorder.destroy_node()
-    assert len(read(tmp_path / "bag")) == 6
+    topics = [topic for topic, _, _ in read(tmp_path / "bag")]
+    assert topics.count("/command") == 6
+    assert topics.count("/rosout") == 1  # its own warning
+
+
+def test_what_nodes_log_is_recorded(bench: Any, tmp_path: Path) -> None:
+    """Also what was logged shortly before the recorder began."""
+    bench.probe.get_logger().warning("before")
+    recorder = RecorderNode(tmp_path / "bag", topics=[COMMAND])
+    bench.probe.get_logger().warning("after")
+    bench.spin(lambda: recorder.collect() or recorder.kept >= 2)  # type: ignore[func-returns-value]
+    recorder.destroy_node()
+    logged = [(topic, log.name, log.msg) for topic, _, log in read(tmp_path / "bag")]
+    assert logged == [("/rosout", "probe", "before"), ("/rosout", "probe", "after")]
+
+
+def installed(path: str) -> Path:
+    """A file of the installed ROS, from packages of the system or from wheels."""
+    prefixes = [*os.environ["AMENT_PREFIX_PATH"].split(os.pathsep), sys.prefix]
+    return next(Path(each) / path for each in prefixes if (Path(each) / path).exists())
+
+
+@pytest.mark.parametrize("kind", [*RECORDABLE, PARAMETER_EVENTS, ROSOUT], ids=lambda t: t.name)
+def test_type_hashes_are_those_of_the_installed_messages(
+    ros: None, tmp_path: Path, kind: Topic
+) -> None:
+    """Metadata and channel hold the hash that the package of the messages was built with."""
+    recorder = RecorderNode(tmp_path / "bag", topics=[kind])
+    recorder.destroy_node()
+    package, name = kind.type.__module__.partition(".")[0], kind.type.__name__
+    described = json.loads(installed(f"share/{package}/msg/{name}.json").read_text())
+    hashes = {each["type_name"]: each["hash_string"] for each in described["type_hashes"]}
+    expected = hashes[f"{package}/msg/{name}"]
+    content = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())
+    topics = content["rosbag2_bagfile_information"]["topics_with_message_count"]
+    in_metadata = {each["topic_metadata"]["name"]: each["topic_metadata"] for each in topics}
+    full_name = "/" + kind.name.strip("/")
+    assert in_metadata[full_name]["type_description_hash"] == expected
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
+        channels = make_reader(stream).get_summary().channels.values()
+    assert {each.topic: each.metadata["topic_type_hash"] for each in channels}[
+        full_name
+    ] == expected
+
+
+def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> None:
+    """Version 9: policies by name, in a list; rosbags reads the same profiles from both places."""
+    recorder = RecorderNode(tmp_path / "bag")
+    publish(bench, 3)
+    recorder.destroy_node()
+    content = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())
+    about = content["rosbag2_bagfile_information"]
+    assert list(about) == [
+        *("version", "storage_identifier", "duration", "starting_time", "message_count"),
+        *("topics_with_message_count", "compression_format", "compression_mode"),
+        *("relative_file_paths", "files", "custom_data", "ros_distro"),
+    ]
+    assert (about["version"], about["ros_distro"], about["message_count"]) == (9, "jazzy", 6)
+    (profile,) = about["topics_with_message_count"][0]["topic_metadata"]["offered_qos_profiles"]
+    assert profile == {
+        "history": "keep_last",
+        "depth": 10,
+        "reliability": "reliable",
+        "durability": "volatile",
+        "deadline": {"sec": 9223372036, "nsec": 854775807},
+        "lifespan": {"sec": 9223372036, "nsec": 854775807},
+        "liveliness": "automatic",
+        "liveliness_lease_duration": {"sec": 9223372036, "nsec": 854775807},
+        "avoid_ros_namespace_conventions": False,
+    }
+    with Reader(tmp_path / "bag") as bag, Reader(tmp_path / "bag" / "bag_0.mcap") as file:
+        assert bag.ros_distro == "jazzy"
+        assert {c.topic: c.ext for c in bag.connections} == {
+            c.topic: c.ext for c in file.connections
+        }
+        durabilities = {
+            c.topic: c.ext.offered_qos_profiles[0].durability.name for c in bag.connections
+        }
+    assert durabilities["/rosout"] == "TRANSIENT_LOCAL"
+    assert durabilities["/parameter_events"] == "VOLATILE"
+
+
+def test_a_file_holds_the_metadata_too(ros: None, tmp_path: Path) -> None:
+    """In a record named rosbag2: a file without metadata.yaml is read as version 9 too."""
+    recorder = RecorderNode(tmp_path / "bag")
+    recorder.destroy_node()
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
+        (record,) = (r for r in make_reader(stream).iter_metadata() if r.name == "rosbag2")
+    about = yaml.safe_load(record.metadata["serialized_metadata"])
+    assert (about["version"], about["ros_distro"]) == (9, "jazzy")
+    assert (about["relative_file_paths"], about["files"]) == ([], [])

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,7 +20,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
@@ -242,6 +243,43 @@ def test_bags_of_other_writers(tmp_path: Path, plugin: StoragePlugin) -> None:
     with Bag(tmp_path / "bag") as reader:
         assert reader.message_count == 10
     assert recover(tmp_path / "bag", tmp_path / "recovered")["messages"] == 10
+
+
+@pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_compressed_bags_are_read(tmp_path: Path, mode: CompressionMode) -> None:
+    """As rosbag2 compresses them, file by file or message by message."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    writer = Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        connection = writer.add_connection("/a", "std_msgs/msg/Float64", typestore=types)
+        for k in range(10):
+            writer.write(connection, k, DATA)
+    with Bag(tmp_path / "bag") as bag:
+        assert [(time, data) for _, time, data in bag.messages()] == [(k, DATA) for k in range(10)]
+    assert not list(Path(tempfile.gettempdir()).glob("furuta-bag-*/bag_0.mcap"))
+
+
+def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
+    """Also if only the metadata knows it."""
+    bag = written(tmp_path / "bag")
+    metadata = bag / "metadata.yaml"
+    metadata.write_text(metadata.read_text().replace('name: "/b"', 'name: "/c"'))
+    with Bag(bag) as opened:
+        counts = {each.topic: each.msgcount for each in opened.connections}
+    assert counts == {"/a": 500, "/b": 500, "/c": 0}
+
+
+def test_more_messages_than_a_file_claims_do_not_fill_the_memory(
+    tmp_path: Path, monkeypatch: Any
+) -> None:
+    """They are counted on the way."""
+    bag = written(tmp_path / "bag")
+    monkeypatch.setattr("furuta_recordings.bags.bag.MOST_IN_MEMORY", 400)
+    with Bag(bag) as opened:
+        claimed = [each._replace(msgcount=1) for each in opened.connections]
+        with pytest.raises(ParameterError, match="401 messages on /a, at most 400 fit"):
+            list(opened.messages_in_memory(claimed))
 
 
 @pytest.fixture(scope="module")

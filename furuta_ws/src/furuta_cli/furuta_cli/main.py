@@ -8,6 +8,7 @@ import sys
 
 import click
 
+from furuta_cli.printing import printable
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 
@@ -73,9 +74,14 @@ def run_command(command: click.Command, name: str) -> None:
     try:
         command(prog_name=name)
     except (ParameterError, UserError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+        _fail(str(error))
     except OSError as error:
-        file = f"{error.filename}: " if error.filename else ""
-        print(f"error: {file}{error.strerror}", file=sys.stderr)
-        sys.exit(1)
+        _fail((f"{error.filename}: " if error.filename else "") + str(error.strerror))
+    except MemoryError:
+        _fail("not enough memory")
+
+
+def _fail(reason: str) -> None:
+    """End the process with one line on standard error."""
+    print(f"error: {printable(reason)}", file=sys.stderr)
+    sys.exit(1)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_graph.description import NODES, check_graph
 from furuta_graph.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
 from furuta_model.parameters import ParameterError, build
 from furuta_model.renamed_parameters import with_current_names
+from furuta_model.yaml_files import parse_yaml, read_yaml
 
 # Parameters that every ROS node has; they are not declared here.
 ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
@@ -88,7 +87,7 @@ def loop(settings: Settings) -> Loop:
 
 def read_file(file: Path) -> Settings:
     """Settings from a ROS parameter file."""
-    content = _read_yaml(file)
+    content = read_yaml(file, "parameter file")
     if not isinstance(content, Mapping):
         raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
     settings = default_settings()
@@ -98,25 +97,12 @@ def read_file(file: Path) -> Settings:
             section.get("ros__parameters"), Mapping
         ):
             raise ParameterError(f"{file}: {key} has no ros__parameters")
-        for name, value in _flat(section["ros__parameters"]).items():
+        for name, value in _flat(section["ros__parameters"]):
             if name not in ROS_PARAMETERS:
                 _set(settings, node, name, value, file)
             elif name == "use_sim_time" and value:
                 warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
     return settings
-
-
-def _read_yaml(file: Path) -> Any:
-    try:
-        return yaml.safe_load(file.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise ParameterError(f"cannot read parameter file {file}: {reason}") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" in line {mark.line + 1}" if mark else ""
-        problem = getattr(error, "problem", None) or "malformed"
-        raise ParameterError(f"parameter file {file} is not YAML: {problem}{where}") from None
 
 
 def _node_name(key: Any, file: Path) -> str:
@@ -138,16 +124,15 @@ def _set(settings: Settings, node: str, name: str, value: Any, file: Path) -> No
 
 def _value(text: str, name: str) -> Any:
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
+        return parse_yaml(text, name)
+    except ParameterError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
 
 
-def _flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
+def _flat(section: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Full names and values, one at a time: the first unknown name ends the reading."""
     for name, value in section.items():
         if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{name}.")
+            yield from _flat(value, f"{prefix}{name}.")
         else:
-            flat[f"{prefix}{name}"] = value
-    return flat
+            yield f"{prefix}{name}", value

@@ -24,6 +24,8 @@ from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_orig
 Group = TypeVar("Group", bound=NamedTuple)
 INLINE = "inline"
 LARGEST = sys.float_info.max
+# Bits of an integer that is larger; Python refuses to print one of many more.
+LARGEST_EXPONENT = 2 * sys.float_info.max_exp
 
 
 class ParameterError(ValueError):
@@ -120,6 +122,8 @@ class Declared(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
             kind = "an integer" if whole else "a number"
             raise ParameterError(f"{self.name} must be {kind}, given {value!r}")
+        if isinstance(value, int) and value.bit_length() > LARGEST_EXPONENT:
+            raise ParameterError(f"{self.name} must be finite, given {value.bit_length()} bits")
         if abs(value) > LARGEST or math.isnan(value):
             raise ParameterError(f"{self.name} must be finite, given {value}")
         if not about.low <= value <= about.high:

@@ -17,3 +17,5 @@ TIMING: Final = "timing"
 CLOCK: Final = "clock"
 # Every ROS 2 node reports its parameter changes here.
 PARAMETER_EVENTS: Final = "/parameter_events"
+# Every ROS 2 node publishes its log messages here.
+ROSOUT: Final = "/rosout"

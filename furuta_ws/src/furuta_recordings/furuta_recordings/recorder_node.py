@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import ParameterEvent
+from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.node import Node
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
-from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
 from furuta_model import topic_names
@@ -19,7 +19,9 @@ from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.offered_qos import offered_qos
 from furuta_ros.topics import QOS, TIMING, TOPICS, Topic, deep
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
@@ -27,6 +29,12 @@ RECEIVE_DEPTH = 100_000
 # Time [s] between two calls of :meth:`RecorderNode.collect` by whoever runs the recorder.
 COLLECT_EVERY = 0.005
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
+ROSOUT = Topic(topic_names.ROSOUT, Log)
+# What every ROS 2 node offers on these two: rcl keeps a log message for 10 s for late subscribers.
+_OFFERED = {
+    PARAMETER_EVENTS: offered_qos(depth=1000),
+    ROSOUT: offered_qos(1000, "transient_local", lifespan={"sec": 10, "nsec": 0}),
+}
 RECORDABLE = (*TOPICS, TIMING)
 # Seconds and nanoseconds of the stamp in a serialized JointState, after the four bytes that name
 # the encoding.
@@ -46,8 +54,8 @@ class RecorderNode(Node):
     graph continues, and the bag keeps what was written. ``kept`` and ``lost`` count the messages
     that were passed on and those that the middleware dropped.
 
-    ``parameters`` (text of a ROS parameter file) is stored with the bag, and each change of a
-    parameter is recorded from the topic /parameter_events.
+    ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
+    records each change of a parameter (/parameter_events) and what the nodes log (/rosout).
     """
 
     def __init__(
@@ -62,20 +70,21 @@ class RecorderNode(Node):
         self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
-        chosen = [*topics, PARAMETER_EVENTS]
+        chosen = [*topics, PARAMETER_EVENTS, ROSOUT]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
         self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
-        depth = deep(RECEIVE_DEPTH)
         self._inputs = [
-            self.create_subscription(topic.type, topic.name, _never_called, depth, raw=True)
+            self.create_subscription(topic.type, topic.name, _never_called, _qos(topic), raw=True)
             for topic in chosen
         ]
         self._last_numbers = [0] * len(chosen)
 
     def _bag_topic(self, topic: Topic) -> BagTopic:
         name = _type_name(topic)
-        definition = get_typestore(Stores.ROS2_JAZZY).generate_msgdef(name, ros_version=2)[0]
-        return BagTopic(self.resolve_topic_name(topic.name), name, definition, _QOS)
+        definition = definition_of(name)
+        qos = _OFFERED.get(topic) or offered_qos(QOS.depth)
+        full_name = self.resolve_topic_name(topic.name)
+        return BagTopic(full_name, name, definition, qos, type_hash(name, definition))
 
     def collect(self) -> None:
         """Pass all received messages to the writer process."""
@@ -161,15 +170,14 @@ def _never_called(message: Any) -> None:
     """Callback of subscriptions that no executor serves."""
 
 
+def _qos(topic: Topic) -> QoSProfile:
+    """A long queue; on /rosout also what was logged before the recorder began."""
+    qos = deep(RECEIVE_DEPTH)
+    if topic is ROSOUT:
+        qos.durability = QoSDurabilityPolicy.TRANSIENT_LOCAL
+    return qos
+
+
 def _type_name(topic: Topic) -> str:
     package, _, _ = topic.type.__module__.partition(".")
     return f"{package}/msg/{topic.type.__name__}"
-
-
-# The quality of service as rosbag2 writes it: keep last, reliable, volatile, automatic liveliness.
-_UNLIMITED = "{sec: 2147483647, nsec: 4294967295}"
-_QOS = (
-    f"- history: 1\n  depth: {QOS.depth}\n  reliability: 1\n  durability: 2\n"
-    f"  deadline: {_UNLIMITED}\n  lifespan: {_UNLIMITED}\n  liveliness: 1\n"
-    f"  liveliness_lease_duration: {_UNLIMITED}\n  avoid_ros_namespace_conventions: false"
-)

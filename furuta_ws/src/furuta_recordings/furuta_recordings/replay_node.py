@@ -14,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 
 from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
+from furuta_model.topic_names import PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
 from furuta_ros.topics import deep
@@ -128,9 +129,10 @@ class ReplayNode(Node):
         self._clock_publisher.publish(message)
 
     def _wait_for_subscribers(self, stop: Callable[[], bool]) -> None:
-        """Return when every topic has a subscriber."""
+        """Return when every topic has a subscriber, but for those of ROS itself."""
         deadline = monotonic() + SUBSCRIBER_TIMEOUT
-        publishers = self._topic_publishers.values()
+        every = self._topic_publishers.items()
+        publishers = [each for topic, each in every if topic not in (PARAMETER_EVENTS, ROSOUT)]
         while not stop():
             missing = [p.topic_name for p in publishers if not p.get_subscription_count()]
             if not missing:

@@ -10,11 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-import yaml
-
 from furuta_model.linear import from_linear
 from furuta_model.parameters import About, ParameterError, build, declared, number_from_text
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.yaml_files import read_yaml
 from furuta_rig.physical import (
     PhysicalParameters,
     normalised_coulomb,
@@ -39,15 +38,7 @@ TEXT_SECTIONS = ("name", "sources", "notes")
 
 def load_rig(file: Path) -> Rig:
     """Read a rig file. Raises :class:`ParameterError` with one line for any error."""
-    try:
-        content = yaml.safe_load(file.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text file"
-        raise ParameterError(f"cannot read rig file {file}: {reason}") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" in line {mark.line + 1}" if mark else ""
-        raise ParameterError(f"rig file {file} is not YAML{where}") from None
+    content = read_yaml(file, "rig file")
     if not isinstance(content, Mapping):
         raise ParameterError(f"rig file {file} must map sections to values")
     try:
@@ -67,6 +58,8 @@ def _rig(content: Mapping[str, Any]) -> Rig:
             continue
         if not isinstance(values, Mapping):
             raise ParameterError(f"{section} must map names to values")
+        if section not in _SECTIONS:
+            raise ParameterError(f"unknown: {section}.{next(iter(values), '')}")
         given |= {f"{section}.{name}": number_from_text(value) for name, value in values.items()}
     given = _normalised(given)
     known = [each.name for each in declared(Rig)]
@@ -93,6 +86,7 @@ def _normalised(given: dict[str, Any]) -> dict[str, Any]:
 
 
 _FORMS = ("linear", "physical")
+_SECTIONS = {*_FORMS, *(each.name.partition(".")[0] for each in declared(Rig))}
 
 
 def _model(model: FurutaPendulum) -> dict[str, Any]:

@@ -27,8 +27,8 @@ from furuta_model.topic_names import (
     MEASUREMENT,
     PARAMETER_EVENTS,
 )
-from furuta_recordings.bags.bag import Bag, last_part, refuse_too_long, signals
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.bag import Bag, last_part, signals
+from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_studies.recorded_loop import RecordedLoop
 
 # Name of the topic on which parameter changes are recorded.
@@ -45,9 +45,7 @@ def read_recorded_loop(bag: Path) -> RecordedLoop:
         }
         messages = _GraphMessages(namespaces)
         chosen = [c for c in reader.connections if last_part(c.topic) in messages.topics]
-        refuse_too_long(bag, chosen)
-        for connection, _, data in reader.messages(chosen):
-            message = reader.deserialize(data, connection.msgtype)
+        for connection, _, message in reader.messages_in_memory(chosen):
             messages.add(last_part(connection.topic), message)
     if not messages.samples:
         raise ParameterError(f"{bag}: no message on {MEASUREMENT}, nothing to recompute")
@@ -124,8 +122,8 @@ def recompute_bag(
 ) -> tuple[RecordedLoop, Recomputed]:
     """Recompute a session with the recorded parameters; given ones take precedence."""
     recorded = read_recorded_loop(bag)
-    file = bag / PARAMETERS_FILE
-    base = read_file(file) if file.is_file() else load_settings([], [])
+    file = parameter_file_of(bag)
+    base = load_settings([], []) if file is None else read_file(file)
     # Defaults replace parameters that another version did not record.
     given = load_settings(files, assignments)
     loops = [(0, loop(merge_settings(base, given)))]

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from typing import Any
 
 import click
-import yaml
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 
@@ -17,6 +16,7 @@ from furuta_graph.description import NODES
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import parameter_file, parameter_table
 from furuta_model.parameters import ParameterError, number_from_text
+from furuta_model.yaml_files import parse_yaml
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of
 
@@ -99,8 +99,8 @@ def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
     The node itself rejects a name that it does not know, or translates an earlier name.
     """
     try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError:
+        value = parse_yaml(text, name)
+    except ParameterError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
     types = {each.type for each in client.describe(node, [name])}
     if ParameterType.PARAMETER_DOUBLE in types:

@@ -2,67 +2,126 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from math import nan
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
-from rosbags.highlevel import AnyReader
-from rosbags.interfaces import Connection
-from rosbags.typesys import Stores, get_typestore
+from rosbags.rosbag2 import Reader
+from rosbags.typesys.store import Typestore
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_model.time_stamps import NANOSECONDS
+from furuta_recordings.bags.bag_files import BagFiles, bag_files
+from furuta_recordings.bags.decompression import decompress_file, decompress_message
+from furuta_recordings.bags.mcap_bounds import check_mcap
+from furuta_recordings.bags.message_types import definition_of, typestore_of
+from furuta_recordings.bags.sqlite_bounds import check_sqlite
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
 MOST_IN_MEMORY = 1_000_000
+
+
+class Topic(NamedTuple):
+    """A topic of a bag with its message type and the number of its messages."""
+
+    topic: str
+    msgtype: str
+    msgcount: int
 
 
 class Bag:
     """A bag of any origin, opened by ``with``; every problem with it is a one-line error.
 
     ``connections`` are its topics with types and counts, ``start`` its first time [ns], ``seconds``
-    its duration [s].
+    its duration [s]. Nothing outside the bag is read, and no more memory used than
+    :mod:`furuta_recordings.bags.bounds` allows.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self._readers: list[Reader] = []
+        self._definitions: dict[str, str] = {}
+        self._types: dict[str, Typestore] = {}
         if not path.exists():
             raise ParameterError(f"no bag {path}")
-        with self._one_line_errors():
-            self._reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
 
     def __enter__(self) -> Bag:
-        with self._one_line_errors():
-            self._reader.open()
-            self.connections: list[Connection] = self._reader.connections
-            self.message_count: int = self._reader.message_count
-            self.start: int = self._reader.start_time
-            self.seconds = max(0, self._reader.duration - 1) / NANOSECONDS
+        with self._one_line_errors(), ExitStack() as opened:
+            found = bag_files(self._path)
+            self._compression = found.compression
+            self._readers = [
+                opened.enter_context(Reader(file))
+                for file in opened.enter_context(checked_files(found))
+            ]
+            self._describe(found.topics)
+            self._opened = opened.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._reader.close()
+        self._opened.close()
+
+    def _describe(self, named: Iterable[tuple[str, str]]) -> None:
+        """Topics and times, from the files; the metadata adds topics without a message."""
+        counts = dict.fromkeys(named, 0)
+        for reader in self._readers:
+            for each in reader.connections:
+                key = (each.topic, each.msgtype)
+                counts[key] = counts.get(key, 0) + each.msgcount
+                self._definitions.setdefault(each.msgtype, each.msgdef.data)
+        self.connections = [Topic(*key, count) for key, count in counts.items()]
+        used = [reader for reader in self._readers if reader.message_count]
+        self.message_count: int = sum(reader.message_count for reader in used)
+        self.start: int = min((reader.start_time for reader in used), default=0)
+        end = max((reader.end_time for reader in used), default=0)
+        self.seconds = max(0, end - self.start - 1) / NANOSECONDS
 
     def messages(
-        self, connections: Iterable[Connection] | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
+        self, connections: Iterable[Topic] | None = None
+    ) -> Iterator[tuple[Topic, int, bytes]]:
         """Messages of ``connections``, by default of all, with their times [ns]."""
-        chosen = self.connections if connections is None else list(connections)
-        if chosen:
-            with self._one_line_errors():
-                yield from self._reader.messages(chosen)
+        chosen = {
+            (each.topic, each.msgtype): each
+            for each in (self.connections if connections is None else connections)
+        }
+        with self._one_line_errors():
+            for reader in self._readers:
+                own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
+                for c, time, data in reader.messages(own) if own else ():
+                    yield chosen[c.topic, c.msgtype], time, self._plain(data)
+
+    def messages_in_memory(self, connections: Iterable[Topic]) -> Iterator[tuple[Topic, int, Any]]:
+        """Messages, deserialized; refuses topics that do not fit into memory.
+
+        The number that a file claims is checked before, and the number that it has on the way.
+        """
+        chosen = list(connections)
+        refuse_too_long(self._path, chosen)
+        read: Counter[str] = Counter()
+        for connection, time, data in self.messages(chosen):
+            read[connection.topic] += 1
+            if read[connection.topic] > MOST_IN_MEMORY:
+                refuse_too_long(self._path, [connection._replace(msgcount=MOST_IN_MEMORY + 1)])
+            yield connection, time, self.deserialize(data, connection.msgtype)
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""
         with self._one_line_errors():
-            return self._reader.deserialize(data, type_name)
+            if type_name not in self._types:
+                definition = self._definitions.get(type_name) or definition_of(type_name)
+                self._types[type_name] = typestore_of(type_name, definition)
+            return self._types[type_name].deserialize_cdr(data, type_name)
+
+    def _plain(self, data: bytes) -> bytes:
+        return decompress_message(data) if self._compression == "message" else data
 
     @contextmanager
     def _one_line_errors(self) -> Iterator[None]:
-        """Turn whatever the reader raises on a damaged bag into one :class:`ParameterError`."""
+        """Turn whatever a reader raises on a damaged bag into one :class:`ParameterError`."""
         try:
             yield
         except Exception as error:
@@ -73,7 +132,28 @@ class Bag:
             ) from None
 
 
-def refuse_too_long(path: Path, connections: Iterable[Connection]) -> None:
+@contextmanager
+def checked_files(bag: BagFiles) -> Iterator[list[Path]]:
+    """The data files of a bag, decompressed where they are compressed as a whole.
+
+    Raises:
+        DamagedError: A file claims more than it may hold.
+    """
+    with TemporaryDirectory(prefix="furuta-bag-") as directory:
+        files = bag.files
+        if bag.compression == "file":
+            files = [Path(directory) / file.stem for file in bag.files]
+            for file, plain in zip(bag.files, files, strict=True):
+                decompress_file(file, plain)
+        for file in files:
+            if file.suffix == ".db3":
+                check_sqlite(file)
+            else:
+                check_mcap(file)
+        yield files
+
+
+def refuse_too_long(path: Path, connections: Iterable[Topic]) -> None:
     """Refuse topics that do not fit into memory, before any message is read."""
     for each in connections:
         if each.msgcount > MOST_IN_MEMORY:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -13,11 +15,13 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.stream_reader import breakup_chunk
 
-from furuta_recordings.bags.damaged_message import DamagedError, FoundMessage
+from furuta_recordings.bags.bounds import LARGEST_CHUNK
+from furuta_recordings.bags.damaged_message import DamagedError, FoundMessage, note
+from furuta_recordings.bags.decompression import decompress_chunk
 from furuta_recordings.bags.mcap_records import FILLER, MAGIC, RECORD_HEAD, BagTopic
 
 # No undamaged record is longer [bytes].
-LONGEST_RECORD = 2**28
+LONGEST_RECORD = 2 * LARGEST_CHUNK
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 3, 4, 5, 6, 15
 
 
@@ -32,11 +36,12 @@ def mcap_messages(file: Path, problems: list[str]) -> Iterator[FoundMessage]:
             try:
                 yield from reader.messages(opcode, content)
             except DamagedError as damage:
-                problems.append(f"left out {damage}")
+                note(problems, f"left out {damage}")
 
 
 def _records(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
     """Opcode and content of each record up to the end of the data."""
+    size = os.fstat(stream.fileno()).st_size
     while head := stream.read(RECORD_HEAD.size):
         if len(head) < RECORD_HEAD.size:
             raise DamagedError("ends within a record")
@@ -47,10 +52,9 @@ def _records(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
             if opcode >= FILLER:
                 return
             raise DamagedError(f"a record claims a length of {length} bytes")
-        content = stream.read(length)
-        if len(content) < length:
+        if stream.tell() + length > size:
             raise DamagedError("ends within a record")
-        yield opcode, content
+        yield opcode, stream.read(length)
 
 
 class _RecordReader:
@@ -95,9 +99,10 @@ def _decoded(opcode: int, content: bytes) -> Iterator[McapRecord]:
 
 
 def _chunk_records(chunk: Chunk) -> list[McapRecord]:
-    if chunk.uncompressed_size > LONGEST_RECORD:
-        raise DamagedError(f"a chunk that claims a size of {chunk.uncompressed_size} bytes")
     try:
-        return breakup_chunk(chunk, validate_crc=True)
+        content = decompress_chunk(chunk.data, chunk.uncompressed_size, chunk.compression)
+        return breakup_chunk(replace(chunk, data=content, compression=""), validate_crc=True)
+    except DamagedError:
+        raise
     except Exception as error:  # a decompressor may raise anything
         raise DamagedError(f"a chunk that cannot be read ({error})") from None

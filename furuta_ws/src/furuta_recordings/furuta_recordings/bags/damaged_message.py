@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from furuta_recordings.bags.bounds import MOST_PROBLEMS
 from furuta_recordings.bags.mcap_records import BagTopic
 
 
@@ -17,3 +18,11 @@ class FoundMessage(NamedTuple):
 
 class DamagedError(Exception):
     """A file or record cannot be read; the text is the reason."""
+
+
+def note(problems: list[str], problem: str) -> None:
+    """Add a problem to those found so far, unless there are very many."""
+    if len(problems) == MOST_PROBLEMS:
+        problem = "further problems are not listed"
+    if len(problems) <= MOST_PROBLEMS:
+        problems.append(problem)

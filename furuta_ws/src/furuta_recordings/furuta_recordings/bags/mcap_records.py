@@ -18,12 +18,17 @@ FILLER = 0x80
 
 
 class BagTopic(NamedTuple):
-    """A recorded topic: name, message type, the type's definition, offered quality of service."""
+    """A recorded topic.
+
+    ``definition`` and ``type_hash`` describe its message type, ``qos`` (YAML) the quality of
+    service that its publishers offer.
+    """
 
     name: str
     type_name: str
     definition: str
     qos: str
+    type_hash: str = ""
 
 
 class FileHead(NamedTuple):
@@ -62,7 +67,7 @@ def _channel(number: int, topic: BagTopic, schema: int) -> Channel:
         id=number,
         topic=topic.name,
         message_encoding="cdr",
-        metadata={"offered_qos_profiles": topic.qos},
+        metadata={"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash},
         schema_id=schema,
     )
 

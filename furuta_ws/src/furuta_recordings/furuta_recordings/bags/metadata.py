@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import json
+import os
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
+
+import yaml
 
 from furuta_recordings.bags.mcap_records import BagTopic
 
 # The parameters of all nodes at the start of a recording.
 PARAMETERS_FILE = "parameters.yaml"
 METADATA_FILE = "metadata.yaml"
-# Version of the format, which every ROS 2 since Humble reads.
-VERSION = 5
+# Version of the format: that of ROS 2 Jazzy.
+VERSION = 9
+# The distribution whose message definitions are written, unless the environment names another.
+DISTRIBUTION = "jazzy"
 # Characters reserved for a number that changes: enough for any time [ns].
 WIDTH = 19
 
@@ -47,15 +53,23 @@ def write_metadata(
 
 def metadata(topics: list[BagTopic], counts: list[int], files: list[BagFile]) -> str:
     """Content of metadata.yaml."""
+    lines = information(topics, counts, files).splitlines(keepends=True)
+    return "rosbag2_bagfile_information:\n" + "".join(f"  {line}" for line in lines)
+
+
+def information(topics: list[BagTopic], counts: list[int], files: list[BagFile]) -> str:
+    """What rosbag2 knows about a bag; it stores the same text in each MCAP file."""
     lines = _totals(counts, files)
-    lines.append("  topics_with_message_count:" + ("" if topics else " []"))
+    lines.append("topics_with_message_count:" + ("" if topics else " []"))
     for topic, count in zip(topics, counts, strict=True):
         lines += _topic(topic, count)
-    lines += ['  compression_format: ""', '  compression_mode: ""', "  relative_file_paths:"]
-    lines += [f"    - {json.dumps(file.name)}" for file in files]
-    lines.append("  files:")
+    names = json.dumps([file.name for file in files])
+    lines += ['compression_format: ""', 'compression_mode: ""', f"relative_file_paths: {names}"]
+    lines.append("files:" + ("" if files else " []"))
     for file in files:
         lines += _file(file)
+    distribution = os.environ.get("ROS_DISTRO") or DISTRIBUTION
+    lines += ["custom_data: ~", f"ros_distro: {json.dumps(distribution)}"]
     return "\n".join(lines) + "\n"
 
 
@@ -64,29 +78,38 @@ def _totals(counts: list[int], files: list[BagFile]) -> list[str]:
     start = min((file.start for file in used), default=0)
     end = max((file.end for file in used), default=0)
     return [
-        "rosbag2_bagfile_information:",
-        f"  version: {VERSION}",
-        "  storage_identifier: mcap",
-        f"  duration: {{nanoseconds: {end - start:<{WIDTH}}}}",
-        f"  starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
-        f"  message_count: {sum(counts):<{WIDTH}}",
+        f"version: {VERSION}",
+        "storage_identifier: mcap",
+        f"duration: {{nanoseconds: {end - start:<{WIDTH}}}}",
+        f"starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
+        f"message_count: {sum(counts):<{WIDTH}}",
     ]
 
 
 def _topic(topic: BagTopic, count: int) -> list[str]:
     return [
-        f"    - topic_metadata: {{name: {topic.name}, type: {topic.type_name}, "
-        f"serialization_format: cdr, offered_qos_profiles: {json.dumps(topic.qos)}}}",
-        f"      message_count: {count:<{WIDTH}}",
+        "  - topic_metadata:",
+        f"      name: {json.dumps(topic.name)}",
+        f"      type: {json.dumps(topic.type_name)}",
+        "      serialization_format: cdr",
+        f"      offered_qos_profiles: {_profiles(topic.qos)}",
+        f"      type_description_hash: {json.dumps(topic.type_hash)}",
+        f"    message_count: {count:<{WIDTH}}",
     ]
+
+
+@cache
+def _profiles(qos: str) -> str:
+    """The profiles in YAML's flow style, which fits into one line."""
+    return json.dumps(yaml.safe_load(qos) or [])
 
 
 def _file(file: BagFile) -> list[str]:
     start = file.start if file.messages else 0
     duration = max(0, file.end - file.start) if file.messages else 0
     return [
-        f"    - path: {json.dumps(file.name)}",
-        f"      starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
-        f"      duration: {{nanoseconds: {duration:<{WIDTH}}}}",
-        f"      message_count: {file.messages:<{WIDTH}}",
+        f"  - path: {json.dumps(file.name)}",
+        f"    starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
+        f"    duration: {{nanoseconds: {duration:<{WIDTH}}}}",
+        f"    message_count: {file.messages:<{WIDTH}}",
     ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +38,7 @@ def read_recorded_run(path: Path) -> RecordedRun:
     floats: dict[str, list[float]] = {FRICTION_ESTIMATE: [], COMMAND: []}
     with Bag(path) as bag:
         connections = [c for c in bag.connections if last_part(c.topic) in {GROUND_TRUTH, *floats}]
-        for connection, _, data in bag.messages(connections):
-            message: Any = bag.deserialize(data, connection.msgtype)
+        for connection, _, message in bag.messages_in_memory(connections):
             name = last_part(connection.topic)
             if name == GROUND_TRUTH:
                 truth.append([stamp_nanoseconds(message) / NANOSECONDS, *signals(message)])

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
 from furuta_model.parameters import ParameterError
+from furuta_model.regular_files import read_text
+from furuta_model.yaml_files import LARGEST_FILE, parse_yaml
+from furuta_recordings.bags.bag_files import file_in
+from furuta_recordings.bags.bounds import MOST_TOPICS
 from furuta_recordings.bags.damaged_mcap import mcap_messages
-from furuta_recordings.bags.damaged_message import DamagedError, FoundMessage
+from furuta_recordings.bags.damaged_message import DamagedError, FoundMessage, note
 from furuta_recordings.bags.damaged_sqlite import sqlite_messages
 from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.message_types import JAZZY, definition_of, type_hash, typestore_of
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.bags.writer import BagWriter
+
+_SUFFIXES = (".mcap", ".db3")
 
 
 def recover(bag: Path, out: Path) -> dict[str, object]:
@@ -23,27 +29,45 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
 
     The result has the keys bag, messages and problems (why the rest was left out).
     """
-    files = _data_files(bag)
-    if not files:
-        raise ParameterError(f"{bag} has no .mcap and no .db3 file: nothing to recover")
-    if out.exists():
-        raise ParameterError(f"{out} already exists; name another directory for the bag")
     problems: list[str] = []
+    files = _data_files(bag, problems)
+    if not files:
+        found = "".join(f" ({each})" for each in problems[:1])
+        raise ParameterError(f"{bag} has no .mcap and no .db3 file: nothing to recover{found}")
+    if os.path.lexists(out):
+        raise ParameterError(f"{out} already exists; name another directory for the bag")
     topics = _topics(files, problems)
     if not topics:
         raise ParameterError(f"{bag} has no message that can be read")
-    file = bag / PARAMETERS_FILE
-    parameters = {PARAMETERS_FILE: file.read_text(errors="replace")} if file.is_file() else {}
-    writer = BagWriter(out, topics, parameters)
+    writer = BagWriter(out, topics, _parameters(bag, problems))
     messages = _copy(files, topics, writer, problems)
     writer.close()
     return {"bag": str(out), "messages": messages, "problems": problems}
 
 
-def _data_files(bag: Path) -> list[Path]:
-    files = [bag] if bag.is_file() else bag.iterdir() if bag.is_dir() else []
-    found = [file for file in files if file.suffix in (".mcap", ".db3")]
-    return sorted(found, key=lambda file: (len(file.name), file.name))  # bag_2 before bag_10
+def _data_files(bag: Path, problems: list[str]) -> list[Path]:
+    if bag.is_file():
+        return [bag] if bag.suffix in _SUFFIXES else []
+    names = [file.name for file in bag.iterdir()] if bag.is_dir() else []
+    found = []
+    for name in sorted(names, key=lambda name: (len(name), name)):  # bag_2 before bag_10
+        try:
+            found += [file_in(bag, name)] if Path(name).suffix in _SUFFIXES else []
+        except DamagedError as damage:
+            note(problems, str(damage))
+    return found
+
+
+def _parameters(bag: Path, problems: list[str]) -> dict[str, str]:
+    """The parameter file of the damaged bag, if it has one."""
+    if not os.path.lexists(bag / PARAMETERS_FILE):
+        return {}
+    try:
+        file = file_in(bag, PARAMETERS_FILE)
+        return {PARAMETERS_FILE: read_text(file, "parameter file", LARGEST_FILE)}
+    except (DamagedError, ParameterError) as error:
+        note(problems, f"left out {PARAMETERS_FILE}: {error}")
+        return {}
 
 
 def _copy(files: list[Path], topics: list[BagTopic], writer: BagWriter, problems: list[str]) -> int:
@@ -65,7 +89,7 @@ def readable_messages(files: list[Path], problems: list[str]) -> Iterator[FoundM
         try:
             yield from read(file, problems)
         except (DamagedError, OSError, ValueError, sqlite3.Error) as error:
-            problems.append(f"{file.name}: {error}")
+            note(problems, f"{file.name}: {error}")
 
 
 def _topics(files: list[Path], problems: list[str]) -> list[BagTopic]:
@@ -73,22 +97,34 @@ def _topics(files: list[Path], problems: list[str]) -> list[BagTopic]:
     topics: dict[tuple[str, str], BagTopic] = {}
     for found in readable_messages(files, []):
         topics.setdefault((found.topic.name, found.topic.type_name), found.topic)
+        if len(topics) > MOST_TOPICS:
+            raise ParameterError(f"{files[0].parent} has more than {MOST_TOPICS} topics")
     usable = []
     for topic in topics.values():
         try:
-            usable.append(topic._replace(definition=_definition(topic)))
+            usable.append(_described(topic))
         except DamagedError as damage:
-            problems.append(f"left out {topic.name}: {damage}")
+            note(problems, f"left out {topic.name}: {damage}")
     return usable
+
+
+def _described(topic: BagTopic) -> BagTopic:
+    """The topic with definition and hash of its type, and quality of service that can be read."""
+    definition = _definition(topic)
+    try:
+        parse_yaml(topic.qos, "quality of service")
+    except ParameterError:
+        topic = topic._replace(qos="")
+    hashed = type_hash(topic.type_name, definition)
+    return topic._replace(definition=definition, type_hash=hashed)
 
 
 def _definition(topic: BagTopic) -> str:
     """The definition of a topic's type: the bag's own if it can be parsed, otherwise ROS's."""
     if topic.definition:
         with suppress(Exception):  # a parser may raise anything
-            get_types_from_msg(topic.definition, topic.type_name)
+            typestore_of(topic.type_name, topic.definition)
             return topic.definition
-    types = get_typestore(Stores.ROS2_JAZZY)
-    if topic.type_name not in types.types:
+    if topic.type_name not in JAZZY.types:
         raise DamagedError(f"its type {topic.type_name!r} is not defined anywhere")
-    return types.generate_msgdef(topic.type_name, ros_version=2)[0]
+    return definition_of(topic.type_name)

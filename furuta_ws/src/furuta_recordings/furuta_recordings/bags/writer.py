@@ -8,7 +8,7 @@ from pathlib import Path
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.mcap_file import McapFile
 from furuta_recordings.bags.mcap_records import BagTopic
-from furuta_recordings.bags.metadata import BagFile, write_metadata
+from furuta_recordings.bags.metadata import BagFile, information, write_metadata
 
 # Largest chunk [bytes]: a damaged chunk is lost as a whole.
 LARGEST_CHUNK = 2**18
@@ -26,7 +26,9 @@ class BagWriter:
             raise ParameterError(f"{path} already exists; name another directory for the bag")
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path, self._topics = path, topics
+        described = information(topics, [0] * len(topics), [])
         self._metadata = {name: {"text": text} for name, text in parameters.items()}
+        self._metadata["rosbag2"] = {"serialized_metadata": described}
         self._finished_files: list[BagFile] = []
         self._finished_counts = [0] * len(topics)
         new = path.with_name(f".{path.name}.new")

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, build
 from furuta_model.time_stamps import NANOSECONDS
-from furuta_recordings.bags.bag import Bag, refuse_too_long
+from furuta_model.yaml_files import read_yaml
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.bag_files import file_in
+from furuta_recordings.bags.damaged_message import DamagedError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.readers.bag_topics import command_topic, states_topic
 from furuta_recordings.readers.drive import through_drive
@@ -28,9 +30,7 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         command = command_topic(path, types, states, mapping)
         content = _Content(path, mapping)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
-        refuse_too_long(path, chosen)
-        for connection, time, data in bag.messages(chosen):
-            message = bag.deserialize(data, connection.msgtype)
+        for connection, time, message in bag.messages_in_memory(chosen):
             content.add(connection.topic == states, time / NANOSECONDS, message)
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
@@ -78,12 +78,12 @@ def _with_recorded_drive(
     recording: Recording, file: Path, notes: list[str]
 ) -> tuple[Recording, list[str]]:
     """The recording with the drive of the parameters stored in the bag, if there are any."""
-    if not file.is_file():
-        return recording, notes
     try:
-        plant = yaml.safe_load(file.read_text())["plant"]["ros__parameters"]
-        actuator = Actuator(plant["actuator.voltage_range"], plant["actuator.bits"])
-    except (UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
+        content = read_yaml(file_in(file.parent, file.name), "parameter file")
+        plant = content["plant"]["ros__parameters"]
+        given = {name: plant[name] for name in ("actuator.voltage_range", "actuator.bits")}
+        actuator = build(Actuator, given, "actuator.")
+    except (DamagedError, ParameterError, KeyError, TypeError):
         return recording, notes
     recording, more = through_drive(recording, actuator, "the bag")
     return recording, notes + more

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_model.topic_names import JOINT_STATES, MEASUREMENT
+from furuta_model.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import last_part
 from furuta_recordings.readers.mapping import COMMANDS, Mapping
 
@@ -36,7 +36,7 @@ def command_topic(path: Path, types: dict[str, str], states: str, mapping: Mappi
     if mapping.command:
         found = [topic for topic in types if topic.strip("/") == mapping.command.strip("/")]
     else:
-        others = [topic for topic in types if topic != states]
+        others = [topic for topic in types if topic not in (states, PARAMETER_EVENTS, ROSOUT)]
         found = [topic for name in COMMANDS for topic in others if name in last_part(topic)]
     if not found:
         raise ParameterError(

@@ -17,9 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from furuta_model.parameters import ParameterError, build, declared
+from furuta_model.yaml_files import parse_yaml
 from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_rig.emulator.faults import Faults, with_faults
 from furuta_rig.emulator.monitor import serve
@@ -83,7 +82,7 @@ def _values(assignments: list[str]) -> dict[str, Any]:
     pairs = [each.partition("=") for each in assignments]
     if any(not separator for _, separator, _ in pairs):
         raise ParameterError(f"expected NAME=VALUE, given {', '.join(assignments)}")
-    return {name: yaml.safe_load(text) for name, _, text in pairs}
+    return {name: parse_yaml(text, name) for name, _, text in pairs}
 
 
 def _initial_state(assignments: list[str]) -> InitialState:

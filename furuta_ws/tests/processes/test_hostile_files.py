@@ -1,0 +1,233 @@
+"""Hostile files: one line, little memory and time, and nothing outside the bag opened."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import hostile_files as hostile
+import limited_verbs
+import numpy as np
+import pytest
+
+# Longest time [s] that a refusal may take on a busy machine.
+LONGEST = 60.0
+Make = Callable[[Path], Path]
+
+BAGS: dict[str, tuple[Make, str]] = {
+    "parent_path": (hostile.parent_path, "outside the bag"),
+    "absolute_path": (hostile.absolute_path, "outside the bag"),
+    "linked_file": (hostile.linked_file, "is a link to a file outside the bag"),
+    "linked_metadata": (hostile.linked_metadata, "is a link to a file outside the bag"),
+    "escaped_name": (hostile.escaped_name, "must not contain %"),
+    "pipe_as_data": (hostile.pipe_as_data, "is not a regular file"),
+    "pipe_as_metadata": (hostile.pipe_as_metadata, "is not a regular file"),
+    "device_as_data": (hostile.device_as_data, "outside the bag"),
+    "zstd_bomb": (hostile.bomb("zstd", 2**31), "claims to hold 2147483648 bytes"),
+    "zstd_liar": (hostile.bomb("zstd", 2**31, 2**20), "not hold the 1048576 bytes"),
+    "lz4_bomb": (hostile.bomb("lz4", 2**28), "claims to hold 268435456 bytes"),
+    "lz4_liar": (hostile.bomb("lz4", 2**28, 2**20), "not hold the 1048576 bytes"),
+    "overlapping_chunks": (hostile.file_of(hostile.overlapping_chunks), "with the same times"),
+    "repeated_index": (hostile.file_of(hostile.repeated_index), "chunks that claim to hold"),
+    "long_record": (hostile.file_of(hostile.long_record), "a record claims 1000000000 bytes"),
+    "long_record_in_summary": (hostile.file_of(hostile.long_record_in_summary), "a record claims"),
+    "long_quality_of_service": (
+        hostile.file_of(hostile.long_quality_of_service),
+        "described by",
+    ),
+    "file_bomb": (hostile.compressed_bag("file"), "holds more than"),
+    "message_bomb": (hostile.compressed_bag("message"), "a message of"),
+    "endless_view": (hostile.endless_view, "messages is not a plain table"),
+    "generated_column": (hostile.generated_column, "messages is not a plain table"),
+    "claimed_count": (hostile.claimed_count, "claims 1000000000 messages"),
+    "claimed_array": (hostile.claimed_array, "Invalid sequence length 1000000000"),
+    "fixed_array": (hostile.fixed_array, "1000000000 elements"),
+    **{
+        f"metadata_{name}": (hostile.metadata_of(hostile.YAML[name]), reason)
+        for name, reason in (
+            ("billion_laughs", "more than 200000 values"),
+            ("deep", "nested deeper than 32 levels"),
+            ("itself", "*a in line 1 contains itself"),
+            ("large", "larger than 2097152 bytes"),
+            ("python", "not YAML"),
+        )
+    },
+}
+# These are read or copied without what makes them hostile.
+HARMLESS = {
+    "info": {"claimed_array", "fixed_array", "zstd_liar", "lz4_liar"} | {"message_bomb"},
+    "recompute": {"fixed_array"},
+}
+TEXTS = {
+    "billion_laughs": "more than 200000 values",
+    "deep": "nested deeper than 32 levels",
+    "deep_mappings": "nested deeper than 32 levels",
+    "itself": "*a in line 1 contains itself",
+    "large": "larger than 2097152 bytes",
+    "many": "more than 200000 values",
+    "number": "a number of 199999 characters",
+    "hexadecimal": "",
+    "no_such_date": "",
+    "python": "not YAML",
+    "names": "",
+}
+TABLES: dict[str, tuple[Make, str]] = {
+    "long_line": (hostile.csv_file(b"time,a\n" + b"1," * 2**20), "a line has more than"),
+    "long_field": (hostile.csv_file(b'time,a\n1,"' + b"x\n" * 2**18), "field larger than"),
+    "no_line": (hostile.csv_file(bytes(2**22)), "a line has more than"),
+    "pipe.csv": (hostile.pipe, "a device or pipe"),
+    "pickle": (hostile.npz(time=hostile.npy(np.array([hostile.Touch()]))), "holds object"),
+    "claimed_shape": (hostile.npz(time=hostile.npy_claiming((10**9,))), "claims the shape"),
+    "claimed_product": (hostile.npz(time=hostile.npy_claiming((10**9,) * 4)), "claims the shape"),
+    "zeros": (hostile.large_series, "at most 536870912 are read"),
+    "no_archive": (hostile.broken_archive, "not a file of"),
+}
+
+
+def run_limited(directory: Path, calls: list[list[str]]) -> list[dict[str, Any]]:
+    """Run verbs with little memory; the reports on all calls."""
+    file = directory / "calls.json"
+    file.write_text(json.dumps(calls))
+    done = subprocess.run(
+        [sys.executable, limited_verbs.__file__, str(file)],
+        cwd=directory, capture_output=True, text=True, check=False,
+        timeout=LONGEST * len(calls),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-3000:]
+    return list(json.loads(done.stdout.splitlines()[-1]))
+
+
+def assert_refused(report: dict[str, Any], reason: str) -> None:
+    """One line that says why, in a bounded time, without opening what is outside."""
+    lines = report["err"].splitlines()
+    assert report["status"] == 1, report
+    assert len(lines) == 1, report["err"][-2000:]
+    assert lines[0].startswith("error: ")
+    assert reason in lines[0]
+    assert "MemoryError" not in lines[0]
+    assert len(lines[0]) < 2500
+    assert report["seconds"] < LONGEST
+    assert_nothing_outside(report)
+
+
+def assert_nothing_outside(report: dict[str, Any]) -> None:
+    opened = [os.path.realpath(path) for path in report["opened"]]
+    assert not [path for path in opened if f"/{hostile.SECRET}" in path]
+
+
+def check_bags(tmp_path: Path, names: list[str], *verb: str) -> None:
+    """Run a verb on hostile bags."""
+    bags = [BAGS[name][0](_directory(tmp_path, name) / "bag") for name in names]
+    sound = hostile.sound_bag(tmp_path / "sound")
+    before = _content(tmp_path)
+    reports = run_limited(tmp_path, [[*verb, str(bag)] for bag in (sound, *bags)])[1:]
+    for name, report in zip(names, reports, strict=True):
+        print(name, f"{report['seconds']:.2f} s", report["err"].strip())
+        if name in HARMLESS.get(verb[-1], set()):
+            assert report["status"] == 0, report
+            assert_nothing_outside(report)
+        else:
+            assert_refused(report, BAGS[name][1])
+    (tmp_path / "calls.json").unlink()
+    assert _content(tmp_path) == before
+
+
+def _directory(tmp_path: Path, name: str) -> Path:
+    directory = tmp_path / name
+    directory.mkdir()
+    return directory
+
+
+def _content(directory: Path) -> dict[str, int]:
+    """Every file with the time of its last change."""
+    return {str(file): file.lstat().st_mtime_ns for file in directory.rglob("*")}
+
+
+def test_hostile_bags_are_not_described(tmp_path: Path) -> None:
+    """``bag info``."""
+    check_bags(tmp_path, list(BAGS), "bag", "info")
+
+
+def test_hostile_bags_are_not_recomputed(tmp_path: Path) -> None:
+    """``bag recompute``."""
+    chosen = ["linked_file", "pipe_as_data", "message_bomb", "claimed_count", "claimed_array"]
+    check_bags(tmp_path, chosen, "bag", "recompute")
+
+
+def test_hostile_bags_are_not_identified(tmp_path: Path) -> None:
+    """``identify``."""
+    chosen = ["parent_path", "linked_file", "file_bomb", "claimed_count", "fixed_array"]
+    check_bags(tmp_path, chosen, "identify")
+
+
+def test_hostile_bags_are_not_replayed(tmp_path: Path) -> None:
+    """``bag replay``."""
+    chosen = ["linked_file", "zstd_liar", "lz4_liar", "overlapping_chunks", "message_bomb"]
+    check_bags(tmp_path, chosen, "bag", "replay", "--rate", "0")
+
+
+def test_hostile_bags_are_recovered_within_bounds(tmp_path: Path) -> None:
+    """``bag recover`` copies what is sound and names the rest; it follows no link."""
+    names = list(BAGS)
+    bags = [BAGS[name][0](_directory(tmp_path, name) / "bag") for name in names]
+    sound = hostile.sound_bag(tmp_path / "sound")
+    reports = run_limited(tmp_path, [["bag", "recover", str(bag)] for bag in (sound, *bags)])[1:]
+    for name, report in zip(names, reports, strict=True):
+        print(name, report["status"], f"{report['seconds']:.2f} s", report["err"].strip())
+        assert report["status"] in (0, 1), report
+        assert len(report["err"].splitlines()) == report["status"], report["err"][-2000:]
+        assert report["seconds"] < LONGEST
+        assert_nothing_outside(report)
+        written = [path for path in (tmp_path / name).rglob("*") if "recovered" in str(path)]
+        assert sum(path.stat().st_size for path in written) < 2**20
+
+
+def test_a_recovery_writes_through_no_link(tmp_path: Path) -> None:
+    """Neither the new bag nor its temporary directory may be a link."""
+    bag, outside = hostile.sound_bag(tmp_path / "bag"), tmp_path / hostile.SECRET
+    outside.mkdir()
+    for name in ("link", ".new_bag.new"):
+        (tmp_path / name).symlink_to(outside)
+    (tmp_path / "dangling").symlink_to(tmp_path / "nothing")
+    outs = ("link", "dangling", "new_bag")
+    calls = [["bag", "recover", str(bag), "--out", str(tmp_path / out)] for out in outs]
+    for report in run_limited(tmp_path, calls):
+        assert (report["status"], len(report["err"].splitlines())) == (1, 1), report
+    assert not list(outside.iterdir())
+    assert not (tmp_path / "nothing").exists()
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [("simulate", "--seconds", "1", "--params"), ("run", "--lockstep", "--params"),
+     ("run", "--lockstep", "--rig"), ("linearize", "--params")],
+    ids=" ".join,
+)  # fmt: skip
+def test_hostile_parameter_and_rig_files(tmp_path: Path, verb: tuple[str, ...]) -> None:
+    """The line says what is wrong and where."""
+    calls = [["linearize"]]
+    for name in TEXTS:
+        file = tmp_path / f"{name}.yaml"
+        file.write_text(hostile.YAML[name])
+        calls.append([*verb, str(file)])
+    calls.append([*verb, str(hostile.pipe(tmp_path / "pipe.yaml"))])
+    reasons = [*TEXTS.values(), "a device or pipe"]
+    for report, reason in zip(run_limited(tmp_path, calls)[1:], reasons, strict=True):
+        assert_refused(report, reason)
+
+
+def test_hostile_tables_and_series(tmp_path: Path) -> None:
+    """``identify`` with CSV tables and files of ``simulate --out``."""
+    calls = [
+        ["linearize"],
+        *(["identify", str(make(tmp_path / n))] for n, (make, _) in TABLES.items()),
+    ]
+    for report, (_, reason) in zip(run_limited(tmp_path, calls)[1:], TABLES.values(), strict=True):
+        print(f"{report['seconds']:.2f} s", report["err"].strip())
+        assert_refused(report, reason)
+    assert not (tmp_path / hostile.SECRET).exists()
