@@ -130,7 +130,8 @@ def test_clipped_arm_speed_is_predicted() -> None:
     measurements = np.full((600, 5), [0.0, 0.0, 0.0, nan, 1.0])
     # 45 rad/s² per volt, on the linear model at θ = 0 and without friction.
     speed = 45.0 * TIME[:400]
-    measurements[:400, 0], measurements[:400, 1] = 22.5 * TIME**2, np.minimum(speed, 10.0 * 2047 / 2048)
+    measurements[:400, 0] = 22.5 * TIME**2
+    measurements[:400, 1] = np.minimum(speed, 10.0 * 2047 / 2048)
     p = EstimatorParameters(sensors=SENSORS._replace(encoder_counts=0))
     measurements[:, 2] = 0.0
     found, unusable = estimates(measurements[:300], p)
