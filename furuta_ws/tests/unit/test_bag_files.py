@@ -100,6 +100,15 @@ def test_a_full_file_is_followed_by_another(tmp_path: Path, monkeypatch: Any) ->
         assert [time for _, time, _ in bag.messages()] == list(range(1000))
 
 
+def test_more_topics_than_a_summary_holds_are_refused(tmp_path: Path) -> None:
+    """They would overwrite the end of the file."""
+    long = "# " + "x" * 2**12 + "\nfloat64 data\n"
+    topics = [BagTopic(f"/t{k}", f"a_msgs/msg/T{k}", long, "") for k in range(200)]
+    with pytest.raises(ParameterError, match=r"200 topics with .* at most 524288 bytes fit"):
+        BagWriter(tmp_path / "bag", topics, {})
+    assert not (tmp_path / "bag").exists()
+
+
 class Killed(BaseException):
     """Stands for SIGKILL: nothing of the process runs afterwards."""
 

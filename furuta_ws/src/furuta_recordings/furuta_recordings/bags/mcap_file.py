@@ -21,6 +21,7 @@ from pathlib import Path
 from mcap.data_stream import RecordBuilder
 from mcap.records import ChunkIndex, DataEnd, Statistics
 
+from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.mcap_chunk import PendingChunk
 from furuta_recordings.bags.mcap_records import (
     FOOTER_SIZE,
@@ -54,6 +55,11 @@ class McapFile:
         self._chunk_count = 0
         self._summaries_written = 0
         self._head = file_head(topics, metadata)
+        if len(self._head.summary) > SUMMARY_SPACE // 2:
+            raise ParameterError(
+                f"{len(topics)} topics with {len(self._head.summary)} bytes of definitions, at "
+                f"most {SUMMARY_SPACE // 2} bytes fit into a file"
+            )
         self._data_end = len(self._head.data)
         part = path.with_name(path.name + ".new")
         self._file = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
