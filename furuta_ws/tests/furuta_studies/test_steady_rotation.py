@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import solve_ivp
-from unit import reference
 
 from furuta_analysis.describing_functions.steady_rotation import steady_rotations
 from furuta_analysis.simulation.closed_loop import Loop, simulate

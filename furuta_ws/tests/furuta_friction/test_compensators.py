@@ -7,8 +7,8 @@ from math import nan
 
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import solve_ivp
-from unit import reference
 
 from furuta_friction.compensation import (
     COMPENSATIONS,

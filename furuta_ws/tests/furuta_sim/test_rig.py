@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from unit import reference
+import reference
 
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors

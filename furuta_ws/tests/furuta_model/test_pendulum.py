@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import solve_ivp
-from unit import reference
 
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum, accelerations, energy, rotate

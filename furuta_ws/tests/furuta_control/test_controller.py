@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from unit import reference
+import reference
 
 from furuta_control.control import (
     BALANCE_MEMORY,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import quad, solve_ivp
 from scipy.special import ive
-from unit import reference
 
 from furuta_analysis.describing_functions.describing_function import bias, describing_function
 from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import fcntl
 import os
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-import yaml
 
+if TYPE_CHECKING:
+    from testbench import Bench
+
+    from furuta_graph.settings import Settings
+
+SOURCES = Path(__file__).resolve().parent / "src"
 DOMAINS = range(1, 100)
 
 
@@ -32,17 +38,19 @@ def _own_domain() -> Any:
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 _DOMAIN_LOCK = _own_domain()
 
-# The domain is read when ROS starts.
-from testbench import Bench  # noqa: E402
+# Tests run against the installed packages. ``colcon test`` starts ``python -m pytest`` in the
+# folder of a package in src/, and Python would import the package from there.
+sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURCES]
 
-from furuta_graph.rigs import rig_directory  # noqa: E402
-from furuta_graph.settings import Settings, default_settings  # noqa: E402
-from furuta_ros.context import ros_context  # noqa: E402
+# Each fixture imports what it needs: with ``colcon test``, only the package under test and its
+# dependencies are in the environment.
 
 
 @pytest.fixture
 def ros() -> Iterator[None]:
     """ROS from start to end of a test."""
+    from furuta_ros.context import ros_context
+
     with ros_context():
         yield
 
@@ -50,6 +58,8 @@ def ros() -> Iterator[None]:
 @pytest.fixture
 def bench(ros: None) -> Iterator[Bench]:
     """A test bench for nodes."""
+    from testbench import Bench
+
     bench = Bench()
     yield bench
     bench.close()
@@ -58,6 +68,10 @@ def bench(ros: None) -> Iterator[Bench]:
 @pytest.fixture
 def other_rig(tmp_path: Path) -> Path:
     """A rig file with another model, other limits and another sample time than the paper's."""
+    import yaml
+
+    from furuta_graph.rigs import rig_directory
+
     content = yaml.safe_load((rig_directory() / "qube_servo_2.yaml").read_text())
     content["line"]["sample_time"] = 0.002
     content["limits"]["voltage"] = 5.0
@@ -69,4 +83,6 @@ def other_rig(tmp_path: Path) -> Path:
 @pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
+    from furuta_graph.settings import default_settings
+
     return default_settings()

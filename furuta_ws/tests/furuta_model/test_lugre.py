@@ -6,8 +6,8 @@ from itertools import product
 
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import solve_ivp
-from unit import reference
 
 from furuta_model.friction.bristle import SMALL_DECAY
 from furuta_model.friction.laws import friction_law, steady_friction

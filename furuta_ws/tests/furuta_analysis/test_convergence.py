@@ -5,8 +5,8 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+import reference
 from scipy.integrate import solve_ivp
-from unit import reference
 
 from furuta_analysis.convergence.convergence import convergence, largest_stable_gain
 from furuta_analysis.convergence.error_loop import ErrorLoop, error_loop, error_loop_for

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from unit import reference
+import reference
 
 from furuta_analysis.limit_cycles.continuation import Branch, fold_value
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
