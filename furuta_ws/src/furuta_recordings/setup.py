@@ -18,6 +18,9 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
+    entry_points={
+        "console_scripts": ["recorder = furuta_recordings.recorder_process:main"],
+    },
     extras_require={"test": ["pytest"]},
     zip_safe=False,
 )
