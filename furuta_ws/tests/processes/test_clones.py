@@ -13,9 +13,7 @@ VERB = ("linearize", "--json")
 
 def run(furuta: Path, folder: Path) -> str:
     """Standard output of ``furuta linearize --json``, started in a folder."""
-    done = subprocess.run(
-        [furuta, *VERB], cwd=folder, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([furuta, *VERB], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -17,6 +17,7 @@ from furuta_graph.description import NODES
 # How rosdep installs a key on Ubuntu 24.04. Source: rosdep/python.yaml and jazzy/distribution.yaml
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.
 APT = {
+    "python3-catkin-pkg-modules",
     *("python3-click", "python3-hypothesis", "python3-matplotlib", "python3-mypy"),
     *("python3-numba", "python3-numpy", "python3-pytest", "python3-pytest-timeout", "python3-rich"),
     *("python3-scipy", "python3-serial", "python3-types-pyyaml", "python3-yaml"),
@@ -38,6 +39,7 @@ WITHOUT_KEY = {"distributed"}
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {
+    "catkin_pkg": "python3-catkin-pkg-modules",
     "cobs": "python-cobs-pip",
     "control": "python-control-pip",
     **dict.fromkeys({"lz4", "mcap", "zstandard"}, "mcap-ros2-support"),
@@ -51,6 +53,7 @@ COMMANDS = {"mypy", "types-pyyaml", "ruff"}
 TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
+    "catkin_pkg": "catkin-pkg",
     "serial": "pyserial",
     "yaml": "pyyaml",
     "dask": "distributed",
