@@ -55,7 +55,7 @@ WITH_NODES = [
     *("furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"),
     "furuta_studies",
 ]
-ROS_FILES = {"lockstep", "realtime", "demo", "cluster"}
+ROS_FILES = {"lockstep", "realtime", "demo", "cluster", "recorder_process"}
 
 
 def cores(package: str) -> list[Path]:
