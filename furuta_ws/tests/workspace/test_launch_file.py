@@ -171,6 +171,11 @@ def test_log_level_is_that_of_all_nodes(monkeypatch: pytest.MonkeyPatch, tmp_pat
         ({"log_level": "loud"}, SEED, "log_level must be one of debug, .*, given 'loud'"),
         ({"respawn": "maybe"}, SEED, "respawn must be one of true, false, given 'maybe'"),
         ({"record": "/dev/null"}, SEED, "/dev/null already exists; name another directory"),
+        (
+            {"port": "mock", "clock": "lockstep"},
+            SEED,
+            "a rig has its own clock: no clock with port",
+        ),
         ({"namespace": "1st"}, SEED, "a namespace has letters, digits and _"),
     ],
 )

@@ -38,6 +38,7 @@ LAYERS = [
 EXECUTABLES = [
     *((node.package, node.executable) for node in NODES.values()),
     ("furuta_hw", "rig_emulator"),
+    ("furuta_recordings", "recorder"),
     ("furuta_bringup", "furuta"),
     ("furuta_bringup", "graph"),
 ]

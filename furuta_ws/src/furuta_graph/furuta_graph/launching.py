@@ -23,9 +23,14 @@ class LaunchedNode(NamedTuple):
     """A node as ``launch_ros.actions.Node`` starts it."""
 
     process: NodeProcess
-    ros_arguments: list[str]
-    ends_launch: bool  # its end is the end of the launch
-    respawn: bool  # start it again when it has ended
+    log_arguments: list[str]
+    ends_launch: bool = False  # its end is the end of the launch
+    respawn: bool = False  # start it again when it has ended
+
+    @property
+    def ros_arguments(self) -> list[str]:
+        """ROS arguments that set parameters and log level."""
+        return [*self.process.parameter_arguments, *self.log_arguments]
 
 
 def launched_nodes(
@@ -51,11 +56,13 @@ def launched_nodes(
     """
     _check_choice("log_level", log_level, LOG_LEVELS)
     _check_choice("respawn", respawn, TRUTH)
+    if port and clock:
+        raise ParameterError(f"a rig has its own clock: no clock with port, given {clock!r}")
     options = GraphOptions(
         hardware=bool(port),
         rig=rig,
         port=port,
-        clock="" if port else clock,
+        clock=clock,
         without=tuple(each.strip() for each in without.split(",") if each.strip()),
         namespace=namespace,
     )
@@ -63,15 +70,9 @@ def launched_nodes(
     controlled, *others = node_processes(graph)
     log = ["--log-level", log_level]
     return [
-        LaunchedNode(controlled, controlled.parameter_arguments + log, True, False),
-        *(
-            LaunchedNode(each, each.parameter_arguments + log, False, TRUTH[respawn])
-            for each in others
-        ),
-        *(
-            LaunchedNode(each, each.parameter_arguments + log, False, False)
-            for each in _recorders(graph, record)
-        ),
+        LaunchedNode(controlled, log, ends_launch=True),
+        *(LaunchedNode(each, log, respawn=TRUTH[respawn]) for each in others),
+        *(LaunchedNode(each, log) for each in _recorders(graph, record)),
     ]
 
 
