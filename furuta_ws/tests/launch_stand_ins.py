@@ -67,6 +67,8 @@ class Node(NamedTuple):
     namespace: str | None = None
     output: str = "log"
     ros_arguments: list[str] = []  # noqa: RUF012 - as the original
+    respawn: bool = False
+    respawn_delay: float | None = None
     on_exit: list[Any] | None = None
 
     @property
@@ -87,19 +89,30 @@ STAND_INS: dict[str, tuple[type[Any], ...]] = {
 }
 
 
+def launch_arguments(monkeypatch: pytest.MonkeyPatch) -> list[DeclareLaunchArgument]:
+    """The arguments of the launch file, as ``--show-args`` lists them."""
+    return [each for each in _entities(monkeypatch) if isinstance(each, DeclareLaunchArgument)]
+
+
 def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
     """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
-    for name, classes in STAND_INS.items():
-        module = ModuleType(name)
-        for each in classes:
-            setattr(module, each.__name__, each)
-        monkeypatch.setitem(sys.modules, name, module)
-    entities = _launch_file().generate_launch_description().entities
+    entities = _entities(monkeypatch)
     declared = {e.name: e.default_value for e in entities if isinstance(e, DeclareLaunchArgument)}
     assert arguments.keys() <= declared.keys()
     (function,) = (each for each in entities if isinstance(each, OpaqueFunction))
     nodes: list[Node] = function.function(LaunchContext(declared | arguments))
     return nodes
+
+
+def _entities(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What the launch file describes, with the stand-ins in place of ``launch``."""
+    for name, classes in STAND_INS.items():
+        module = ModuleType(name)
+        for each in classes:
+            setattr(module, each.__name__, each)
+        monkeypatch.setitem(sys.modules, name, module)
+    entities: list[Any] = _launch_file().generate_launch_description().entities
+    return entities
 
 
 def _launch_file() -> ModuleType:

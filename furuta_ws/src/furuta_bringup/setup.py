@@ -7,8 +7,11 @@ NAME = "furuta_bringup"
 setup(
     name=NAME,
     version="0.1.0",
-    description="The whole graph of the Furuta pendulum",
+    description="Launch file, configuration and executables of the Furuta pendulum graph.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -26,5 +29,6 @@ setup(
             "graph = furuta_bringup.graph:main",
         ]
     },
+    extras_require={"test": ["pytest", "distributed"]},
     zip_safe=False,
 )

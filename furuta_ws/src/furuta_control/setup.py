@@ -5,8 +5,11 @@ NAME = "furuta_control"
 setup(
     name=NAME,
     version="0.1.0",
-    description="State estimators and controller of the Furuta pendulum",
+    description="State estimators and controller of the Furuta pendulum.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -21,5 +24,6 @@ setup(
             "controller = furuta_control.controller_node:main",
         ]
     },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -7,6 +7,9 @@ setup(
     version="0.1.0",
     description="Figures of results, drawn without ROS and without a screen.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -15,5 +18,6 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -5,8 +5,11 @@ NAME = "furuta_friction"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Friction observer of the Furuta pendulum",
+    description="Friction observer of the Furuta pendulum, with its compensators.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -20,5 +23,6 @@ setup(
             "friction_observer = furuta_friction.friction_observer_node:main",
         ]
     },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -5,8 +5,11 @@ NAME = "furuta_hw"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Hardware bridge of the Furuta pendulum",
+    description="Hardware bridge of the Furuta pendulum: drivers, safety, commissioning.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -21,5 +24,6 @@ setup(
             "rig_emulator = furuta_rig.emulator.rig_emulator:main",
         ]
     },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -5,8 +5,11 @@ NAME = "furuta_recordings"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Recordings: recorder, bags, replay, readers",
+    description="Recorder, replay, bag files, and readers of other recordings.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -15,5 +18,9 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
+    entry_points={
+        "console_scripts": ["recorder = furuta_recordings.recorder_process:main"],
+    },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -5,8 +5,11 @@ NAME = "furuta_sim"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Simulated Furuta pendulum",
+    description="Simulated Furuta pendulum with sensors and drive, real time or lock-step.",
     license="Apache-2.0",
+    url="https://github.com/furuta_ws/furuta_ws",
+    author="The furuta_ws developers",
+    author_email="furuta_ws@users.noreply.github.com",
     maintainer="The furuta_ws developers",
     maintainer_email="furuta_ws@users.noreply.github.com",
     packages=find_packages(),
@@ -20,5 +23,6 @@ setup(
             "plant = furuta_sim.plant_node:main",
         ]
     },
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

@@ -8,18 +8,26 @@ from typing import Any
 
 import pytest
 import yaml
-from launch_stand_ins import Node, launched_nodes
+from launch_stand_ins import Node, launch_arguments, launched_nodes
+from sources import ROOT
 
 from furuta_graph.description import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_graph.rigs import find_rig
 from furuta_model.parameters import ParameterError, declared, values
 
+SEED = "plant: {ros__parameters: {seed: 1}}"
+
+
+def options(node: Node, flag: str) -> list[str]:
+    """The values that the ROS arguments of a node give with a flag."""
+    flags, values = node.ros_arguments[::2], node.ros_arguments[1::2]
+    assert set(flags) <= {"-p", "--log-level"}
+    return [value for each, value in zip(flags, values, strict=True) if each == flag]
+
 
 def parameters(node: Node) -> dict[str, Any]:
     """The parameters that the ROS arguments of a node give it."""
-    flags, texts = node.ros_arguments[::2], node.ros_arguments[1::2]
-    assert set(flags) == {"-p"}
-    pairs = (text.split(":=", 1) for text in texts)
+    pairs = (text.split(":=", 1) for text in options(node, "-p"))
     return {name: yaml.safe_load(re.sub(r"^(\d+)e", r"\1.0e", value)) for name, value in pairs}
 
 
@@ -82,6 +90,60 @@ def test_namespace_and_nodes_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {node.namespace for node in launched_nodes(monkeypatch)} == {None}
 
 
+def test_every_argument_is_described(monkeypatch: pytest.MonkeyPatch) -> None:
+    """``--show-args`` says what each is for, and the documentation names each."""
+    page = (ROOT / "docs" / "graph.md").read_text()
+    for argument in launch_arguments(monkeypatch):
+        assert argument.description
+        assert f"| `{argument.name}` |" in page
+
+
+def test_compensation_takes_precedence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Over the parameter file."""
+    file = tmp_path / "mine.yaml"
+    file.write_text("friction_observer: {ros__parameters: {compensation: coulomb, alpha0: 0.3}}")
+    nodes = launched_nodes(monkeypatch, params_file=str(file), compensation="lugre")
+    given = {node.name: parameters(node) for node in nodes}["friction_observer"]
+    assert (given["compensation"], given["alpha0"]) == ("lugre", 0.3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "stamped"),
+    [({"clock": "lockstep"}, True), ({"clock": "realtime"}, False), ({"port": "mock"}, False)],
+)
+def test_record_starts_a_recorder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, arguments: dict[str, str], stamped: bool
+) -> None:
+    """In the same namespace, with the graph's parameters; nothing else changes."""
+    monkeypatch.chdir(tmp_path)
+    arguments |= {"namespace": "left", "compensation": "lugre"}
+    *nodes, recorder = launched_nodes(monkeypatch, record="bags/mine", **arguments)
+    assert nodes == launched_nodes(monkeypatch, **arguments)
+    assert (recorder.package, recorder.executable) == ("furuta_recordings", "recorder")
+    assert recorder.namespace == "/left"
+    given = parameters(recorder)
+    assert (given["directory"], given["stamped"]) == (str(tmp_path / "bags" / "mine"), stamped)
+    kept = yaml.safe_load(given["graph_parameters"])
+    assert kept["friction_observer"]["ros__parameters"]["compensation"] == "lugre"
+
+
+@pytest.mark.parametrize("port", ["", "mock"])
+def test_respawned_nodes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, port: str) -> None:
+    """Not the controlled system, whose end is the end of the launch, nor the recorder."""
+    bag = str(tmp_path / "bag")
+    nodes = launched_nodes(monkeypatch, respawn="true", record=bag, port=port)
+    respawned = {node.name for node in nodes if node.respawn}
+    assert respawned == {"estimator", "friction_observer", "controller"}
+    assert not any(node.respawn for node in launched_nodes(monkeypatch, record=bag, port=port))
+
+
+def test_log_level_is_that_of_all_nodes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The recorder's too; without the argument it is ``info``."""
+    for arguments, level in (({"log_level": "debug"}, "debug"), ({}, "info")):
+        nodes = launched_nodes(monkeypatch, record=str(tmp_path / "bag"), **arguments)
+        assert {tuple(options(node, "--log-level")) for node in nodes} == {(level,)}
+
+
 @pytest.mark.parametrize(
     ("arguments", "content", "reason"),
     [
@@ -93,9 +155,28 @@ def test_namespace_and_nodes_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
             "friction_observer: {ros__parameters: {compensation: adaptive}}\n",
             "needs an estimator that observes the friction",
         ),
-        ({"rig": "no_such_rig"}, "plant: {ros__parameters: {seed: 1}}", "no rig no_such_rig"),
-        ({"clock": "sundial"}, "plant: {ros__parameters: {seed: 1}}", "clock must be one of"),
-        ({"without": "plant"}, "plant: {ros__parameters: {seed: 1}}", "can run without"),
+        ({"rig": "no_such_rig"}, SEED, "no rig no_such_rig"),
+        ({"clock": "sundial"}, SEED, "clock must be one of"),
+        ({"without": "plant"}, SEED, "can run without"),
+        (
+            {"compensation": "oil"},
+            SEED,
+            "compensation must be one of none, coulomb, .* given 'oil'",
+        ),
+        (
+            {"compensation": "lugre", "without": "friction_observer"},
+            SEED,
+            "compensation lugre needs the node friction_observer, which is left out",
+        ),
+        ({"log_level": "loud"}, SEED, "log_level must be one of debug, .*, given 'loud'"),
+        ({"respawn": "maybe"}, SEED, "respawn must be one of true, false, given 'maybe'"),
+        ({"record": "/dev/null"}, SEED, "/dev/null already exists; name another directory"),
+        (
+            {"port": "mock", "clock": "lockstep"},
+            SEED,
+            "a rig has its own clock: no clock with port",
+        ),
+        ({"namespace": "1st"}, SEED, "a namespace has letters, digits and _"),
     ],
 )
 def test_an_error_starts_no_node(

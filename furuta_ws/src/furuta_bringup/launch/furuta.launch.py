@@ -2,54 +2,67 @@
 
 ros2 launch furuta_bringup furuta.launch.py clock:=lockstep params_file:=mine.yaml
 ros2 launch furuta_bringup furuta.launch.py port:=/dev/ttyACM0 rig:=/path/to/rig.yaml
-ros2 launch furuta_bringup furuta.launch.py namespace:=left
+ros2 launch furuta_bringup furuta.launch.py namespace:=left compensation:=lugre record:=output/bag
+ros2 launch furuta_bringup furuta.launch.py --show-args
 """
 
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_graph.launching import launched_processes
+from furuta_friction.compensation import COMPENSATIONS
+from furuta_graph.launching import LOG_LEVELS, LaunchedNode, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
-# Arguments and their descriptions; all are empty by default.
+# Time between the end of a node and its next start [s].
+RESPAWN_DELAY = 1.0
+# Arguments with their defaults and descriptions.
 ARGUMENTS = {
-    "clock": "realtime or lockstep; empty: that of the parameter files",
-    "params_file": "parameter file; takes precedence over the rig and the installed files",
-    "port": "serial port of a rig that replaces the simulated plant; it is armed by hand",
-    "rig": "name or file of the rig, for every node; empty: the paper's rig",
-    "namespace": "namespace of all nodes, to run several graphs side by side",
-    "without": "nodes to leave out, separated by commas, to run your own instead",
+    "clock": ("", "realtime or lockstep; empty: that of the parameter files"),
+    "params_file": ("", "parameter file; takes precedence over the rig and the installed files"),
+    "port": ("", "serial port of a rig that replaces the simulated plant; it is armed by hand"),
+    "rig": ("", "name or file of the rig, for every node; empty: the paper's rig"),
+    "namespace": ("", "namespace of all nodes, to run several graphs side by side"),
+    "without": ("", "nodes to leave out, separated by commas, to run your own instead"),
+    "compensation": (
+        "",
+        f"friction compensation: {', '.join(COMPENSATIONS)}; empty: that of the parameter files",
+    ),
+    "record": ("", "directory for a bag of all topics, which must not exist; empty: no bag"),
+    "log_level": ("info", f"lowest level that all nodes log: {', '.join(LOG_LEVELS)}"),
+    "respawn": (
+        "false",
+        "true or false: start estimator, friction observer and controller again when they end; "
+        "the launch ends with the plant or the bridge",
+    ),
 }
 
 
 def nodes(context: LaunchContext) -> list[Node]:
     """All nodes with their parameters; a wrong argument raises an error and starts none."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    controlled, *others = launched_processes(**given)
-    return [
-        # Without it there is nothing to control; the others can be started again.
-        _node(controlled, on_exit=[Shutdown()]),
-        *(_node(each) for each in others),
-    ]
+    return [_node(each) for each in launched_nodes(**given)]
 
 
-def _node(process, **options) -> Node:
+def _node(launched: LaunchedNode) -> Node:
+    process = launched.process
     return Node(
         package=process.package,
         executable=process.executable,
         name=process.name,
         namespace=process.namespace or None,
         output="screen",
-        ros_arguments=process.parameter_arguments,
-        **options,
+        ros_arguments=launched.ros_arguments,
+        respawn=launched.respawn,
+        respawn_delay=RESPAWN_DELAY,
+        on_exit=[Shutdown()] if launched.ends_launch else None,
     )
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Launch plant or bridge, estimator, friction observer and controller."""
+    """Launch the graph, and a recorder if one is asked for."""
     arguments = (
-        DeclareLaunchArgument(name, default_value="", description=description)
-        for name, description in ARGUMENTS.items()
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
     )
     return LaunchDescription([*arguments, OpaqueFunction(function=nodes)])

@@ -2,39 +2,108 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
-from furuta_graph.description import NODES
-from furuta_graph.graph_plan import GraphOptions, plan_graph
+from furuta_graph.description import NODES, PLANT
+from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
+from furuta_graph.parameter_files import settings_file
 from furuta_graph.processes import NodeProcess, node_processes
 from furuta_graph.rigs import config_directory
 from furuta_graph.settings import collect_settings
+from furuta_model.parameters import ParameterError
+
+FRICTION_OBSERVER = "friction_observer"
+LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
+TRUTH = {"true": True, "false": False}
 
 
-def launched_processes(
+class LaunchedNode(NamedTuple):
+    """A node as ``launch_ros.actions.Node`` starts it."""
+
+    process: NodeProcess
+    log_arguments: list[str]
+    ends_launch: bool = False  # its end is the end of the launch
+    respawn: bool = False  # start it again when it has ended
+
+    @property
+    def ros_arguments(self) -> list[str]:
+        """ROS arguments that set parameters and log level."""
+        return [*self.process.parameter_arguments, *self.log_arguments]
+
+
+def launched_nodes(
     params_file: str = "",
     clock: str = "",
     port: str = "",
     rig: str = "",
     namespace: str = "",
     without: str = "",
-) -> list[NodeProcess]:
-    """The processes that the launch file starts; the controlled system is the first.
+    compensation: str = "",
+    record: str = "",
+    log_level: str = "info",
+    respawn: str = "false",
+) -> list[LaunchedNode]:
+    """The nodes that the launch file starts; the controlled system is the first.
 
-    The installed parameter files are the defaults; the rig takes precedence over them, and
-    ``params_file`` over the rig. With ``port`` the bridge to a rig replaces the simulated plant.
+    The installed parameter files are the defaults; the rig takes precedence over them,
+    ``params_file`` over the rig, and ``clock`` and ``compensation`` over ``params_file``. With
+    ``port`` the bridge to a rig replaces the simulated plant.
 
     Raises:
         ParameterError: An argument is wrong; nothing must be started.
     """
-    defaults = [config_directory() / f"{node}.yaml" for node in NODES]
+    _check_choice("log_level", log_level, LOG_LEVELS)
+    _check_choice("respawn", respawn, TRUTH)
+    if port and clock:
+        raise ParameterError(f"a rig has its own clock: no clock with port, given {clock!r}")
     options = GraphOptions(
         hardware=bool(port),
         rig=rig,
         port=port,
-        clock="" if port else clock,
+        clock=clock,
         without=tuple(each.strip() for each in without.split(",") if each.strip()),
         namespace=namespace,
     )
+    graph = _graph(options, params_file, compensation)
+    controlled, *others = node_processes(graph)
+    log = ["--log-level", log_level]
+    return [
+        LaunchedNode(controlled, log, ends_launch=True),
+        *(LaunchedNode(each, log, respawn=TRUTH[respawn]) for each in others),
+        *(LaunchedNode(each, log) for each in _recorders(graph, record)),
+    ]
+
+
+def _graph(options: GraphOptions, params_file: str, compensation: str) -> Graph:
+    """The graph with its parameters."""
+    defaults = [config_directory() / f"{node}.yaml" for node in NODES]
     files = [Path(params_file)] if params_file else []
-    return node_processes(plan_graph(options, files, base=collect_settings(defaults, [])))
+    chosen = [f"{FRICTION_OBSERVER}.compensation={compensation}"] if compensation else []
+    if compensation and FRICTION_OBSERVER in options.without:
+        raise ParameterError(
+            f"compensation {compensation} needs the node {FRICTION_OBSERVER}, which is left out"
+        )
+    return plan_graph(options, files, chosen, base=collect_settings(defaults, []))
+
+
+def _recorders(graph: Graph, directory: str) -> list[NodeProcess]:
+    """The process that records into a directory, if one is given."""
+    if not directory:
+        return []
+    if Path(directory).exists():
+        raise ParameterError(f"{directory} already exists; name another directory for the bag")
+    settings = graph.settings
+    lockstep = graph.controlled == PLANT and settings[PLANT].get("clock") == "lockstep"
+    parameters = {
+        "directory": str(Path(directory).absolute()),
+        "stamped": lockstep,
+        "graph_parameters": settings_file(settings),
+    }
+    return [NodeProcess("furuta_recordings", "recorder", "recorder", graph.namespace, parameters)]
+
+
+def _check_choice(name: str, given: str, allowed: Iterable[str]) -> None:
+    if given not in allowed:
+        raise ParameterError(f"{name} must be one of {', '.join(allowed)}, given {given!r}")

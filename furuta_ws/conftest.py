@@ -1,0 +1,88 @@
+"""Fixtures for all tests: a separate ROS domain for each process, ROS, and a test bench."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from testbench import Bench
+
+    from furuta_graph.settings import Settings
+
+SOURCES = Path(__file__).resolve().parent / "src"
+DOMAINS = range(1, 100)
+
+
+def _own_domain() -> Any:
+    """Take the first ROS domain that no other test process holds; keep the lock while alive."""
+    for domain in DOMAINS:
+        lock = (Path(tempfile.gettempdir()) / f"furuta-test-domain-{domain}").open("w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            continue
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        return lock
+    raise RuntimeError("every ROS domain for tests is taken")
+
+
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+_DOMAIN_LOCK = _own_domain()
+
+# Tests run against the installed packages. ``colcon test`` starts ``python -m pytest`` in the
+# folder of a package in src/, and Python would import the package from there.
+sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURCES]
+
+# Each fixture imports what it needs: with ``colcon test``, only the package under test and its
+# dependencies are in the environment.
+
+
+@pytest.fixture
+def ros() -> Iterator[None]:
+    """ROS from start to end of a test."""
+    from furuta_ros.context import ros_context
+
+    with ros_context():
+        yield
+
+
+@pytest.fixture
+def bench(ros: None) -> Iterator[Bench]:
+    """A test bench for nodes."""
+    from testbench import Bench
+
+    bench = Bench()
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def other_rig(tmp_path: Path) -> Path:
+    """A rig file with another model, other limits and another sample time than the paper's."""
+    import yaml
+
+    from furuta_graph.rigs import rig_directory
+
+    content = yaml.safe_load((rig_directory() / "qube_servo_2.yaml").read_text())
+    content["line"]["sample_time"] = 0.002
+    content["limits"]["voltage"] = 5.0
+    file = tmp_path / "other_rig.yaml"
+    file.write_text(yaml.safe_dump(content))
+    return file
+
+
+@pytest.fixture
+def settings() -> Settings:
+    """Settings that leave every parameter at its default."""
+    from furuta_graph.settings import default_settings
+
+    return default_settings()

@@ -1,0 +1,233 @@
+"""State feedback: sign convention, limits, fall and catch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+
+from furuta_control.control import (
+    BALANCE_MEMORY,
+    MEMORY,
+    ControllerParameters,
+    control,
+    design_controller,
+    start_anew,
+)
+from furuta_control.excitation import ExcitationParameters
+from furuta_control.modes.balance import BALANCING
+from furuta_model.pendulum import FurutaPendulum
+
+GAIN = (-1.0, -2.0, -30.0, -4.0)
+RNG = np.random.default_rng(13)
+
+
+def memory_of(balancing: bool = True) -> np.ndarray:
+    """The memory of a controller that balances the pendulum, or does not."""
+    memory = np.zeros(MEMORY)
+    memory[BALANCE_MEMORY + BALANCING] = balancing
+    return memory
+
+
+def command(x: list[float] | np.ndarray, friction: float = 0.0, **parameters: object) -> float:
+    """Command u [V] of a controller that balances the pendulum."""
+    feedback = design_controller(ControllerParameters(**{"gain": GAIN} | parameters))
+    return control(memory_of(), np.array(x, dtype=float), friction, feedback)
+
+
+def test_feedback_is_minus_lx() -> None:
+    """Within the limits u = −Lx + F̂."""
+    for x in RNG.uniform(-0.1, 0.1, (50, 4)):
+        friction = RNG.uniform(-1, 1)
+        assert command(x, friction) == pytest.approx(-np.dot(GAIN, x) + friction)
+
+
+def test_exact_estimate_cancels_friction() -> None:
+    """With F̂ = F the arm accelerates as without friction; the printed minus would double it."""
+    body = FurutaPendulum()
+    for x in RNG.uniform(-0.1, 0.1, (50, 4)):
+        _, v, theta, w = x
+        friction = np.sign(v) * 0.21  # opposes the motion on the right side of (1), u − F
+        free = reference.accelerations(v, theta, w, command(x), body)
+        compensated = command(x, friction) - friction
+        assert reference.accelerations(v, theta, w, compensated, body) == pytest.approx(free)
+        slowed = reference.accelerations(v, theta, w, command(x, -friction) - friction, body)
+        assert (slowed - free)[0] * np.sign(v) == pytest.approx(-2 * 45 * 0.21, rel=0.02)
+
+
+def test_gain_from_the_poles() -> None:
+    """Without explicit gain, L follows from the poles: here those of the paper."""
+    l1, l2, l3, l4 = ControllerParameters().feedback_gain
+    a = np.array([[0, 1, 0, 0], [0, 0, -11, 0], [0, 0, 0, 1], [0, 0, 33, 0]])
+    closed = a - np.outer([0, 45, 0, -29], [l1, l2, l3, l4])
+    assert np.poly(closed) == pytest.approx([1, 16.8, 142.6, 588, 1225])
+    assert ControllerParameters(gain=GAIN).feedback_gain == GAIN
+
+
+@pytest.mark.parametrize("limit", [0.0, 2.5, 10.0])
+def test_saturation(limit: float) -> None:
+    """The command, including F̂, never exceeds the limit and keeps its sign."""
+    for x in RNG.uniform(-1, 1, (50, 4)) * [50, 50, 0.19, 50]:
+        friction = RNG.uniform(-5, 5)
+        expected = np.clip(-np.dot(GAIN, x) + friction, -limit, limit)
+        found = command(
+            x, friction, voltage_limit=limit, arm_angle_limit=50.0, arm_speed_limit=50.0
+        )
+        assert found == pytest.approx(expected)
+
+
+def test_disabled() -> None:
+    """If not enabled, the command is 0 V for any state and friction estimate."""
+    assert command([1, 1, 0.1, 1], 0.2, enabled=False) == 0.0
+    assert command([1, 1, 0.1, 1], 0.2) != 0.0
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_fall_and_catch(side: int) -> None:
+    """Beyond fall_angle the command is 0 V until the pendulum is within catch_angle."""
+    memory = memory_of(False)
+    tilts = [0.5, 0.21, 0.2, 0.5, 0.7, 0.71, 0.5, 0.21, 3.0]
+    assert driven(memory, [[0, 0, side * tilt, 0] for tilt in tilts]) == [
+        *(False, False, True, True, True),
+        *(False, False, False, False),
+    ]
+    assert driven(memory, [[0, 0, side * 0.1, 0]] * 6) == [False] * 5 + [True]
+
+
+CATCHING = ControllerParameters(gain=GAIN, voltage_limit=100.0, catch_time=0.005)
+
+
+def driven(
+    memory: np.ndarray, states: list[list[float]], p: ControllerParameters = CATCHING
+) -> list[bool]:
+    """Whether the controller drives the arm in each state."""
+    feedback = design_controller(p)
+    return [control(memory, np.array(x, dtype=float), 0.1, feedback) != 0.0 for x in states]
+
+
+FALLEN = [0, 0, 1.0, 0]
+UPRIGHT = [0, 0, 0.01, 0]
+
+
+def test_after_a_fall_only_a_slow_pendulum_is_caught() -> None:
+    """A pendulum that passes through upright is not driven; one that stays there is."""
+    memory = memory_of()
+    passing = [[0, 0, 0.3 - 0.1 * k, -100.0] for k in range(7)]
+    assert driven(memory, [FALLEN, *passing]) == [False] * 8
+    assert driven(memory, [UPRIGHT] * 4 + [passing[3]] + [UPRIGHT] * 6) == [False] * 10 + [True]
+
+
+@pytest.mark.parametrize("index", range(4))
+def test_unknown_state_is_not_driven(index: int) -> None:
+    """NaN in any state gives 0 V and counts as a fall."""
+    unknown = list(UPRIGHT)
+    unknown[index] = float("nan")
+    memory = memory_of()
+    assert driven(memory, [UPRIGHT, unknown, UPRIGHT]) == [True, False, False]
+    assert driven(memory, [UPRIGHT] * 5)[-1]
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize(("index", "limit"), [(0, 6.283), (1, 9.9)])
+def test_arm_beyond_its_limits_is_not_driven(side: int, index: int, limit: float) -> None:
+    """Nor is it caught there."""
+    memory = memory_of()
+    beyond, within = [0.0] * 4, [0.0] * 4
+    beyond[index], within[index] = side * (limit + 0.01), side * (limit - 0.01)
+    assert driven(memory, [within, beyond, within]) == [True, False, False]
+    assert not any(driven(memory, [beyond] * 20))
+    assert driven(memory, [within] * 6)[-1]
+
+
+def test_new_start_forgets_a_fall() -> None:
+    """After a reset the pendulum is caught at once; balancing is not interrupted."""
+    memory = memory_of()
+    assert driven(memory, [FALLEN, UPRIGHT]) == [False, False]
+    start_anew(memory)
+    assert driven(memory, [UPRIGHT, [0, 0, 0.5, 0]]) == [True, True]
+    start_anew(memory)
+    assert driven(memory, [[0, 0, 0.5, 0]]) == [True]
+
+
+def test_disabled_controller_detects_a_fall() -> None:
+    """A pendulum that fell while disabled is not driven when enabled beyond catch_angle."""
+    memory = memory_of()
+    disabled = design_controller(ControllerParameters(gain=GAIN, enabled=False))
+    enabled = design_controller(ControllerParameters(gain=GAIN))
+    control(memory, np.array([0, 0, 1.0, 0]), 0.0, disabled)
+    assert control(memory, np.array([0, 0, 0.5, 0]), 0.0, enabled) == 0.0
+
+
+def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
+    """The excitation added to the command, sample by sample."""
+    plain = ControllerParameters(gain=GAIN, voltage_limit=1e3)
+    p = plain._replace(excitation=ExcitationParameters(**parameters))
+    memory, state = memory_of(), np.array(x)
+    without = control(memory_of(), state, 0.1, design_controller(plain))
+    feedback = design_controller(p)
+    return np.array([control(memory, state, 0.1, feedback) for _ in range(samples)]) - without
+
+
+@pytest.mark.parametrize("kind", ["steps", "sine", "multisine"])
+def test_excitation_has_its_amplitude_and_period(kind: str) -> None:
+    """It has its period, its amplitude and zero mean."""
+    signal = excited([0.1, 0.2, 0.01, 0.0], 1000, kind=kind, amplitude=0.7, period=0.5)
+    np.testing.assert_allclose(signal[:499], signal[500:999], atol=1e-9)
+    assert np.max(np.abs(signal)) == pytest.approx(0.7, rel=2e-3)
+    assert np.mean(signal) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_no_excitation_by_default() -> None:
+    """Without excitation the command is that of the feedback to the last bit."""
+    assert not np.any(excited([0.1, 0.2, 0.01, 0.0], 50, amplitude=0.7))
+
+
+@pytest.mark.parametrize("outside", [(2, -0.11), (0, 0.6), (1, 3.1)])
+def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> None:
+    """Beyond a limit nothing is added and the phase is kept."""
+    excitation = ExcitationParameters(
+        "steps", 0.5, period=0.004, tilt_limit=0.1, excursion_limit=0.5, speed_limit=3.0
+    )
+    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
+    plain = design_controller(ControllerParameters(gain=GAIN))
+    memory, inside, beyond = memory_of(), np.zeros(4), np.zeros(4)
+    beyond[outside[0]] = outside[1]
+    states = [inside, beyond, beyond, beyond, inside, inside, inside]
+    added = [
+        control(memory, x, 0.0, feedback) - control(memory_of(), x, 0.0, plain) for x in states
+    ]
+    assert added == pytest.approx([0.5, 0.0, 0.0, 0.0, 0.5, -0.5, -0.5])
+
+
+def test_excitation_stays_within_the_limits_of_the_command() -> None:
+    """It also does not drive a fallen pendulum."""
+    excitation = ExcitationParameters("steps", 50.0, tilt_limit=3.0)
+    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
+    assert control(memory_of(), np.zeros(4), 0.0, feedback) == 10.0
+    assert control(memory_of(False), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0
+
+
+def test_open_loop_drives_a_hanging_pendulum() -> None:
+    """The signal alone at any pendulum angle, within its limits, and only while enabled."""
+    excitation = ExcitationParameters("steps", 0.5, speed_limit=3.0)
+    feedback = design_controller(
+        ControllerParameters(mode="open_loop", gain=GAIN, excitation=excitation)
+    )
+    hanging, fast = np.array([0.5, 1.0, np.pi, 2.0]), np.array([0.0, 3.1, np.pi, 0.0])
+    assert control(memory_of(False), hanging, 0.2, feedback) == 0.5
+    assert control(memory_of(False), fast, 0.2, feedback) == 0.0
+    assert control(memory_of(False), hanging, 0.2, feedback._replace(enabled=False)) == 0.0
+
+
+def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
+    """After open loop the pendulum must be caught, as after a fall."""
+    memory, tilted = memory_of(), [0, 0, 0.5, 0]
+    driven(memory, [tilted], CATCHING._replace(mode="open_loop"))
+    assert driven(memory, [tilted, *[UPRIGHT] * 6, tilted]) == [False] * 6 + [True, True]
+
+
+def test_off() -> None:
+    """Mode off gives 0 V, also with excitation."""
+    excitation = ExcitationParameters("steps", 0.5)
+    off = design_controller(ControllerParameters(mode="off", excitation=excitation))
+    assert control(memory_of(), np.array([1, 1, 0.1, 1]), 0.2, off) == 0.0

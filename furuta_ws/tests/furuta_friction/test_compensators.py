@@ -1,0 +1,192 @@
+"""Friction estimates: always bounded, and exact for an exact model."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+from math import nan
+
+import numpy as np
+import pytest
+import reference
+from scipy.integrate import solve_ivp
+
+from furuta_friction.compensation import (
+    COMPENSATIONS,
+    MEMORY,
+    Compensator,
+    ObserverParameters,
+    design_compensator,
+    estimate_friction,
+    largest_estimate,
+)
+from furuta_model.friction.parameters import Friction
+
+DT = 1e-3
+
+
+def signals(v: float, phi: float = 0.0, observed: float = nan) -> np.ndarray:
+    """An estimate (5,) with arm speed, arm angle and observed friction."""
+    return np.array([phi, v, 0.0, 0.0, observed])
+
+
+def compensators(**parameters: object) -> dict[str, Compensator]:
+    """One compensator of each kind."""
+    return {
+        kind: design_compensator(ObserverParameters(compensation=kind, **parameters))
+        for kind in COMPENSATIONS
+    }
+
+
+def test_none_and_coulomb() -> None:
+    """None is 0 V; Coulomb is α₀ sgn(v) with asymmetry and viscous part, 0 at v = 0."""
+    lugre = Friction(alpha0=0.2, asymmetry=0.1, viscous=0.5)
+    by_kind = compensators(friction=lugre)
+    for v, expected in ((2.0, 0.22 + 1.0), (1e-9, 0.22), (0.0, 0.0), (-2.0, -0.18 - 1.0)):
+        x = signals(v, phi=0.3)
+        assert estimate_friction(np.zeros(MEMORY), x, by_kind["coulomb"]) == pytest.approx(expected)
+        assert estimate_friction(np.zeros(MEMORY), x, by_kind["none"]) == 0.0
+
+
+@pytest.mark.parametrize("kind", COMPENSATIONS)
+def test_bounded_for_any_motion(kind: str) -> None:
+    """No speed, noise, step, K or Γ drives ẑ or F̂ beyond the limits of the parameters."""
+    rng = np.random.default_rng(14)
+    for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
+        lugre = Friction(viscous=0.1, asymmetry=asymmetry)
+        factor = 3.0 if kind == "adaptive" else 1.0
+        bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
+        observer = compensators(
+            friction=lugre, observer_gain=gain, adaptation_gain=abs(gain), sample_time=dt
+        )[kind]
+        memory = np.zeros(MEMORY)
+        for _ in range(500):
+            v = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-6, 3)
+            observed = rng.choice([nan, rng.normal(0, 10)])
+            estimate = estimate_friction(memory, signals(v, rng.normal(0, 10), observed), observer)
+            assert abs(estimate) <= bound + lugre.viscous * abs(v)
+            assert abs(estimate) <= largest_estimate(v, observer) * (1 + 1e-9)
+            assert abs(lugre.sigma0 * memory[0]) <= bound
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_converges_to_the_true_bristle(dt: float) -> None:
+    """Without model error an initial error of ẑ decays, and F̂ is the F of (5)."""
+    lugre = Friction(viscous=0.1, asymmetry=0.2)
+    observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
+    memory, z = np.array([-0.0025, 0.0, 0.0]), 0.0025
+    for v in 0.6 * np.sin(np.arange(0.01, 3, dt)):
+        rate = lugre.sigma0 * abs(v) / reference.level(v, lugre)
+        slope = [[-rate]]
+        z = solve_ivp(
+            lambda _, y, v=v, rate=rate: v - rate * y,
+            (0, dt),
+            [z],
+            method="Radau",
+            jac=slope,
+            rtol=1e-9,
+            atol=1e-14,
+        ).y[0, -1]
+        estimate = estimate_friction(memory, signals(v, phi=0.5), observer)
+    assert memory[0] == pytest.approx(z, rel=1e-6)
+    force = lugre.sigma0 * z + lugre.sigma1 * (v - rate * z) + lugre.viscous * v
+    assert estimate == pytest.approx(force, rel=1e-5)
+
+
+def test_correction_moves_towards_the_reference() -> None:
+    """At v = 0 K moves ẑ by −Kφt, up to the level; while sliding F̂ settles at g(1 − Kφ/v)."""
+    lugre = Friction(alpha1=0.0)
+    observer = compensators(friction=lugre, observer_gain=0.01, sample_time=DT)["lugre"]
+    memory, resting = np.zeros(MEMORY), signals(0.0, phi=0.2)
+    for _ in range(100):
+        estimate_friction(memory, resting, observer)
+    assert memory[0] == pytest.approx(-0.01 * 0.2 * 0.1)
+    for _ in range(5000):
+        estimate = estimate_friction(memory, resting, observer)
+    assert memory[0] == pytest.approx(-0.21 / 80)
+    assert estimate == pytest.approx(-0.21)
+
+    sliding = signals(0.1, phi=0.2)
+    for _ in range(2000):
+        estimate = estimate_friction(memory, sliding, observer)
+    assert estimate == pytest.approx(0.21 * (1 - 0.01 * 0.2 / 0.1))
+
+
+def test_observer_has_converged_at_a_switch() -> None:
+    """The observer runs with every kind: after a switch F̂ is as if it had always been used."""
+    rng = np.random.default_rng(15)
+    by_kind = compensators()
+    kept, switched = np.zeros(MEMORY), np.zeros(MEMORY)
+    kinds = ("none", "coulomb", "stiction", "lugre")
+    for k, x in enumerate(rng.normal(0, 0.1, (400, 5))):
+        kind = kinds[k // 100]
+        expected = estimate_friction(kept, x, by_kind["lugre"])
+        found = estimate_friction(switched, x, by_kind[kind])
+        assert np.array_equal(kept, switched)
+        assert kind != "lugre" or found == expected
+
+
+def test_adaptive_starts_from_the_estimate_of_lugre() -> None:
+    """A switch between the two does not change F̂: same ẑ, factor 1."""
+    by_kind = compensators()
+    memory = np.zeros(MEMORY)
+    for v in 0.3 * np.sin(np.arange(500) * 0.01):
+        estimate_friction(memory, signals(v, observed=0.3), by_kind["lugre"])
+    other = memory.copy()
+    after = signals(v, observed=0.3)
+    assert estimate_friction(memory, after, by_kind["lugre"]) == pytest.approx(
+        estimate_friction(other, after, by_kind["adaptive"]), rel=1e-12
+    )
+
+
+def test_stiction() -> None:
+    """Coulomb while sliding; at rest the observed friction, up to breakaway in its direction."""
+    lugre = Friction(alpha0=0.2, alpha1=0.1, stribeck_velocity=0.05, asymmetry=0.1, viscous=0.5)
+    compensator = compensators(friction=lugre)["stiction"]
+
+    def estimate(v: float, observed: float) -> float:
+        return estimate_friction(np.zeros(MEMORY), signals(v, observed=observed), compensator)
+
+    assert estimate(0.06, -5.0) == pytest.approx(0.2 * 1.1 + 0.5 * 0.06)
+    assert estimate(0.04, 0.15) == 0.15
+    assert estimate(-0.04, 5.0) == pytest.approx(0.3 * 1.1)
+    assert estimate(0.0, -5.0) == pytest.approx(-0.3 * 0.9)
+    assert estimate(0.0, nan) == 0.0
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_adaptation_finds_the_levels_of_both_directions(dt: float) -> None:
+    """From half and twice the level, F̂ converges to the observed friction in each direction."""
+    true = Friction(alpha0=0.3, alpha1=0.03, asymmetry=0.25)
+    for level in (0.15, 0.6):
+        wrong = Friction(alpha0=level, alpha1=0.1 * level)
+        compensator = compensators(friction=wrong, observer_gain=0.0, sample_time=dt)["adaptive"]
+        observer = compensators(friction=true, observer_gain=0.0, sample_time=dt)["lugre"]
+        memory, true_memory = np.zeros(MEMORY), np.zeros(MEMORY)
+        for v in 0.6 * np.sin(np.arange(0, 20, dt)):
+            observed = estimate_friction(true_memory, signals(v), observer)
+            estimate_friction(memory, signals(v, observed=observed), compensator)
+        assert level * (1 + memory[1]) == pytest.approx(0.3 * 1.25, rel=0.02)
+        assert level * (1 + memory[2]) == pytest.approx(0.3 * 0.75, rel=0.02)
+
+
+def test_adaptation_needs_motion_and_observed_friction() -> None:
+    """At rest, or without observed friction, the levels do not change."""
+    compensator = compensators()["adaptive"]
+    memory = np.zeros(MEMORY)
+    for v, observed in ((0.0, 1.0), (0.5, nan)):
+        for _ in range(100):
+            estimate_friction(memory, signals(v, observed=observed), compensator)
+        assert memory[1:].tolist() == [0.0, 0.0]
+
+
+def test_estimate_is_continuous_at_a_reversal() -> None:
+    """In a slow reversal the F̂ of LuGre is continuous; that of Coulomb jumps by two levels."""
+    by_kind = compensators()
+    largest = {}
+    for kind in ("coulomb", "lugre"):
+        memory = np.zeros(MEMORY)
+        speeds = 0.2 * np.cos(np.arange(0, 3, DT))
+        series = [estimate_friction(memory, signals(v), by_kind[kind]) for v in speeds]
+        largest[kind] = max(abs(after - before) for before, after in pairwise(series[500:]))
+    assert largest["coulomb"] == pytest.approx(0.42)
+    assert largest["lugre"] < 0.01

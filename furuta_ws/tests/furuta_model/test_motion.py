@@ -1,0 +1,129 @@
+"""Integration of the plant over a sample, compared with an implicit solver."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+
+from furuta_model.friction.laws import friction_law
+from furuta_model.friction.parameters import Friction
+from furuta_model.integration import advance, substeps_for
+from furuta_model.pendulum import FurutaPendulum, energy
+
+BODY = FurutaPendulum()
+DT = 1e-3
+
+
+def advanced(
+    start: list[float],
+    torque: float,
+    seconds: float,
+    lugre: Friction,
+    dt: float = DT,
+    finer: int = 1,
+) -> np.ndarray:
+    """States (n + 1, 5) at every sample, with ``finer`` times the usual number of substeps."""
+    x, law = np.array(start), friction_law("lugre", lugre)
+    states = [x.copy()]
+    for _ in range(round(seconds / dt)):
+        advance(x, torque, dt, finer * substeps_for(dt, BODY, lugre), BODY, law)
+        states.append(x.copy())
+    return np.array(states)
+
+
+@pytest.mark.parametrize("lugre", [Friction(), Friction(viscous=0.02, asymmetry=0.3)])
+def test_stick_and_slip_match_the_implicit_solver(lugre: Friction) -> None:
+    """A hanging pendulum moves the arm through slips and stops; 3 s end where Radau ends."""
+    start = [0.0, 0.0, np.pi - 1.5, 0.0, 0.0]
+    states = advanced(start, 0.05, 3.0, lugre)
+    moving = np.abs(states[:, 1]) > 0.05
+    assert 0.1 < moving.mean() < 0.9
+    expected = reference.plant_after(np.array(start), 0.05, 3.0, BODY, lugre)
+    assert states[-1, :4] == pytest.approx(expected[:4], abs=1e-3)
+    assert lugre.sigma0 * states[-1, 4] == pytest.approx(lugre.sigma0 * expected[4], abs=1e-3)
+
+
+def test_second_order() -> None:
+    """Half the substep gives a quarter of the error."""
+    start = [0.0, 3.0, 0.4, -1.0, 0.21 / 80]
+    expected = reference.plant_after(np.array(start), 0.3, 0.2, BODY, Friction())
+    errors = [
+        np.abs(advanced(start, 0.3, 0.2, Friction(), 0.004, finer)[-1, :4] - expected[:4]).max()
+        for finer in (1, 2, 4)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(4, abs=0.8)
+    assert errors[1] / errors[2] == pytest.approx(4, abs=0.8)
+
+
+@pytest.mark.parametrize("speed", [100.0, -100.0])
+def test_bounded_at_long_samples_and_high_speed(speed: float) -> None:
+    """At 10 ms and 100 rad/s friction only dissipates energy; explicit Euler would diverge."""
+    start = [0.0, speed, 0.1, 0.0, 0.0]
+    states = advanced(start, 0.0, 20.0, Friction(), dt=0.01)
+    energies = np.array([energy(x, BODY) for x in states])
+    assert np.all(np.isfinite(states))
+    assert energies[-1] < 0.2 * energies[0]
+    assert energies.max() < 1.01 * energies[0]
+    assert 80 * np.abs(states[:, 4]).max() < 0.232 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-2])
+def test_full_drive_stays_finite(dt: float) -> None:
+    """Ten seconds at 10 V end fast but finite, with no more energy than the drive supplied."""
+    start = [0.0, 0.0, 0.05, 0.0, 0.0]
+    states = advanced(start, 10.0, 10.0, Friction(), dt)
+    assert np.all(np.isfinite(states))
+    gained = energy(states[-1], BODY) - energy(states[0], BODY)
+    assert gained < 10.0 * states[-1, 0]
+
+
+@pytest.mark.parametrize("sigma1", [1.5, 20.0])
+def test_stiff_bristle(sigma1: float) -> None:
+    """With σ₀ = 1e5 the usual substeps still follow the motion of a stuck arm."""
+    lugre = Friction(sigma0=1e5, sigma1=sigma1)
+    start = [0.0, 0.0, 0.05, 0.0, 0.0]
+    states = advanced(start, 0.1, 0.4, lugre)
+    expected = reference.plant_after(np.array(start), 0.1, 0.4, BODY, lugre)
+    assert np.abs(states[:, 0]).max() < 1e-4  # it is stuck
+    assert states[-1, 2:4] == pytest.approx(expected[2:4], rel=1e-4)
+    assert lugre.sigma0 * states[-1, 4] == pytest.approx(lugre.sigma0 * expected[4], abs=1e-3)
+
+
+def test_substeps_resolve_the_stuck_arm() -> None:
+    """The fastest eigenvalue of the stuck plant times the substep is below a quarter."""
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        lugre = Friction(
+            sigma0=10 ** rng.uniform(-3, 6),
+            sigma1=rng.choice([0, 10 ** rng.uniform(-2, 3)]),
+            viscous=rng.choice([0, 10 ** rng.uniform(-3, 2)]),
+        )
+        dt = 10 ** rng.uniform(-5, -1)
+        steps = substeps_for(dt, BODY, lugre)
+        h = 1e-7
+        columns = [
+            np.subtract(
+                reference.plant_rate(0, e, 0.0, BODY, lugre),
+                reference.plant_rate(0, -e, 0.0, BODY, lugre),
+            )
+            / (2 * h)
+            for e in h * np.eye(5)
+        ]
+        fastest = np.abs(np.linalg.eigvals(np.transpose(columns))).max()
+        assert fastest * dt / steps < 0.26
+
+
+def test_energy_without_friction() -> None:
+    """Motion without friction conserves energy to the order of the integrator."""
+    states = advanced([0.0, 2.0, 0.3, -1.0, 0.0], 0.0, 5.0, Friction(alpha0=0.0, alpha1=0.0))
+    energies = np.array([energy(x, BODY) for x in states])
+    assert np.ptp(energies) < 1e-3 * np.ptp(BODY.delta * np.cos(states[:, 2]))
+
+
+def test_friction_dissipates_energy() -> None:
+    """Sliding at constant friction dissipates F times the distance."""
+    lugre = Friction(alpha1=0.0)
+    states = advanced([0.0, 5.0, np.pi, 0.0, 0.21 / 80], 0.0, 0.1, lugre)
+    lost = energy(states[0], BODY) - energy(states[-1], BODY)
+    assert lost == pytest.approx(0.21 * (states[-1, 0] - states[0, 0]), rel=1e-3)

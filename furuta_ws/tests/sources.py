@@ -1,0 +1,59 @@
+"""Where the sources of the workspace are, and what each file of them imports."""
+
+from __future__ import annotations
+
+import ast
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = ROOT / "furuta_ws" / "src"
+TESTS = ROOT / "furuta_ws" / "tests"
+PACKAGES = sorted(path.name for path in SOURCES.iterdir())
+
+
+def modules(package: str) -> list[Path]:
+    """The modules of a package."""
+    return sorted((SOURCES / package / package).rglob("*.py"))
+
+
+def imports(file: Path) -> set[str]:
+    """Top-level names of the packages that a file imports."""
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names.add(node.module.partition(".")[0])
+    return names
+
+
+def manifest(package: str) -> ET.Element:
+    """The package.xml of a package."""
+    return ET.parse(SOURCES / package / "package.xml").getroot()
+
+
+def keys(package: str, *tags: str) -> set[str]:
+    """The dependencies that a package.xml declares with these tags."""
+    return {element.text or "" for tag in tags for element in manifest(package).findall(tag)}
+
+
+def setup_arguments(package: str) -> dict[str, object]:
+    """The constant arguments of ``setup()`` in a package's setup.py."""
+    tree = ast.parse((SOURCES / package / "setup.py").read_text())
+    (call,) = (
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
+    )
+    return {
+        keyword.arg: ast.literal_eval(keyword.value)
+        for keyword in call.keywords
+        if keyword.arg in SETUP_CONSTANTS
+    }
+
+
+SETUP_CONSTANTS = {
+    *("version", "description", "license", "url", "extras_require"),
+    *("author", "author_email", "maintainer", "maintainer_email"),
+}

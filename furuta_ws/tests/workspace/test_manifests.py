@@ -1,0 +1,59 @@
+"""What a ROS package carries: a valid package.xml, its metadata, licence and changelog."""
+
+from __future__ import annotations
+
+import pytest
+from catkin_pkg.package import Package, parse_package
+from sources import PACKAGES, ROOT, SOURCES, setup_arguments
+
+
+def parsed(package: str) -> Package:
+    """The package.xml as ROS tools read it; raises an error if it is not valid."""
+    return parse_package(str(SOURCES / package), warnings=[])
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_manifest_is_valid(package: str) -> None:
+    """Format 3, without errors or warnings, named as its folder."""
+    warnings: list[str] = []
+    manifest = parse_package(str(SOURCES / package), warnings=warnings)
+    assert (manifest.name, manifest.package_format, warnings) == (package, 3, [])
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_setup_has_the_metadata_of_the_manifest(package: str) -> None:
+    """Description, version, licence, address, author and maintainer are the same in both."""
+    manifest, given = parsed(package), setup_arguments(package)
+    (url,), (author,), (maintainer,) = manifest.urls, manifest.authors, manifest.maintainers
+    del given["extras_require"]
+    assert given == {
+        "version": manifest.version,
+        "description": manifest.description,
+        "license": manifest.licenses[0],
+        "url": url.url,
+        "author": author.name,
+        "author_email": author.email,
+        "maintainer": maintainer.name,
+        "maintainer_email": maintainer.email,
+    }
+
+
+def test_packages_have_the_same_version_and_address() -> None:
+    """They are released together."""
+    manifests = [parsed(package) for package in PACKAGES]
+    assert len({(each.version, each.urls[0].url, each.authors[0].name) for each in manifests}) == 1
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_licence_is_the_one_of_the_workspace(package: str) -> None:
+    """A copy, because a package is also released alone."""
+    assert (SOURCES / package / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_changelog_is_in_the_ros_form(package: str) -> None:
+    """ROS release tools replace the first heading, ``Forthcoming``, by version and date."""
+    title = f"Changelog for package {package}"
+    line = "^" * len(title)
+    text = (SOURCES / package / "CHANGELOG.rst").read_text()
+    assert text.startswith(f"{line}\n{title}\n{line}\n\nForthcoming\n-----------\n* ")
