@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -9,6 +10,13 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from furuta_ros.errors import UserError, first_line
+
+_arguments: list[str] = []
+
+
+def ros_arguments() -> list[str]:
+    """The command-line arguments that ROS was started with."""
+    return _arguments
 
 
 @contextmanager
@@ -25,6 +33,7 @@ def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> It
     given = None if arguments is None else list(arguments)
     if namespace:
         given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
+    _arguments[:] = sys.argv if given is None else given
     try:
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises types here that it does not export
