@@ -1,7 +1,11 @@
+import shlex
+import sys
 from glob import glob
 
 from setuptools import find_packages, setup
 
+# Executables start with SIGINT blocked until they have a handler for it (process_start.py).
+INTERPRETER = f"/usr/bin/env -S --block-signal=INT {shlex.quote(sys.executable)}"
 NAME = "furuta_bringup"
 
 setup(
@@ -26,5 +30,6 @@ setup(
             "graph = furuta_bringup.graph:main",
         ]
     },
+    options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

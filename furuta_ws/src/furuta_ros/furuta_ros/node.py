@@ -40,6 +40,10 @@ class FurutaNode(Node, Generic[Group]):
         self._declared.on_change(apply)
         apply(self.parameters)
 
+    def start_up(self) -> str:
+        """Do what is left when the node is about to spin; returns why it is not ready, if so."""
+        return ""
+
     def publish_on(self, topic: Topic) -> Publisher:
         """A publisher on a topic of the graph."""
         return self.create_publisher(topic.type, topic.name, QOS)

@@ -90,6 +90,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if goal != "unconfigured" and self.trigger_configure() == SUCCESS and goal == "active":
             self.trigger_activate()
 
+    def start_up(self) -> str:
+        """Enter the state of ``autostart``; returns why that failed, if so."""
+        self.start()
+        goal = self.parameters.autostart
+        return "" if self.state == goal else f"{self.state} instead of {goal}: {self.failure}"
+
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the line; the rig sends samples from now on."""
         parameters = self.parameters
