@@ -8,7 +8,6 @@ import sys
 
 import click
 
-from furuta_model.interrupts import interrupts_raised
 from furuta_model.parameters import ParameterError
 from furuta_model.process_start import INTERRUPTED, exit_on_interrupt
 from furuta_ros.errors import UserError
@@ -85,8 +84,7 @@ def run_command(command: click.Command, name: str) -> None:
     """
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
-        with interrupts_raised():
-            status = command.main(prog_name=name, standalone_mode=False)
+        status = command.main(prog_name=name, standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         status = error.exit_code

@@ -10,13 +10,17 @@ import ctypes
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from types import FrameType
 
 # Exit status of a process that Ctrl-C has ended: 128 + SIGINT.
 INTERRUPTED = 128 + signal.SIGINT
 
+STDERR = 2
+# Ends the line with ^C, and shows the cursor again that a progress bar hides.
+SHOW_CURSOR = b"\n\x1b[?25h"
 # Environment variable in which a parent gives its process id to a child that is to end with it.
 PARENT = "FURUTA_PARENT"
 # Of prctl(2): the signal that a process receives when its parent ends.
@@ -33,12 +37,23 @@ def run_entry(entry: str) -> None:
 
 
 def exit_on_interrupt() -> None:
-    """Let Ctrl-C end the process at once, with status 130 and nothing to clean up.
+    """Let Ctrl-C end the process at once, with status 130.
 
-    It is for the time in which modules are imported: KeyboardInterrupt would end there in a
-    traceback, or get lost in a library.
+    KeyboardInterrupt can arrive in a library that prints a traceback, forgets it or crashes. All
+    files are written so that a kill does no harm. What must clean up uses
+    :func:`interrupt_raised`.
     """
     set_interrupt_handler(_exit)
+
+
+@contextmanager
+def interrupt_raised() -> Iterator[None]:
+    """Inside the ``with`` block Ctrl-C raises KeyboardInterrupt, so that a rig is left at 0 V."""
+    set_interrupt_handler(signal.default_int_handler)
+    try:
+        yield
+    finally:
+        exit_on_interrupt()
 
 
 def set_interrupt_handler(handler: Callable[[int, FrameType | None], object]) -> None:
@@ -48,6 +63,8 @@ def set_interrupt_handler(handler: Callable[[int, FrameType | None], object]) ->
 
 
 def _exit(number: int, frame: FrameType | None) -> None:
+    if os.isatty(STDERR):
+        os.write(STDERR, SHOW_CURSOR)
     os._exit(INTERRUPTED)
 
 

@@ -28,6 +28,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig
+from furuta_ros.discovery import describe_discovery, reaches_network
 from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
@@ -143,6 +144,11 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
         if self.state != "active" or self.guarded_rig is None:
             return f"the bridge is {self.state}, must be active"
+        if reaches_network() and not self.parameters.network_commands:
+            return (
+                f"other machines can send commands: discovery is {describe_discovery()}; set "
+                "the parameter network_commands to allow it"
+            )
         reason = self.guarded_rig.arm()
         if not reason:
             self.get_logger().info("armed")
