@@ -23,6 +23,7 @@ setup(
         (f"share/{NAME}/launch", glob("launch/*")),
         (f"share/{NAME}/config", glob("config/*.yaml")),
         (f"share/{NAME}/config/rigs", glob("config/rigs/*.yaml")),
+        (f"share/{NAME}/config/security", glob("config/security/*")),
     ],
     entry_points={
         "console_scripts": [

@@ -109,4 +109,4 @@ def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)
-    return f"{text}; see {context.command_path} --help" if context else text
+    return f"{text} (see {context.command_path} --help)" if context else text

@@ -79,7 +79,7 @@ class _Parser(argparse.ArgumentParser):
     """Reports wrong usage in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+        self.exit(2, f"error: {message} (see {self.prog} --help)\n")
 
 
 def _make_rig(options: argparse.Namespace) -> RunningRig:
