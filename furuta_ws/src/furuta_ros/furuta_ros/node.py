@@ -9,6 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
+from furuta_ros.errors import UserError, first_line
 from furuta_ros.messages import RefusedError
 from furuta_ros.parameters import NodeParameters
 from furuta_ros.topics import QOS, Topic
@@ -23,7 +24,10 @@ class FurutaNode(Node, Generic[Group]):
     """A node with a declared group of parameters and validated subscriptions."""
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
-        super().__init__(name, parameter_overrides=list(overrides))
+        try:
+            super().__init__(name, parameter_overrides=list(overrides))
+        except RuntimeError as error:  # of ROS below Python, such as missing security libraries
+            raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
         self.refused = 0
         self._declared = NodeParameters(self, group)
 
