@@ -268,6 +268,7 @@ def test_bad_parameter_file_is_one_line(
     [
         (["--params-file", "missing.yaml"], "missing.yaml"),
         (["-p", "seeed:=1"], "no parameter seeed"),
+        (["--bogus"], "unknown arguments ['--bogus']"),
         (["-p", "friction.sigma0:=-1.0"], "sigma0"),
         (["-p", "friction.sigma0:=.nan"], "sigma0"),
         (["-p", "model.alpha:=.nan"], "alpha must be finite"),

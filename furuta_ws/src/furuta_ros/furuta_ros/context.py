@@ -40,7 +40,8 @@ def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> It
     try:
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises types here that it does not export
-        raise UserError(f"cannot start ROS: {first_line(error)}") from None
+        unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
+        raise UserError(f"cannot start ROS: {unknown}{first_line(error)}") from None
     log = rclpy.logging.get_logger("discovery")
     (log.info if reaches_network() else log.debug)(describe_discovery())
     try:
