@@ -1,7 +1,11 @@
+import shlex
+import sys
 from glob import glob
 
 from setuptools import find_packages, setup
 
+# Executables start with SIGINT blocked until they have a handler for it (process_start.py).
+INTERPRETER = f"/usr/bin/env -S --block-signal=INT {shlex.quote(sys.executable)}"
 NAME = "furuta_bringup"
 
 setup(
@@ -22,6 +26,7 @@ setup(
         (f"share/{NAME}/launch", glob("launch/*")),
         (f"share/{NAME}/config", glob("config/*.yaml")),
         (f"share/{NAME}/config/rigs", glob("config/rigs/*.yaml")),
+        (f"share/{NAME}/config/security", glob("config/security/*")),
     ],
     entry_points={
         "console_scripts": [
@@ -30,5 +35,6 @@ setup(
         ]
     },
     extras_require={"test": ["pytest", "distributed"]},
+    options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

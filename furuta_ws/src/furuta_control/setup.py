@@ -1,5 +1,10 @@
+import shlex
+import sys
+
 from setuptools import find_packages, setup
 
+# Executables start with SIGINT blocked until they have a handler for it (process_start.py).
+INTERPRETER = f"/usr/bin/env -S --block-signal=INT {shlex.quote(sys.executable)}"
 NAME = "furuta_control"
 
 setup(
@@ -20,10 +25,11 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "estimator = furuta_control.estimator_node:main",
-            "controller = furuta_control.controller_node:main",
+            "estimator = furuta_control.executables:estimator",
+            "controller = furuta_control.executables:controller",
         ]
     },
     extras_require={"test": ["pytest"]},
+    options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

@@ -1,5 +1,10 @@
+import shlex
+import sys
+
 from setuptools import find_packages, setup
 
+# Executables start with SIGINT blocked until they have a handler for it (process_start.py).
+INTERPRETER = f"/usr/bin/env -S --block-signal=INT {shlex.quote(sys.executable)}"
 NAME = "furuta_friction"
 
 setup(
@@ -20,9 +25,10 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "friction_observer = furuta_friction.friction_observer_node:main",
+            "friction_observer = furuta_friction.executables:friction_observer",
         ]
     },
     extras_require={"test": ["pytest"]},
+    options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

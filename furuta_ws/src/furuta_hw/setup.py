@@ -1,5 +1,10 @@
+import shlex
+import sys
+
 from setuptools import find_packages, setup
 
+# Executables start with SIGINT blocked until they have a handler for it (process_start.py).
+INTERPRETER = f"/usr/bin/env -S --block-signal=INT {shlex.quote(sys.executable)}"
 NAME = "furuta_hw"
 
 setup(
@@ -20,10 +25,11 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "hardware_bridge = furuta_hw.bridge.bridge_node:main",
-            "rig_emulator = furuta_rig.emulator.rig_emulator:main",
+            "hardware_bridge = furuta_hw.executables:hardware_bridge",
+            "rig_emulator = furuta_hw.executables:rig_emulator",
         ]
     },
     extras_require={"test": ["pytest"]},
+    options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

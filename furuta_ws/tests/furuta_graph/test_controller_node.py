@@ -11,6 +11,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from testbench import Bench, joint_state
 
+from furuta_control.control import POLE_PLACEMENT
 from furuta_control.controller_node import ControllerNode
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.linear import DesiredPoles, place_poles
@@ -133,10 +134,17 @@ def test_gain_and_poles_by_service(loop: Loop) -> None:
         client.set("controller", gain=[1.0, 2.0])
     with pytest.raises(ServiceError, match="catch_angle"):
         client.set("controller", catch_angle=0.9)
-    for nonsense in (5.0, "abc", True):
-        with pytest.raises(ServiceError, match="gain must be a"):
+    for nonsense in (5.0, "abc", "", True, ["a"]):
+        with pytest.raises(ServiceError, match=r"gain: Wrong parameter type, .*DOUBLE_ARRAY"):
             client.set("controller", gain=nonsense)
     assert loop.node.parameters.gain == (1.0, 2.0, 3.0, 4.0)
+    client.set("controller", gain=[4, 3, 2, 1])
+    assert loop.node.parameters.gain == (4.0, 3.0, 2.0, 1.0)
+    for pole_placement in ([], [0.0], [0]):
+        client.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
+        client.set("controller", gain=pole_placement)
+        assert loop.node.parameters.gain == POLE_PLACEMENT
+        assert list(client.get("controller", ["gain"])["gain"]) == [0.0]
     client.set("controller", enabled=False)
     loop.state(2)
     loop.estimate(0.2)

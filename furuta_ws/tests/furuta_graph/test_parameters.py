@@ -45,6 +45,22 @@ class Outer(NamedTuple):
     on: Annotated[bool, About("switch")] = False
 
 
+def test_an_empty_list_is_the_default() -> None:
+    """ROS cannot know the type of an empty list, so no parameter has one as its value."""
+    assert build(ControllerParameters, {"gain": []}) == ControllerParameters()
+    lists = [each for _, each in ALL if each.kind is list]
+    assert [each.default for each in lists] == [(0.0,)]
+
+
+def test_messages_shorten_what_was_given() -> None:
+    """A value of millions of characters, from a message or a file, does not fill the log."""
+    long = "x" * 5_000_000
+    for given in ({"mode": long}, {"gain": [long] * 3}, {"gain": [1.0] * 10**6}):
+        with pytest.raises(ParameterError) as caught:
+            build(ControllerParameters, given)
+        assert len(str(caught.value)) < 300
+
+
 def test_names_of_nested_groups() -> None:
     """A nested group adds its field's name, an inline one does not."""
     expected = ["named.gain", "named.taps", *Friction._fields, "on"]
@@ -143,10 +159,12 @@ def test_choices(node: str, each: Declared) -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"gain": [1.0, 2.0, 3.0]}, "gain must be empty or four numbers .* given 3"),
+        ({"gain": [1.0, 2.0, 3.0]}, r"gain must be four numbers .* given \[1.0, 2.0, 3.0\]"),
         ({"gain": [1.0, 2.0, 3.0, math.nan]}, "gain must be finite, given nan"),
         ({"gain": [1.0, 2.0, 3.0, "4"]}, "gain must be a number, given '4'"),
-        ({"gain": "1234"}, "gain must be a number, given '1'"),
+        ({"gain": "1234"}, "gain must be a list of numbers, given '1234'"),
+        ({"gain": ""}, "gain must be a list of numbers, given ''"),
+        ({"gain": [1.0]}, r"or \[0.0\] for pole placement, given \[1.0\]"),
         ({"model.gamma": 0.0204}, r"alpha \* beta must exceed .* gamma = 0\.0204"),
         ({"catch_angle": 0.8}, r"catch_angle must not exceed fall_angle, given 0\.8 > 0\.7"),
         ({"fall_angle": 0.1}, r"catch_angle must not exceed fall_angle, given 0\.2 > 0\.1"),

@@ -145,3 +145,19 @@ def test_a_bad_command_stops_the_rig_until_it_is_armed_again(
     assert arm(bench, armed=False) == (True, "disarmed")
     assert (node.guard.armed, node.guard.stops) == (False, 2)
     assert node.guard.reason == "disarmed by request"
+
+
+@pytest.mark.parametrize("allowed", [False, True])
+def test_commands_from_the_network(
+    bench: Bench, permissive_rig: str, monkeypatch: pytest.MonkeyPatch, allowed: bool
+) -> None:
+    """A bridge that other machines can discover is armed only if that was asked for."""
+    node = bridge(bench, rig=permissive_rig, autostart="active", network_commands=allowed)
+    Loop(bench, 0.0)
+    spin_samples(bench, node, 10)
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    success, message = arm(bench)
+    assert success == allowed, message
+    assert ("other machines can send commands" in message) != allowed
+    assert ("set the parameter network_commands" in message) != allowed
+    assert node.guard.armed == allowed

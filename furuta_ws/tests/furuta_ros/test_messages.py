@@ -45,6 +45,14 @@ def test_wrong_joint_names_are_rejected(names: list[str]) -> None:
         read(joint_state(STATE, 0, names))
 
 
+@pytest.mark.parametrize("names", [["arm", "x" * 5_000_000], ["x" * 50] * 100_000])
+def test_the_reason_is_short(names: list[str]) -> None:
+    """Whatever a message holds, what is logged about it is a line that can be read."""
+    with pytest.raises(RefusedError) as caught:
+        read(joint_state(STATE, 0, names))
+    assert len(str(caught.value)) < 1000
+
+
 @pytest.mark.parametrize("field", ["position", "velocity"])
 @pytest.mark.parametrize(
     "values", [[], [0.0], [0.0, 0.0, 0.0], [nan, 0.0], [0.0, inf], [-inf, inf], [0.0, 1e300]]

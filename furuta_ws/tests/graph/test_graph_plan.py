@@ -120,7 +120,7 @@ def test_namespaces(given: str, full: str) -> None:
 
 
 def test_parameters_of_a_process_are_types_that_ros_knows() -> None:
-    """Numbers, text, truth values, and lists that are not empty; text is quoted."""
+    """Numbers, text, truth values, and lists of numbers; text is quoted."""
     graph = plan_graph(GraphOptions(hardware=True, port="1"), assignments=["gain=[1, 2, 3, 4]"])
     for process in node_processes(graph):
         for value in process.parameters.values():
@@ -128,7 +128,7 @@ def test_parameters_of_a_process_are_types_that_ros_knows() -> None:
     bridge, _, _, controller = node_processes(graph)
     assert 'port:="1"' in bridge.parameter_arguments
     assert "gain:=[1.0, 2.0, 3.0, 4.0]" in controller.parameter_arguments
-    assert "gain" not in node_processes(plan_graph(GraphOptions()))[-1].parameters
+    assert "gain:=[0.0]" in node_processes(plan_graph(GraphOptions()))[-1].parameter_arguments
 
 
 def _numbers(value: Any) -> bool:

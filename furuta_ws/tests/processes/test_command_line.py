@@ -246,6 +246,9 @@ def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
         ("plate: {ros__parameters: {seed: 1}}", "no node plate"),
         ("plant: {ros__parameters: {seeed: 1}}", "did you mean seed"),
         ("plant: {ros__parameters: {seed: -1}}", "seed must be"),
+        ("plant: {ros__parameters: {seeed: 1, clocks: 2}}", "no parameter clocks"),
+        ("plant: {ros__parameters: {}, rosparameters: {seed: 1}}", "also ['rosparameters']"),
+        ("/lab/**: {ros__parameters: {seeed: 1}}", "/** has no parameter seeed"),
     ],
 )
 def test_bad_parameter_file_is_one_line(
@@ -265,6 +268,7 @@ def test_bad_parameter_file_is_one_line(
     [
         (["--params-file", "missing.yaml"], "missing.yaml"),
         (["-p", "seeed:=1"], "no parameter seeed"),
+        (["--bogus"], "unknown arguments ['--bogus']"),
         (["-p", "friction.sigma0:=-1.0"], "sigma0"),
         (["-p", "friction.sigma0:=.nan"], "sigma0"),
         (["-p", "model.alpha:=.nan"], "alpha must be finite"),

@@ -40,7 +40,7 @@ def test_nodes_are_those_of_the_description(
     for node, about in zip(nodes, graph_nodes(controlled), strict=True):
         assert (node.name, node.package, node.executable) == about[:3]
         assert bool(node.on_exit) == about.controlled
-        wanted = {each.name for each in declared(about.parameters)} - {"gain"}
+        wanted = {each.name for each in declared(about.parameters)}
         assert set(parameters(node)) == wanted
 
 

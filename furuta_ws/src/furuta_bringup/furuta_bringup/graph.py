@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from furuta_cli.main import run_command
-from furuta_cli.verbs.run import command
+from furuta_cli.main import run_verb
 
 
 def main() -> None:
     """Entry point of the executable ``graph``, which has the arguments of ``furuta run``."""
-    run_command(command, "graph")
+    run_verb("run", "graph")

@@ -10,6 +10,7 @@ import click
 
 from furuta_cli.printing import printable
 from furuta_model.parameters import ParameterError
+from furuta_model.process_start import INTERRUPTED, exit_on_interrupt
 from furuta_ros.errors import UserError
 
 VERBS = {
@@ -34,6 +35,12 @@ VERBS = {
 }
 
 
+def _load(verb: str) -> click.Command:
+    module = importlib.import_module(f"furuta_cli.verbs.{verb.replace('-', '_')}")
+    command: click.Command = module.command
+    return command
+
+
 class Verbs(click.Group):
     """The group of all verbs; imports a verb's module only when that verb is used."""
 
@@ -45,9 +52,7 @@ class Verbs(click.Group):
         """The verb's command."""
         if cmd_name not in VERBS:
             return None
-        module = importlib.import_module(f"furuta_cli.verbs.{cmd_name.replace('-', '_')}")
-        command: click.Command = module.command
-        return command
+        return _load(cmd_name)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List all verbs without importing them."""
@@ -62,26 +67,50 @@ def furuta() -> None:
 
 def main() -> None:
     """Entry point of the executable ``furuta``."""
+    exit_on_interrupt()
     run_command(furuta, "furuta")
+
+
+def run_verb(verb: str, name: str) -> None:
+    """Run one verb as the executable ``name``."""
+    exit_on_interrupt()
+    run_command(_load(verb), name)
 
 
 def run_command(command: click.Command, name: str) -> None:
     """Run a command with the arguments of the process, and end the process.
 
-    Its exit status is 0 (done), 1 (failed, with one line on standard error) or 2 (wrong usage).
+    Its exit status is 0 (done), 1 (failed), 2 (wrong usage) or 130 (Ctrl-C). Each error is one line
+    on standard error.
     """
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
-        command(prog_name=name)
+        status = command.main(prog_name=name, standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        status = error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        status = INTERRUPTED
+    except click.ClickException as error:
+        status = _fail(_sentence(error), error.exit_code)
     except (ParameterError, UserError) as error:
-        _fail(str(error))
+        status = _fail(str(error))
     except OSError as error:
-        _fail((f"{error.filename}: " if error.filename else "") + str(error.strerror))
+        file = f"{error.filename}: " if error.filename else ""
+        status = _fail(f"{file}{error.strerror}")
     except MemoryError:
-        _fail("not enough memory")
+        status = _fail("not enough memory")
+    sys.exit(status or 0)
 
 
-def _fail(reason: str) -> None:
-    """End the process with one line on standard error."""
+def _fail(reason: str, status: int = 1) -> int:
+    """Print one line on standard error; return the exit status."""
     print(f"error: {printable(reason)}", file=sys.stderr)
-    sys.exit(1)
+    return status
+
+
+def _sentence(error: click.ClickException) -> str:
+    """What is wrong in one line, and where the usage is explained."""
+    text = " ".join(error.format_message().split()).rstrip(".")
+    context = getattr(error, "ctx", None)
+    return f"{text} (see {context.command_path} --help)" if context else text

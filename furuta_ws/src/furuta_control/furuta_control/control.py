@@ -26,7 +26,7 @@ from furuta_control.modes import balance
 from furuta_control.modes.balance import Balance
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.parameters import INLINE, About, EarlierName, ParameterError
+from furuta_model.parameters import INLINE, About, EarlierName, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 
 # Name and meaning.
@@ -44,6 +44,10 @@ BALANCE_MEMORY = 1
 MEMORY = BALANCE_MEMORY + balance.MEMORY
 
 INACTIVE = (0.0, False)
+
+# The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
+# type of an empty list, and not four zeros, because these are a gain.
+POLE_PLACEMENT = (0.0,)
 
 
 class ControllerParameters(NamedTuple):
@@ -63,8 +67,8 @@ class ControllerParameters(NamedTuple):
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
         tuple[float, ...],
-        About("explicit L of u = -Lx instead of pole placement: four numbers, or empty", "V/x"),
-    ] = ()
+        About("explicit L of u = -Lx: four numbers; [0.0]: L by pole placement", "V/x"),
+    ] = POLE_PLACEMENT
     model: FurutaPendulum = FurutaPendulum()
     voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
     fall_angle: Annotated[
@@ -96,10 +100,10 @@ class ControllerParameters(NamedTuple):
 
     def check(self) -> None:
         """Reject a gain of the wrong length, and a catch angle larger than the fall angle."""
-        if len(self.gain) not in (0, 4):
+        if len(self.gain) != 4 and self.gain != POLE_PLACEMENT:
             raise ParameterError(
-                "gain must be empty or four numbers (phi, phi_dot, theta, theta_dot), "
-                f"given {len(self.gain)}"
+                "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
+                f"placement, given {shortened(list(self.gain))}"
             )
         if self.catch_angle > self.fall_angle:
             raise ParameterError(
@@ -110,7 +114,8 @@ class ControllerParameters(NamedTuple):
     @property
     def feedback_gain(self) -> tuple[float, float, float, float]:
         """L of u = −Lx: the explicit one, or by pole placement on the nominal model, eq. (7)."""
-        gain: Iterable[float] = self.gain or place_poles(self.model, self.poles)
+        placed = self.gain == POLE_PLACEMENT
+        gain: Iterable[float] = place_poles(self.model, self.poles) if placed else self.gain
         l1, l2, l3, l4 = (float(each) for each in gain)
         return l1, l2, l3, l4
 

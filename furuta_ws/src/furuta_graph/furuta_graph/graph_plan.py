@@ -42,9 +42,8 @@ class Graph(NamedTuple):
         return graph_nodes(self.controlled, self.without)
 
     def parameters(self, node: NodeDescription) -> dict[str, Any]:
-        """All parameters of a node by name, but for empty lists, whose type ROS cannot know."""
-        every = values(build(node.parameters, self.settings[node.name]))
-        return {name: value for name, value in every.items() if value != []}
+        """All parameters of a node by name."""
+        return values(build(node.parameters, self.settings[node.name]))
 
 
 def plan_graph(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,14 +12,15 @@ from typing import Any, NamedTuple
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from furuta_graph.children import Children
 from furuta_graph.graph_plan import Graph
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
+from furuta_ros.spinning import StopSignal
 
-# Time between two checks of the processes and of what to record, and time for them to end [s].
+# Time between two checks of the processes and of what to record [s].
 CHECK_PERIOD = 0.02
-END_TIMEOUT = 5.0
 
 
 class NodeProcess(NamedTuple):
@@ -73,26 +74,28 @@ def executable(package: str, name: str) -> Path:
     return path
 
 
-def run_processes(
-    graph: Graph, stop: Callable[[], bool], record: MakeRecorder | None = None
-) -> int:
+def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = None) -> int:
     """Run a process per node until ``stop()`` or until one ends; returns the exit status.
 
-    This process records, if ``record`` is given.
+    This process records, if ``record`` is given. The status is that of the first node that failed,
+    with a line on standard error for each such node.
     """
+    started = Children()
     with _recording(record, graph.namespace) as collect:
-        children = [subprocess.Popen(each.command) for each in node_processes(graph)]
         try:
-            while not stop():
-                ended = [child for child in children if child.poll() is not None]
-                if ended:
-                    return int(any(child.returncode for child in ended))
+            for each in node_processes(graph):
+                started.start(each.name, each.command)
+            while not (stop() or started.any_has_ended()):
                 collect()
                 sleep(CHECK_PERIOD)
-            return 0
         finally:
             collect()  # the last messages of a node are lost when it ends
-            _end(children)
+            started.end()
+    failures = started.failures(stop())
+    for name in failures:
+        print(f"error: {started.describe_end(name)}", file=sys.stderr)
+    unready = stop.status if stop() and not started.all_were_ready else 0
+    return next(iter(failures.values()), unready)
 
 
 @contextmanager
@@ -107,14 +110,3 @@ def _recording(record: MakeRecorder | None, namespace: str) -> Iterator[Callable
             yield recorder.collect
         finally:
             recorder.destroy_node()
-
-
-def _end(children: list[subprocess.Popen[bytes]]) -> None:
-    for child in children:
-        child.terminate()
-    for child in children:
-        try:
-            child.wait(END_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            child.kill()
-            child.wait()

@@ -9,12 +9,10 @@ from typing import Any
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_graph.description import NODES, check_graph
 from furuta_graph.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
-from furuta_model.parameters import ParameterError, build
+from furuta_model.parameters import ParameterError, build, shortened
 from furuta_model.renamed_parameters import with_current_names
+from furuta_model.ros_parameters import is_of_ros
 from furuta_model.yaml_files import parse_yaml, read_yaml
-
-# Parameters that every ROS node has; they are not declared here.
-ROS_PARAMETERS = ("use_sim_time", "start_type_description_service")
 
 # Values that differ from the defaults, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
@@ -93,33 +91,46 @@ def read_file(file: Path) -> Settings:
     settings = default_settings()
     for key, section in content.items():
         node = _node_name(key, file)
-        if not isinstance(section, Mapping) or not isinstance(
-            section.get("ros__parameters"), Mapping
-        ):
-            raise ParameterError(f"{file}: {key} has no ros__parameters")
-        for name, value in _flat(section["ros__parameters"]):
-            if name not in ROS_PARAMETERS:
-                _set(settings, node, name, value, file)
-            elif name == "use_sim_time" and value:
-                warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
+        _set_all(settings, node, _parameters(section, key, file), file)
     return settings
+
+
+def _parameters(section: Any, key: Any, file: Path) -> dict[str, Any]:
+    """The parameters of a section by full name."""
+    if not isinstance(section, Mapping) or not isinstance(section.get("ros__parameters"), Mapping):
+        raise ParameterError(f"{file}: {key} has no ros__parameters")
+    beside = [each for each in section if each != "ros__parameters"]
+    if beside:
+        raise ParameterError(f"{file}: {key} has ros__parameters and also {shortened(beside)}")
+    return dict(_flat(section["ros__parameters"]))
 
 
 def _node_name(key: Any, file: Path) -> str:
     """The node that a section of a file is for; a namespace before its name does not matter."""
-    name = EVERY_NODE if key == EVERY_NODE else str(key).rpartition("/")[2]
+    last = str(key).rpartition("/")[2]
+    name = EVERY_NODE if last in ("*", "**") else last
     if name != EVERY_NODE and name not in NODES:
         raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")
     return name
 
 
-def _set(settings: Settings, node: str, name: str, value: Any, file: Path) -> None:
-    try:
-        matches = find_in_node(node, name)
-    except ParameterError as error:
-        raise ParameterError(f"{file}: {error}") from None
-    for match in matches:
-        settings[match.node][match.parameter.name] = match.parsed(value)
+def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Path) -> None:
+    """Set the values of a section; raises ParameterError with all its unknown names."""
+    unknown = []
+    for name, value in values.items():
+        if is_of_ros(name):
+            if name == "use_sim_time" and value:
+                warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
+            continue
+        try:
+            matches = find_in_node(node, name)
+        except ParameterError as error:
+            unknown.append(str(error))
+            continue
+        for match in matches:
+            settings[match.node][match.parameter.name] = match.parsed(value)
+    if unknown:
+        raise ParameterError(f"{file}: {'; '.join(unknown)}")
 
 
 def _value(text: str, name: str) -> Any:
@@ -130,7 +141,7 @@ def _value(text: str, name: str) -> Any:
 
 
 def _flat(section: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Full names and values, one at a time: the first unknown name ends the reading."""
+    """Full names and values."""
     for name, value in section.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{name}.")

@@ -15,6 +15,7 @@ which :mod:`furuta_model.renamed_parameters` translates.
 from __future__ import annotations
 
 import math
+import reprlib
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -26,6 +27,10 @@ INLINE = "inline"
 LARGEST = sys.float_info.max
 # Bits of an integer that is larger; Python refuses to print one of many more.
 LARGEST_EXPONENT = 2 * sys.float_info.max_exp
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 80
+_SHORT.maxlist = _SHORT.maxtuple = 8
 
 
 class ParameterError(ValueError):
@@ -103,17 +108,26 @@ class Declared(NamedTuple):
         return value
 
     def checked(self, value: Any) -> Any:
-        """Return ``value`` as the declared type, or raise :class:`ParameterError`."""
+        """Return ``value`` as the declared type, or raise :class:`ParameterError`.
+
+        An empty list means the default, because ROS cannot know the type of an empty list.
+        """
         if self.kind is list:
-            if not isinstance(value, Sequence):
-                raise ParameterError(f"{self.name} must be a list of numbers, given {value!r}")
-            return tuple(self._number(element) for element in value)
+            if isinstance(value, (str, bytes)) or not isinstance(value, Sequence):
+                raise ParameterError(
+                    f"{self.name} must be a list of numbers, given {shortened(value)}"
+                )
+            return tuple(self._number(element) for element in value) or self.default
         if self.kind in (float, int):
             return self._number(value)
         if not isinstance(value, self.kind):
-            raise ParameterError(f"{self.name} must be a {self.kind.__name__}, given {value!r}")
+            raise ParameterError(
+                f"{self.name} must be a {self.kind.__name__}, given {shortened(value)}"
+            )
         if self.about.choices and value not in self.about.choices:
-            raise ParameterError(f"{self.name} must be {self.about.allowed}, given {value!r}")
+            raise ParameterError(
+                f"{self.name} must be {self.about.allowed}, given {shortened(value)}"
+            )
         return value
 
     def _number(self, value: Any) -> Any:
@@ -121,15 +135,20 @@ class Declared(NamedTuple):
         whole = self.kind is int
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
             kind = "an integer" if whole else "a number"
-            raise ParameterError(f"{self.name} must be {kind}, given {value!r}")
+            raise ParameterError(f"{self.name} must be {kind}, given {shortened(value)}")
         if isinstance(value, int) and value.bit_length() > LARGEST_EXPONENT:
             raise ParameterError(f"{self.name} must be finite, given {value.bit_length()} bits")
         if abs(value) > LARGEST or math.isnan(value):
-            raise ParameterError(f"{self.name} must be finite, given {value}")
+            raise ParameterError(f"{self.name} must be finite, given {shortened(value)}")
         if not about.low <= value <= about.high:
             unit = f" {about.unit}" if about.unit else ""
             raise ParameterError(f"{self.name} must be {about.allowed}{unit}, given {value:g}")
         return value if whole else float(value)
+
+
+def shortened(value: Any) -> str:
+    """A value as a message shows it: what comes from outside can be millions of characters."""
+    return _SHORT.repr(value)
 
 
 def number_from_text(value: Any) -> Any:

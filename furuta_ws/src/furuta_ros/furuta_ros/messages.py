@@ -15,6 +15,7 @@ import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_model.parameters import shortened
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINTS
@@ -80,8 +81,9 @@ def _values(message: JointState) -> tuple[float, float, float, float, float]:
         raise RefusedError(f"needs effort of {JOINTS} or none, given {len(efforts)}")
     arm, pendulum = 0, 1
     if message.name != JOINTS:
-        if sorted(message.name) != JOINTS:
-            raise RefusedError(f"joint names must be {JOINTS}, given {list(message.name)}")
+        if len(message.name) != len(JOINTS) or sorted(message.name) != JOINTS:
+            given = shortened(list(message.name))
+            raise RefusedError(f"joint names must be {JOINTS}, given {given}")
         arm, pendulum = 1, 0
     effort = efforts[arm] if efforts else nan
     return position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
+from furuta_ros.errors import UserError, first_line
 from furuta_ros.loop_topics import publishers_of
 from furuta_ros.messages import RefusedError
 from furuta_ros.one_publisher import OnePublisher
@@ -34,7 +35,10 @@ class FurutaNode(Node, Generic[Group]):
     """
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
-        super().__init__(name, parameter_overrides=list(overrides))
+        try:
+            super().__init__(name, parameter_overrides=list(overrides))
+        except RuntimeError as error:  # of ROS below Python, such as missing security libraries
+            raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
         self.refused = 0
         self.accepted_publishers: dict[str, OnePublisher] = {}
         self._declared = NodeParameters(self, group)
@@ -51,6 +55,10 @@ class FurutaNode(Node, Generic[Group]):
         """
         self._declared.on_change(apply)
         apply(self.parameters)
+
+    def start_up(self) -> str:
+        """Do what is left when the node is about to spin; returns why it is not ready, if so."""
+        return ""
 
     def publish_on(self, topic: Topic) -> Publisher:
         """A publisher on a topic of the graph."""

@@ -18,6 +18,9 @@ from rclpy.parameter import Parameter
 
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_model.renamed_parameters import renamed, with_current_names
+from furuta_ros.context import ros_arguments
+from furuta_ros.parameter_checks import check_names
+from furuta_ros.parameter_sections import read_sections
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -28,6 +31,13 @@ _TYPES = {
     str: Parameter.Type.STRING,
     list: Parameter.Type.DOUBLE_ARRAY,
 }
+_LISTS = {
+    Parameter.Type.BYTE_ARRAY,
+    Parameter.Type.BOOL_ARRAY,
+    Parameter.Type.INTEGER_ARRAY,
+    Parameter.Type.DOUBLE_ARRAY,
+    Parameter.Type.STRING_ARRAY,
+}
 
 
 class NodeParameters(Generic[Group]):
@@ -36,7 +46,8 @@ class NodeParameters(Generic[Group]):
     A change is validated as a whole. If it is valid, ``current`` is replaced and the functions
     given to :meth:`on_change` are called with it. Callbacks of a node do not overlap, so this
     happens between two samples. Values given at start are validated in the same way. An unknown
-    name is an error: a misspelt parameter would otherwise be ignored silently.
+    name is an error: a misspelt parameter would otherwise be ignored silently. Only in a section
+    for several nodes, such as ``/**``, it is reported and ignored.
     """
 
     def __init__(self, node: Node, group: type[Group]) -> None:
@@ -44,8 +55,8 @@ class NodeParameters(Generic[Group]):
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
         self._names = {each.name: each for each in declared(group)}
-        node._parameter_overrides = self._translated(node._parameter_overrides)
-        self._refuse_unknown(node)
+        node._parameter_overrides = self._translated(self._with_empty_lists())
+        self._warn_about_names()
         for each in declared(group):
             self._declare(each)
         self.current: Group = build(group, self._values())
@@ -65,7 +76,7 @@ class NodeParameters(Generic[Group]):
 
     def _translated(self, given: dict[str, Parameter]) -> dict[str, Parameter]:
         """Parameters by their current names; logs a warning for each earlier name."""
-        given = {name: self._with_choice(each) for name, each in given.items()}
+        given = {name: self._with_type(each) for name, each in given.items()}
         earlier = renamed(self._group)
         if earlier.keys().isdisjoint(given):
             return given
@@ -79,25 +90,29 @@ class NodeParameters(Generic[Group]):
             for name, value in values.items()
         }
 
-    def _with_choice(self, parameter: Parameter) -> Parameter:
+    def _with_type(self, parameter: Parameter) -> Parameter:
+        """Convert a word that YAML has read as a boolean, an empty list, and a list of integers."""
         declaration = self._names.get(parameter.name)
         if declaration is None:
             return parameter
+        if declaration.kind is list:
+            return _with_list(parameter, declaration)
         value = declaration.word_from_bool(parameter.value)
         return parameter if value is parameter.value else Parameter(parameter.name, value=value)
 
-    def _refuse_unknown(self, node: Node) -> None:
-        known = {*self._names, "use_sim_time", "start_type_description_service"}
-        unknown = sorted(
-            name
-            for name in node._parameter_overrides
-            if name not in known and not name.startswith("qos_overrides.")
-        )
-        if unknown:
-            raise ParameterError(
-                f"{node.get_name()} has no parameter {', '.join(unknown)}; "
-                f"it has {', '.join(sorted(self._names))}"
-            )
+    def _with_empty_lists(self) -> dict[str, Parameter]:
+        """The start values; an empty list in a parameter file arrives as no value at all."""
+        given = dict(self._node._parameter_overrides)
+        for name, each in self._names.items():
+            if each.kind is list and name in given and given[name].value is None:
+                given[name] = Parameter(name, Parameter.Type.DOUBLE_ARRAY, [])
+        return given
+
+    def _warn_about_names(self) -> None:
+        full_name = self._node.get_fully_qualified_name()
+        given = self._node._parameter_overrides
+        for warning in check_names(full_name, self._names, given, read_sections(ros_arguments())):
+            self._node.get_logger().warning(warning)
 
     def _declare(self, each: Declared) -> None:
         try:
@@ -106,9 +121,7 @@ class NodeParameters(Generic[Group]):
             raise ParameterError(str(error)) from None
 
     def _values(self) -> dict[str, Any]:
-        values = {name: self._node.get_parameter(name).value for name in self._names}
-        # An empty list in a parameter file arrives as no value at all.
-        return {name: () if value is None else value for name, value in values.items()}
+        return {name: self._node.get_parameter(name).value for name in self._names}
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         mine = {each.name: each.value for each in parameters if each.name in self._names}
@@ -126,6 +139,16 @@ class NodeParameters(Generic[Group]):
                 apply(self.current)
 
 
+def _with_list(parameter: Parameter, declaration: Declared) -> Parameter:
+    """An empty list, whose type ROS tools do not know, means the default."""
+    value = parameter.value
+    if parameter.type_ in _LISTS and len(value) == 0:
+        return Parameter(parameter.name, value=list(declaration.default))
+    if parameter.type_ == Parameter.Type.INTEGER_ARRAY:
+        return Parameter(parameter.name, value=[float(each) for each in value])
+    return parameter
+
+
 def _descriptor(each: Declared) -> ParameterDescriptor:
     """Type, meaning and allowed values; the range itself where ROS can hold it."""
     about = each.about
@@ -136,8 +159,6 @@ def _descriptor(each: Declared) -> ParameterDescriptor:
         description=f"{about.meaning}{unit}",
         additional_constraints="" if _has_range(each) or about.allowed == "any" else about.allowed,
         read_only=about.read_only,
-        # ROS does not know the type of an empty list; the declaration checks the elements.
-        dynamic_typing=each.kind is list,
     )
     if _has_range(each):
         if each.kind is float:

@@ -13,9 +13,11 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, shortened
+from furuta_model.process_start import own_arguments, program_name, set_interrupt_handler
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
+from furuta_ros.node import FurutaNode
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
@@ -46,36 +48,59 @@ class StopSignal:
     """Becomes true when the process receives SIGINT or SIGTERM."""
 
     def __init__(self) -> None:
-        self._received = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._receive)
+        self._received = 0
+        set_interrupt_handler(self._receive)
+        signal.signal(signal.SIGTERM, self._receive)
 
     def _receive(self, number: int, frame: FrameType | None) -> None:
-        self._received = True
+        self._received = number
 
     def __call__(self) -> bool:
         """Whether the process has received a signal to stop."""
-        return self._received
+        return self._received != 0
+
+    @property
+    def status(self) -> int:
+        """Exit status of a process that the signal has ended before it was ready."""
+        return 128 + self._received
 
 
-def run_node(make: Callable[[], Node], arguments: list[str] | None = None) -> int:
-    """Run one node until it is told to stop; returns the process's exit status."""
+def run_node(make: Callable[[], Node]) -> int:
+    """Run one node until it is told to stop; returns the process's exit status.
+
+    The status is 0 if the node was ready, 130 if Ctrl-C ended it before, and 143 after SIGTERM.
+    """
     stop = StopSignal()
+    given = own_arguments(sys.argv[1:])
+    if given:
+        allowed = "takes only ROS arguments, after --ros-args"
+        return fail(f"{program_name()} {allowed}; given {shortened(' '.join(given))}", 2)
     try:
-        with ros_context(arguments):
-            node = make()
-            freeze_startup_objects()
-            node.get_logger().info("ready")
-            spin_until(executor_of([node]), stop)
-            node.destroy_node()
+        with ros_context(None):
+            return _spin_node(make, stop)
     except (ParameterError, ParameterException, UserError) as error:
         return fail(first_line(error))
     except ExternalShutdownException:
-        pass
+        return 0
+
+
+def _spin_node(make: Callable[[], Node], stop: StopSignal) -> int:
+    node = make()
+    executor = executor_of([node])
+    freeze_startup_objects()
+    if stop():
+        return stop.status
+    problem = node.start_up() if isinstance(node, FurutaNode) else ""
+    if problem:
+        node.get_logger().error(f"not ready: {problem}")
+    else:
+        node.get_logger().info("ready")
+    spin_until(executor, stop)
+    node.destroy_node()
     return 0
 
 
-def fail(reason: str) -> int:
+def fail(reason: str, status: int = 1) -> int:
     """Print the reason on standard error; returns the exit status for it."""
     print(f"error: {reason}", file=sys.stderr)
-    return 1
+    return status

@@ -20,6 +20,7 @@ from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import code_statistics, find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import RigError
+from furuta_model.process_start import interrupt_raised
 from furuta_ros.errors import UserError
 
 # Time between two lines of ``read`` [s].
@@ -31,7 +32,7 @@ def _open_rig(port: str, name: str) -> Iterator[RigSession]:
     """Open the line to a rig; errors of the rig become one line."""
     rig = find_rig(name)
     try:
-        with RigSession(port, rig) as session:
+        with interrupt_raised(), RigSession(port, rig) as session:
             yield session
     except RigError as error:
         raise UserError(str(error)) from None

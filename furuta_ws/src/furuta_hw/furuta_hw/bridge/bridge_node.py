@@ -28,6 +28,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig
+from furuta_ros.discovery import describe_discovery, reaches_network
 from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
@@ -92,6 +93,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if goal != "unconfigured" and self.trigger_configure() == SUCCESS and goal == "active":
             self.trigger_activate()
 
+    def start_up(self) -> str:
+        """Enter the state of ``autostart``; returns why that failed, if so."""
+        self.start()
+        goal = self.parameters.autostart
+        return "" if self.state == goal else f"{self.state} instead of {goal}: {self.failure}"
+
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the line; the rig sends samples from now on."""
         parameters = self.parameters
@@ -139,6 +146,11 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
         if self.state != "active" or self.guarded_rig is None:
             return f"the bridge is {self.state}, must be active"
+        if reaches_network() and not self.parameters.network_commands:
+            return (
+                f"other machines can send commands: discovery is {describe_discovery()}; set "
+                "the parameter network_commands to allow it"
+            )
         reason = self.guarded_rig.arm()
         if not reason:
             self.get_logger().info("armed")

@@ -26,3 +26,10 @@ class BridgeParameters(NamedTuple):
     read_only: Annotated[
         bool, About("never drive: the node cannot be activated", read_only=True)
     ] = False
+    network_commands: Annotated[
+        bool,
+        About(
+            "can be armed although other machines can discover it and send commands",
+            read_only=True,
+        ),
+    ] = False

@@ -15,9 +15,10 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from furuta_model.parameters import ParameterError, build, declared
+from furuta_model.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
 from furuta_model.yaml_files import parse_yaml
 from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_rig.emulator.faults import Faults, with_faults
@@ -45,6 +46,8 @@ def main() -> None:
     except (ParameterError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
+    if stop():
+        sys.exit(INTERRUPTED)
     print(f"port: {running.terminal.name}", flush=True)
     gc.collect()
     gc.freeze()
@@ -59,7 +62,7 @@ def main() -> None:
 
 
 def _parse_arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="rig_emulator", description=__doc__)
+    parser = _Parser(prog="rig_emulator", description=__doc__)
     parser.add_argument("--rig", type=Path, help="rig file; default: the paper's rig")
     parser.add_argument("--link", type=Path, help="make a link to the port's name here")
     parser.add_argument("--monitor", type=Path, help="Unix socket to observe it and inject faults")
@@ -68,7 +71,14 @@ def _parse_arguments() -> argparse.Namespace:
     parser.add_argument("--initial", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME=VALUE")
     # ros2 run and ros2 launch add ROS arguments, which are ignored here.
-    return parser.parse_known_args()[0]
+    return parser.parse_args(own_arguments(sys.argv[1:]))
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports wrong usage in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"error: {message} (see {self.prog} --help)\n")
 
 
 def _make_rig(options: argparse.Namespace) -> RunningRig:
@@ -102,6 +112,6 @@ def _raise_priority() -> None:
 
 def _stop_signal() -> Callable[[], bool]:
     received: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _: received.append(number))
+    set_interrupt_handler(lambda number, _: received.append(number))
+    signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
     return lambda: bool(received)

@@ -1,0 +1,15 @@
+"""Entry points of the executables; they import a node once Ctrl-C can end the process."""
+
+from __future__ import annotations
+
+from furuta_model.process_start import run_entry
+
+
+def hardware_bridge() -> None:
+    """Entry point of the executable ``hardware_bridge``."""
+    run_entry("furuta_hw.bridge.bridge_node:main")
+
+
+def rig_emulator() -> None:
+    """Entry point of the executable ``rig_emulator``."""
+    run_entry("furuta_rig.emulator.rig_emulator:main")

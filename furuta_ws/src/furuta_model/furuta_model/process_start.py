@@ -1,0 +1,104 @@
+"""What a process does at its start: Ctrl-C, its own arguments, its end with its parent.
+
+An executable starts with SIGINT blocked (see its ``setup.py``), because Python itself answers it
+with a traceback as soon as it runs. The signal waits until :func:`exit_on_interrupt`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from types import FrameType
+
+# Exit status of a process that Ctrl-C has ended: 128 + SIGINT.
+INTERRUPTED = 128 + signal.SIGINT
+
+STDERR = 2
+# Ends the line with ^C, and shows the cursor again that a progress bar hides.
+SHOW_CURSOR = b"\n\x1b[?25h"
+# Environment variable in which a parent gives its process id to a child that is to end with it.
+PARENT = "FURUTA_PARENT"
+# Of prctl(2): the signal that a process receives when its parent ends.
+PR_SET_PDEATHSIG = 1
+_PRCTL = ctypes.CDLL(None).prctl
+
+
+def run_entry(entry: str) -> None:
+    """Import ``module:function`` and call it; Ctrl-C during the import ends the process."""
+    exit_on_interrupt()
+    end_with_parent()
+    module, _, function = entry.partition(":")
+    getattr(import_module(module), function)()
+
+
+def exit_on_interrupt() -> None:
+    """Let Ctrl-C end the process at once, with status 130.
+
+    KeyboardInterrupt can arrive in a library that prints a traceback, forgets it or crashes. All
+    files are written so that a kill does no harm. What must clean up uses
+    :func:`interrupt_raised`.
+    """
+    set_interrupt_handler(_exit)
+
+
+@contextmanager
+def interrupt_raised() -> Iterator[None]:
+    """Inside the ``with`` block Ctrl-C raises KeyboardInterrupt, so that a rig is left at 0 V."""
+    set_interrupt_handler(signal.default_int_handler)
+    try:
+        yield
+    finally:
+        exit_on_interrupt()
+
+
+def set_interrupt_handler(handler: Callable[[int, FrameType | None], object]) -> None:
+    """Set the handler of SIGINT, and let the signal through if it was blocked at the start."""
+    signal.signal(signal.SIGINT, handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+
+
+def _exit(number: int, frame: FrameType | None) -> None:
+    if os.isatty(STDERR):
+        os.write(STDERR, SHOW_CURSOR)
+    os._exit(INTERRUPTED)
+
+
+def own_arguments(arguments: Sequence[str]) -> list[str]:
+    """The arguments without those for ROS: from ``--ros-args`` to ``--`` or to the end."""
+    own, for_ros = [], False
+    for each in arguments:
+        if each == "--ros-args":
+            for_ros = True
+        elif for_ros:
+            for_ros = each != "--"
+        else:
+            own.append(each)
+    return own
+
+
+def child_environment() -> dict[str, str]:
+    """The environment of a child process that is to end when this process ends."""
+    return os.environ | {PARENT: str(os.getpid())}
+
+
+def end_with_parent() -> None:
+    """Let this process receive SIGTERM when its parent ends, if the parent has asked for it.
+
+    It does so whatever ends the parent, SIGKILL included.
+    """
+    parent = os.environ.pop(PARENT, None)
+    if parent is None:
+        return
+    _PRCTL(PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != int(parent):  # it has ended before
+        os._exit(128 + signal.SIGTERM)
+
+
+def program_name() -> str:
+    """The name of the executable, for messages."""
+    return os.path.basename(sys.argv[0])

@@ -1,0 +1,37 @@
+"""Which other nodes a process discovers: those of this machine, unless the user chooses others.
+
+ROS itself joins the network by default. A graph that drives a rig must not, so a process of this
+project sets ``ROS_AUTOMATIC_DISCOVERY_RANGE`` before ROS starts, if the user has chosen nothing.
+"""
+
+from __future__ import annotations
+
+import os
+
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+PEERS = "ROS_STATIC_PEERS"
+SERVER = "ROS_DISCOVERY_SERVER"
+# An earlier variable of ROS, which still has precedence if it is 1.
+LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
+
+
+def restrict_discovery() -> None:
+    """Choose this machine only, if no environment variable holds another choice."""
+    if not any(os.environ.get(each) for each in (RANGE, PEERS, SERVER)):
+        os.environ[RANGE] = "LOCALHOST"
+
+
+def reaches_network() -> bool:
+    """Whether nodes of other machines can discover the nodes of this process."""
+    given = os.environ.get(RANGE, "")
+    if os.environ.get(LOCALHOST_ONLY) == "1" or given == "OFF":
+        return False
+    chosen = any(os.environ.get(each) for each in (PEERS, SERVER))
+    return chosen or given in ("", "SUBNET", "SYSTEM_DEFAULT")
+
+
+def describe_discovery() -> str:
+    """The choice that applies, with the variables that make it."""
+    reached = "the network" if reaches_network() else "this machine only"
+    variables = [each for each in (LOCALHOST_ONLY, RANGE, PEERS, SERVER) if os.environ.get(each)]
+    return f"{reached} ({', '.join(f'{each}={os.environ[each]}' for each in variables)})"

@@ -1,0 +1,78 @@
+"""The SROS2 policy against the nodes as they are: every topic and service, and no other one."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import pytest
+from testbench import Bench
+
+from furuta_graph.description import HARDWARE_BRIDGE, NODES
+from furuta_graph.rigs import config_directory
+from furuta_model import topic_names
+from furuta_ros.topics import TIMING, TOPICS
+
+POLICY = config_directory() / "security" / "policy.xml"
+# Used only with use_sim_time, or offered by a plant in lock-step.
+TIME = {"/clock"}
+LISTS = ("publish", "subscribe", "reply", "request")
+
+
+def profiles() -> dict[str, dict[str, set[str]]]:
+    """Full names by node and by what the node may do with them."""
+    found = {}
+    for enclave in ET.parse(POLICY).getroot().iter("enclave"):
+        (profile,) = enclave.iter("profile")
+        name = profile.attrib["node"]
+        assert enclave.attrib["path"] == f"/furuta/{name}"
+        assert name not in found
+        found[name] = {kind: allowed(profile, kind, name) for kind in LISTS}
+    return found
+
+
+def allowed(profile: ET.Element, kind: str, node: str) -> set[str]:
+    lists = [each for each in profile if each.attrib.get(kind) == "ALLOW"]
+    texts = [entry.text or "" for each in lists for entry in each]
+    names = [text.replace("~", f"/{node}") for text in texts]
+    assert len(set(names)) == len(names)
+    return {name if name.startswith("/") else f"/{name}" for name in names}
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_a_node_may_do_what_it_does(bench: Bench, name: str) -> None:
+    """Its publishers, subscriptions and services are those of its profile."""
+    node = bench.add(NODES[name].load_class()())
+    given = profiles()[name]
+    queries = {
+        "publish": node.get_publisher_names_and_types_by_node,
+        "subscribe": node.get_subscriber_names_and_types_by_node,
+        "reply": node.get_service_names_and_types_by_node,
+        "request": node.get_client_names_and_types_by_node,
+    }
+    for kind, query in queries.items():
+        actual = {each for each, _ in query(name, "/")}
+        assert actual - TIME == given[kind] - TIME, kind
+
+
+def test_who_may_drive() -> None:
+    """Only the controller publishes ``command``; only the operator calls services."""
+    given = profiles()
+    assert set(given) == {*NODES, "operator", "observer"}
+    publishes = {name for name, lists in given.items() if "/command" in lists["publish"]}
+    assert publishes == {"controller"}
+    callers = {name for name, lists in given.items() if lists["request"]}
+    assert callers == {"operator"}
+
+
+def test_operator_and_observer() -> None:
+    """The operator calls every service; both read every topic, and publish none of the loop."""
+    given = profiles()
+    services = set().union(*(given[name]["reply"] for name in NODES))
+    assert f"/{HARDWARE_BRIDGE}/arm" in services
+    assert given["operator"]["request"] == services
+    every = {f"/{topic.name}" for topic in (*TOPICS, TIMING)}
+    assert every >= {f"/{topic_names.COMMAND}", f"/{topic_names.MEASUREMENT}"}
+    for name in ("operator", "observer"):
+        assert given[name]["subscribe"] >= every
+        assert given[name]["publish"] == {"/parameter_events", "/rosout"}
+        assert not given[name]["reply"]

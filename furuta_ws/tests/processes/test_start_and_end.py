@@ -1,0 +1,229 @@
+"""How processes start and end: Ctrl-C at any moment, killed parents, children that fail."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+
+from furuta_graph.children import Children
+from furuta_graph.description import NODES
+from furuta_graph.processes import executable
+from furuta_model.process_start import own_arguments
+
+TIMEOUT = 60.0
+FURUTA = ("furuta_bringup", "furuta")
+SIGINT_BIT = 1 << (signal.SIGINT - 1)
+GRAPH = ("plant", "estimator", "friction_observer", "controller")
+
+# What a process has loaded when Ctrl-C comes; nothing: as soon as it is executed.
+STAGES = ("", "_ctypes", "_multiarray_umath", "llvmlite")
+INTERRUPTED = {
+    "plant": (("furuta_sim", "plant"), (*STAGES, "rclpy_pybind11")),
+    "bridge": (("furuta_hw", "hardware_bridge"), (*STAGES, "rclpy_pybind11")),
+    "emulator": (("furuta_hw", "rig_emulator"), STAGES[:-1]),
+    "run": ((*FURUTA, "run"), (*STAGES, "rclpy_pybind11")),
+    "simulate": ((*FURUTA, "simulate", "--seconds", "100000"), STAGES),
+    "param": ((*FURUTA, "param", "get", "nobody", "seed"), ("", "rclpy_pybind11")),
+}
+
+
+def wait_for(condition: Callable[[], Any]) -> Any:
+    """The first true result of the condition."""
+    deadline = monotonic() + TIMEOUT
+    while not (result := condition()):
+        assert monotonic() < deadline, "the awaited condition did not come true"
+        sleep(0.002)
+    return result
+
+
+def proc(pid: int, name: str) -> str:
+    """A file of /proc about a process, or nothing once it has ended."""
+    try:
+        return Path(f"/proc/{pid}/{name}").read_text()
+    except (FileNotFoundError, ProcessLookupError, PermissionError):
+        return ""
+
+
+def blocks_interrupt(pid: int) -> bool:
+    """Whether SIGINT is blocked, as from the start of an executable to its first line."""
+    lines = (line for line in proc(pid, "status").splitlines() if line.startswith("SigBlk"))
+    return any(int(line.split()[1], 16) & SIGINT_BIT for line in lines)
+
+
+def children(pid: int) -> list[int]:
+    return [int(each) for each in proc(pid, f"task/{pid}/children").split()]
+
+
+def runs(pid: int) -> bool:
+    """Whether a process runs and is not merely waiting to be reaped."""
+    state = proc(pid, "stat").rpartition(")")[2].split()
+    return bool(state) and state[0] != "Z"
+
+
+def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
+    """Read the log of a process until so many nodes are ready."""
+    assert process.stderr is not None
+    while nodes:
+        line = process.stderr.readline()
+        assert line
+        nodes -= "ready" in line
+
+
+def end_of(process: subprocess.Popen[str]) -> tuple[int, str, str]:
+    out, err = process.communicate(timeout=TIMEOUT)
+    return process.returncode, out, err
+
+
+@pytest.mark.parametrize(
+    ("name", "stage"),
+    [(name, stage) for name, (_, stages) in INTERRUPTED.items() for stage in stages],
+)
+def test_interrupt_during_the_start(processes: Any, name: str, stage: str) -> None:
+    """Ctrl-C at any moment of a start ends a process with status 130 and without a traceback."""
+    command, _ = INTERRUPTED[name]
+    process = processes.start(executable(*command[:2]), *command[2:])
+    if stage:
+        wait_for(lambda: stage in proc(process.pid, "maps"))
+    else:
+        wait_for(lambda: blocks_interrupt(process.pid))
+    process.send_signal(signal.SIGINT)
+    status, out, err = end_of(process)
+    assert (status, out, err.strip()) == (130, "", "")
+
+
+def test_every_executable_starts_with_interrupts_blocked() -> None:
+    """Python would answer SIGINT with a traceback before the first line of the executable runs."""
+    names = [*((each.package, each.executable) for each in NODES.values()), FURUTA]
+    names += [("furuta_hw", "rig_emulator"), ("furuta_bringup", "graph")]
+    for name in names:
+        first_line = executable(*name).read_text().splitlines()[0]
+        assert first_line.startswith("#!/usr/bin/env -S --block-signal=INT ")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("ready", [False, True], ids=["starting", "running"])
+def test_no_child_outlives_its_parent(processes: Any, number: int, ready: bool) -> None:
+    """Whatever ends ``run --processes``, also while the nodes are starting."""
+    parent = processes.furuta("run", "--processes")
+    pids = wait_for(lambda: len(found := children(parent.pid)) == len(GRAPH) and found)
+    if ready:
+        wait_until_ready(parent, len(GRAPH))
+    parent.send_signal(number)
+    wait_for(lambda: not any(runs(pid) for pid in pids))
+    status, _, err = end_of(parent)
+    assert status == (-number if number == signal.SIGKILL else 0 if ready else 143)
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "text"),
+    [
+        (signal.SIGKILL, 137, "error: estimator was ended by SIGKILL"),
+        (signal.SIGSEGV, 139, "error: estimator was ended by SIGSEGV"),
+    ],
+)
+def test_a_failed_node_is_named(processes: Any, number: int, status: int, text: str) -> None:
+    """``run --processes`` ends with the status of the node that failed, and says which."""
+    parent = processes.furuta("run", "--processes")
+    pids = wait_for(lambda: len(found := children(parent.pid)) == len(GRAPH) and found)
+    wait_until_ready(parent, len(GRAPH))
+    os.kill(next(pid for pid in pids if "/estimator" in proc(pid, "cmdline")), number)
+    found, _, err = end_of(parent)
+    assert (found, err.splitlines()[-1]) == (status, text)
+    assert not any(runs(pid) for pid in pids)
+
+
+def ended(*codes: str, stopped: bool = False) -> tuple[dict[str, int], list[str]]:
+    """Failures of children that run these lines of shell, and how these have ended."""
+    started = Children()
+    for name, code in zip("abc", codes, strict=False):
+        started.start(name, ["/bin/sh", "-c", code])
+    if not stopped:
+        wait_for(started.any_has_ended)
+    started.end()
+    failures = started.failures(stopped)
+    return failures, [started.describe_end(name) for name in failures]
+
+
+def test_which_child_has_failed() -> None:
+    """One that ends by itself is the cause; one that ends when told to has not failed."""
+    wait = "sleep 60 & wait"
+    assert ended(wait, "exit 3", wait) == ({"b": 3}, ["b failed with status 3"])
+    assert ended(wait, "exit 0") == ({}, [])
+    assert ended(wait, "kill -TERM $$") == ({"b": 143}, ["b was ended by SIGTERM"])
+    crashes = "trap 'exit 7' TERM; sleep 60 & wait"
+    failures, _ = ended(crashes, "exit 3")
+    assert (next(iter(failures)), failures["b"]) == ("b", 3)
+    assert ended(wait, wait, stopped=True) == ({}, [])
+
+
+@pytest.mark.parametrize(
+    ("command", "text"),
+    [
+        (("furuta_sim", "plant"), "plant takes only ROS arguments, after --ros-args; given"),
+        (
+            ("furuta_hw", "rig_emulator"),
+            "unrecognized arguments: --bogus (see rig_emulator",
+        ),
+        (("furuta_bringup", "graph"), "(see graph --help)"),
+        (FURUTA, "(see furuta --help)"),
+        ((*FURUTA, "simulate"), "(see furuta simulate --help)"),
+        ((*FURUTA, "bag", "info"), "(see furuta bag info --help)"),
+    ],
+)
+def test_a_bogus_option_is_one_sentence(
+    processes: Any, command: tuple[str, ...], text: str
+) -> None:
+    """Status 2, and one line that names the option and where the options are explained."""
+    process = processes.start(executable(*command[:2]), *command[2:], "--bogus")
+    status, out, err = end_of(process)
+    assert (status, out) == (2, "")
+    assert err.startswith("error: ")
+    assert text in err
+    assert "--bogus" in err
+    assert len(err.splitlines()) == 1
+
+
+def test_a_bogus_verb_is_one_sentence(furuta: Any) -> None:
+    """The same for a verb that does not exist."""
+    status, _, err = furuta("dance")
+    assert status == 2
+    assert err.startswith("error: No such command 'dance'")
+    assert err.endswith("(see furuta --help)\n")
+    assert len(err.splitlines()) == 1
+
+
+def test_ros_arguments_are_not_own_ones() -> None:
+    """Those from ``--ros-args`` to ``--`` or to the end are for ROS."""
+    given = ["--a", "--ros-args", "-p", "seed:=1", "--", "b", "--ros-args", "-r", "__ns:=/left"]
+    assert own_arguments(given) == ["--a", "b"]
+
+
+@pytest.mark.parametrize("goal", ["inactive", "active"])
+def test_a_bridge_without_a_rig_is_not_ready(processes: Any, goal: str) -> None:
+    """It gives the reason instead, and waits to be configured again."""
+    process = processes.node("hardware_bridge", f"autostart:={goal}", "port:=/dev/nowhere")
+    lines = []
+    while "not ready" not in (lines or [""])[-1]:
+        lines.append(process.stderr.readline())
+        assert lines[-1], "".join(lines)
+    assert f"not ready: unconfigured instead of {goal}: " in lines[-1]
+    assert "/dev/nowhere" in lines[-1]
+    process.send_signal(signal.SIGTERM)
+    status, _, err = end_of(process)
+    assert status == 0
+    assert "ready" not in "".join(lines[:-1]) + err
+
+
+def test_wrapper_ends_on_interrupt() -> None:
+    """``./furuta`` itself ends with status 130 when Ctrl-C comes before its executable starts."""
+    root = Path(__file__).resolve().parents[3]
+    lines = (root / "tools" / "in_environment").read_text().splitlines()
+    assert any(line.startswith("trap 'exit 130' INT") for line in lines)
