@@ -2,35 +2,14 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
+from ros_domain import take_domain
 
-DOMAINS = range(1, 100)
-
-
-def _own_domain() -> Any:
-    """Take the first ROS domain that no other test process holds; keep the lock while alive."""
-    for domain in DOMAINS:
-        lock = (Path(tempfile.gettempdir()) / f"furuta-test-domain-{domain}").open("w")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        return lock
-    raise RuntimeError("every ROS domain for tests is taken")
-
-
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-_DOMAIN_LOCK = _own_domain()
+_DOMAIN_LOCK = take_domain()
 
 # The domain is read when ROS starts.
 from testbench import Bench  # noqa: E402
