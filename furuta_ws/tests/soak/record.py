@@ -73,10 +73,15 @@ class Record:
             "seed": self.part.seed,
             "seconds": self.part.seconds,
             "steps": self.step,
-            "tried": dict(self.tried),
-            "refused": dict(self.refused),
-            "checks": dict(self.checks),
-            "broken": dict(self.broken),
+            "tried": _plain(self.tried),
+            "refused": _plain(self.refused),
+            "checks": _plain(self.checks),
+            "broken": _plain(self.broken),
             "largest": self.largest,
             "failures": [each._asdict() for each in self.failures],
         }
+
+
+def _plain(counts: Counter[str]) -> dict[str, int]:
+    """Counts as integers that JSON knows; some come from numpy."""
+    return {name: int(count) for name, count in counts.items()}

@@ -1,0 +1,92 @@
+"""Campaign ``full_disk``: recordings whose disk becomes full, and whose processes are killed.
+
+As root the bag is on a small file system in memory. Otherwise the size of its files is limited.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+
+from rosbags.highlevel import AnyReader
+
+from furuta_graph.processes import executable
+from soak.oracles import unexplained_end
+from soak.record import Record
+from soak.resources import ResourceMonitor
+
+# Sizes of a disk in kB, from one that cannot hold a bag to one that holds a second.
+SIZES = (16, 200, 1000, 3000)
+LONGEST = 120.0  # [s] for a recording to end
+SECONDS = "6"  # of simulated time
+
+
+def run(record: Record, watch: ResourceMonitor) -> None:
+    """Run the slice."""
+    random = record.part.random()
+    deadline = monotonic() + record.part.seconds
+    while monotonic() < deadline:
+        record.step += 1
+        size = int(random.choice(SIZES) * random.uniform(0.5, 1.5))
+        with TemporaryDirectory() as directory, small_disk(Path(directory), size) as mounted:
+            record.tried["disk" if mounted else "file size limit"] += 1
+            _record_until_full(record, Path(directory) / "bag", 0 if mounted else size)
+        watch.sample({"full_disk": os.getpid()})
+
+
+@contextmanager
+def small_disk(directory: Path, size: int) -> Iterator[bool]:
+    """Mount a file system of so many kB; yields False if this process must not."""
+    options = ["-t", "tmpfs", "-o", f"size={size}k", "tmpfs", str(directory)]
+    mounted = subprocess.run(["mount", *options], capture_output=True, check=False).returncode == 0
+    try:
+        yield mounted
+    finally:
+        if mounted:
+            subprocess.run(["umount", "--lazy", str(directory)], check=True)
+
+
+def _record_until_full(record: Record, bag: Path, limit: int) -> None:
+    """Record; the graph must run to its end, say why the recording ended, and leave a good bag."""
+    command = [executable("furuta_bringup", "furuta"), "run", "--lockstep", "--seconds", SECONDS]
+    process = subprocess.Popen(
+        [*map(str, command), "--record", str(bag)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        preexec_fn=(lambda: _limit(limit)) if limit else None,
+    )
+    try:
+        out, _ = process.communicate(timeout=LONGEST)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+        record.check("recording", f"did not end within {LONGEST:g} s")
+        return
+    record.check("survival", unexplained_end(process.returncode or None, out))
+    reported = "recording ended" in out or "error: " in out
+    complete = process.returncode == 0 and not reported
+    record.tried["recording complete" if complete else "recording ended"] += 1
+    record.check("recording", unreadable(bag, complete))
+
+
+def unreadable(bag: Path, complete: bool) -> str:
+    """Whether the bag can be read; an incomplete one may be missing."""
+    if not any(bag.glob("*.mcap")):
+        return "no bag" if complete else ""
+    try:
+        with AnyReader([bag]) as reader:
+            count = sum(1 for _ in reader.messages())
+    except Exception as error:
+        return f"unreadable: {type(error).__name__}: {error}"
+    return f"complete, but {count} messages" if complete and count == 0 else ""
+
+
+def _limit(size: int) -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size * 1024, size * 1024))
