@@ -59,7 +59,9 @@ def damaged_joint_state(random: Random, message: JointState, sensors: bool) -> G
         setattr(message, field, [0.1] * size)
         refuse = None if field == "effort" and size == 0 else True
     elif kind == "names":
-        message.name = pick(random, (["arm"], [], ["arm", "leg"], ["x" * 1000, "pendulum"], ["", ""]))
+        message.name = pick(
+            random, (["arm"], [], ["arm", "leg"], ["x" * 1000, "pendulum"], ["", ""])
+        )
     elif kind == "stamp":
         message.header.stamp.sec = int(pick(random, (0, -1, 2**31 - 1, -(2**31), 12345)))
         message.header.stamp.nanosec = int(pick(random, (0, 999_999_999, 2**32 - 1)))

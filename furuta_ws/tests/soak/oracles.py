@@ -16,9 +16,9 @@ import numpy as np
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum, energy
-from furuta_model.state import PHI, THETA
-from furuta_sim.plant import Plant, initial_state, move
+from furuta_model.state import PHI
 from furuta_sim.parameters import PlantParameters
+from furuta_sim.plant import Plant, initial_state, move
 
 ORACLES = {
     "energy": "physics: the energy of pendulum and arm does not grow without drive",
@@ -230,8 +230,3 @@ def growth(series: Sequence[Mapping[str, float]]) -> str:
 def fallen(theta: float) -> bool:
     """Whether the pendulum has fallen."""
     return abs((theta + pi) % (2 * pi) - pi) > FALLEN
-
-
-def angle(states: np.ndarray) -> np.ndarray:
-    """θ (n,) of states (n, 4)."""
-    return states[:, THETA]

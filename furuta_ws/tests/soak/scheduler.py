@@ -91,4 +91,3 @@ def _run_process(part: Slice, out: Path) -> dict[str, Any]:
     record = Record(part)
     record.check("survival", f"the slice ended with status {status}, see {name}.log")
     return record.as_json()
-

@@ -6,7 +6,6 @@ As root the bag is on a small file system in memory. Otherwise the size of its f
 from __future__ import annotations
 
 import os
-import resource
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -54,13 +53,12 @@ def small_disk(directory: Path, size: int) -> Iterator[bool]:
 
 def _record_until_full(record: Record, bag: Path, limit: int) -> None:
     """Record; the graph must run to its end, say why the recording ended, and leave a good bag."""
-    command = [executable("furuta_bringup", "furuta"), "run", "--lockstep", "--seconds", SECONDS]
+    furuta = [str(executable("furuta_bringup", "furuta")), "run", "--lockstep"]
     process = subprocess.Popen(
-        [*map(str, command), "--record", str(bag)],
+        [*_limited(limit), *furuta, "--seconds", SECONDS, "--record", str(bag)],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        preexec_fn=(lambda: _limit(limit)) if limit else None,
     )
     try:
         out, _ = process.communicate(timeout=LONGEST)
@@ -88,5 +86,6 @@ def unreadable(bag: Path, complete: bool) -> str:
     return f"complete, but {count} messages" if complete and count == 0 else ""
 
 
-def _limit(size: int) -> None:
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size * 1024, size * 1024))
+def _limited(size: int) -> list[str]:
+    """The begin of a command whose files are limited to so many kB; 0 for no limit."""
+    return ["bash", "-c", f'ulimit -f {size}; exec "$@"', "bash"] if size else []

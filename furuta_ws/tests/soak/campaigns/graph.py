@@ -106,7 +106,7 @@ class Run:
 
     def advance(self, seconds: float) -> bool:
         """Run the plant for so long; returns whether it has done so."""
-        goal = self.plant.time + seconds
+        goal = round(self.plant.time + seconds, 3)  # the plant's time is in samples
         self.plant.set_parameters([Parameter("run_until", value=goal)])
         done = self.spin(lambda: self.plant.time >= goal - 1e-9)
         self.record.check("recovery", not_recovered(done, f"run to {goal:g} s", WAIT))
@@ -177,7 +177,8 @@ def stray_messages(record: Record, random: np.random.Generator) -> None:
         samples, commands = len(run.states), run.commands
         run.advance(COUNTED * 0.001)
         count = wrong_command_count(len(run.states) - samples, run.commands - commands)
-        record.check("one command", f"after a stray message on {topic.name}: {count}" if count else "")
+        after = f"after a stray message on {topic.name}: {count}"
+        record.check("one command", after if count else "")
         record.check("bounds", out_of_bounds(np.array(run.states)))
 
 

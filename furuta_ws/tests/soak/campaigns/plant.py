@@ -53,7 +53,7 @@ def _plant(record: Record, random: np.random.Generator) -> PlantNode:
 
 
 def _refuse(record: Record, random: np.random.Generator, plant: PlantNode) -> None:
-    """Commands outside a sample: none moves the plant, and those that are not finite are refused."""
+    """Commands outside a sample: none moves the plant; NaN and infinity are refused."""
     (callback,) = (s.callback for s in plant.subscriptions if s.topic_name == "/command")
     before = plant.x.tolist()
     for _ in range(20):

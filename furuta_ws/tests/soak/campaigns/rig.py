@@ -115,8 +115,12 @@ class RigGraph:
     def intrude(self) -> None:
         """Drive the rig, then disturb it in a random way."""
         driven = any(self._drive() for _ in range(ATTEMPTS))
-        self._record.tried["intrusion while driven" if driven else "intrusion while not driven"] += 1
-        kind = pick(self._random, ("kill", "kill", "pause", "pause", "fault", "messages", "services"))
+        self._record.tried[
+            "intrusion while driven" if driven else "intrusion while not driven"
+        ] += 1
+        kind = pick(
+            self._random, ("kill", "kill", "pause", "pause", "fault", "messages", "services")
+        )
         getattr(self, f"_{kind}")()
         for each in self._nodes.values():
             each.check(self._record)

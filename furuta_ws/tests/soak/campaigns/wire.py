@@ -93,7 +93,7 @@ def _expected(piece: bytes) -> tuple[int, ...] | None:
     body, crc = payload[:-4], payload[-4:]
     if not body or struct.pack("<I", crc32(body)) != crc:
         return None
-    layouts = {number: layout for number, layout in FORMATS.values()}
+    layouts = dict(FORMATS.values())
     layout = layouts.get(body[0])
     if layout is None or len(body) != 1 + layout.size:
         return None
