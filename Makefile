@@ -12,12 +12,12 @@ bench:
 		--requirement benchmarks/requirements.lock
 	tools/in_environment python benchmarks/run.py
 
-# make soak MINUTES=60 SEED=1; SLICE=messages:4 repeats one slice.
+# make soak MINUTES=60 SEED=1; SLICE=messages:4 STEPS=17 repeats the first steps of a slice.
 MINUTES ?= 10
 SEED ?= 1
 soak:
 	cd furuta_ws/tests && ../../tools/in_environment python -m soak --minutes $(MINUTES) \
-		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE))
+		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE)) $(if $(STEPS),--steps $(STEPS))
 
 clean:
 	rm -rf .venv .setup.log .setup.lock furuta_ws/build furuta_ws/install furuta_ws/log

@@ -20,7 +20,7 @@ def main() -> int:
     if options.slice is None:
         return run_soak(options.minutes * 60.0, options.seed, options.out.resolve())
     campaign, _, number = options.slice.partition(":")
-    part = Slice(campaign, int(number or 0), options.seed, options.minutes * 60.0)
+    part = Slice(campaign, int(number or 0), options.seed, options.minutes * 60.0, options.steps)
     domain = take_domain()
     record = run_slice(part)
     domain.close()
@@ -38,6 +38,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="seed of all random choices")
     parser.add_argument("--out", type=Path, default=Path("soak"), help="directory of the report")
     parser.add_argument("--slice", help="repeat one slice, CAMPAIGN:NUMBER")
+    parser.add_argument("--steps", type=int, help="end a slice after so many steps")
     return parser.parse_args()
 
 

@@ -30,6 +30,7 @@ class Observer:
         self.truths = self._collect(GROUND_TRUTH)
         self.measurements = self._collect(MEASUREMENT)
         self._clients: dict[str, Any] = {}
+        self.requests = 0  # sent to services
 
     def _collect(self, topic: Topic) -> list[Any]:
         received: list[Any] = []
@@ -67,6 +68,7 @@ class Observer:
         deadline = monotonic() + ANSWER
         while monotonic() < deadline:
             if self.spin(client.service_is_ready, 1.0):
+                self.requests += 1
                 future = client.call_async(request)
                 if self.spin(future.done, 3.0):
                     return future.result()

@@ -205,10 +205,15 @@ def different_motion(
     for k in range(len(states)):
         if np.array_equal(states[k], start[:4]):
             x = start.copy()
-        elif x is not None:
+            continue
+        if x is not None:
+            move(x, volts[k], plant)
+        if x is None or not np.array_equal(states[k], x[:4]):
+            # A rig that is driven while it is put upright moves at once.
+            x = start.copy()
             move(x, volts[k], plant)
             if not np.array_equal(states[k], x[:4]):
-                return f"row {k}: {states[k]} instead of {x[:4]}"
+                return f"row {k}: {states[k]}, neither continued nor begun anew"
     return ""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from time import monotonic
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,12 +13,16 @@ KEPT_FAILURES = 5
 
 
 class Slice(NamedTuple):
-    """A part of a campaign: ``number`` and ``seed`` determine its random choices."""
+    """A part of a campaign: ``number`` and ``seed`` determine its random choices.
+
+    It ends after ``seconds``, or after ``steps`` if they are given.
+    """
 
     campaign: str
     number: int
     seed: int
     seconds: float
+    steps: int | None = None
 
     @property
     def name(self) -> str:
@@ -45,12 +50,20 @@ class Record:
     def __init__(self, part: Slice) -> None:
         self.part = part
         self.step = 0
+        self._end = monotonic() + part.seconds
         self.tried: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
         self.largest: dict[str, float] = {}
         self.failures: list[Failure] = []
+
+    def next_step(self) -> bool:
+        """Begin the next step; False if the slice has ended."""
+        if self.step == self.part.steps or (self.part.steps is None and monotonic() > self._end):
+            return False
+        self.step += 1
+        return True
 
     def check(self, oracle: str, problem: str) -> bool:
         """Count a check of an oracle; ``problem`` is empty if it holds. Returns whether it does."""

@@ -78,8 +78,8 @@ def markdown(summary: dict[str, Any]) -> str:
     ]
     lines += ["## Failures", ""] if failures else ["No oracle is broken.", ""]
     lines += [
-        f"- **{each['oracle']}**, `make soak SLICE={each['slice']} SEED={each['seed']}`, step "
-        f"{each['step']}: {each['detail']}"
+        f"- **{each['oracle']}**, `make soak SLICE={each['slice']} SEED={each['seed']} "
+        f"STEPS={each['step']}`: {each['detail']}"
         for each in failures
     ]
     return "\n".join(lines) + "\n"

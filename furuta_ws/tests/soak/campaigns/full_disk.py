@@ -1,4 +1,4 @@
-"""Campaign ``full_disk``: recordings whose disk becomes full, and whose processes are killed.
+"""Campaign ``full_disk``: recordings whose disk becomes full.
 
 As root the bag is on a small file system in memory. Otherwise the size of its files is limited.
 """
@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import monotonic
 
 from rosbags.highlevel import AnyReader
 
@@ -29,9 +28,7 @@ SECONDS = "6"  # of simulated time
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    deadline = monotonic() + record.part.seconds
-    while monotonic() < deadline:
-        record.step += 1
+    while record.next_step():
         size = int(random.choice(SIZES) * random.uniform(0.5, 1.5))
         with TemporaryDirectory() as directory, small_disk(Path(directory), size) as mounted:
             record.tried["disk" if mounted else "file size limit"] += 1

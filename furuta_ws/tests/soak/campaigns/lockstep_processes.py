@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import monotonic
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -42,16 +41,15 @@ INTRUSIONS = 30
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    deadline = monotonic() + record.part.seconds
     with ros_context(), TemporaryDirectory() as directory:
-        while monotonic() < deadline:
+        while record.next_step():
             graph = LockstepProcesses(record, watch, random, Path(directory))
             try:
                 graph.run_exactly()
-                for _ in range(INTRUSIONS):
-                    if monotonic() > deadline:
-                        break
+                intrusions = 0
+                while intrusions < INTRUSIONS and record.next_step():
                     graph.intrude()
+                    intrusions += 1
             finally:
                 graph.close()
 
@@ -78,7 +76,6 @@ class LockstepProcesses:
         self._observer.spin_for(0.5)
         answered = self._run_until(EXACT)
         for _ in range(PAUSES if answered else 0):
-            record.step += 1
             self._pause()
         done = self._observer.spin(lambda: self._finished(EXACT), EXACT_WAIT)
         record.check("recovery", not_recovered(done, f"run of {EXACT:g} s", EXACT_WAIT))
@@ -105,7 +102,6 @@ class LockstepProcesses:
     def intrude(self) -> None:
         """Pause or kill a node; the loop must continue, and its motion stay within bounds."""
         record, observer = self._record, self._observer
-        record.step += 1
         if self._random.random() < 0.5:
             self._pause()
             observer.clear()

@@ -8,8 +8,6 @@ last bit.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -24,7 +22,6 @@ from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import values
 from furuta_ros.context import ros_context
 from soak.mutators import (
-    Change,
     Given,
     damaged_joint_state,
     joint_state,
@@ -41,54 +38,18 @@ from soak.oracles import (
 )
 from soak.record import Record
 from soak.resources import ResourceMonitor
+from soak.subject import Subject
 
 PERIOD = 1_000_000  # between two samples [ns]
 # Shares of the steps that damage a message, and that change parameters.
 DAMAGED, CHANGED = 0.5, 0.02
-# Steps after which the nodes are made anew, with their default parameters.
-FRESH_AFTER = 5_000
+# Share of the steps after which a pair of nodes is made anew, with its default parameters.
+RENEWED = 5e-4
 INPUTS = {
     EstimatorNode: ("measurement",),
     FrictionObserverNode: ("joint_states",),
     ControllerNode: ("joint_states", "friction_estimate"),
 }
-
-
-class Subject:
-    """A node whose callbacks are called directly, and what it has published."""
-
-    def __init__(self, make: Callable[[], Any]) -> None:
-        self.node = make()
-        self.published: list[tuple[float, ...]] = []
-        self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
-        for publisher in self.node.publishers:
-            if publisher.topic_name.strip("/") in ("joint_states", "friction_estimate", "command"):
-                publisher.publish = self._keep
-
-    def _keep(self, message: Any) -> None:
-        if isinstance(message, Float64):
-            self.published.append((message.data,))
-        else:
-            arrays = (message.position, message.velocity, message.effort)
-            self.published.append(tuple(float(v) for array in arrays for v in array))
-
-    def give(self, topic: str, message: Any) -> tuple[bool, list[tuple[float, ...]]]:
-        """Give a message; returns whether it was refused, and what was published."""
-        self.published = []
-        refused = self.node.refused
-        self._callbacks[f"/{topic}"](message)
-        return self.node.refused > refused, self.published
-
-    def change(self, change: Change) -> tuple[bool, str]:
-        """Change parameters as the service does; returns whether it was refused, and why."""
-        try:
-            result = self.node.set_parameters_atomically(change.parameters)
-        except Exception as error:
-            # A service turns these two kinds of rclpy into a refusal, and nothing else.
-            if type(error).__name__ in ("ParameterNotDeclaredException",):
-                return True, str(error)
-            raise
-        return not result.successful, result.reason
 
 
 class Pair:
@@ -212,18 +173,15 @@ def _stream() -> np.ndarray:
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    end = monotonic() + record.part.seconds
     with ros_context():
-        while monotonic() < end:
-            pairs = [Pair(each, record, random) for each in INPUTS]
-            stop = record.step + FRESH_AFTER
-            while monotonic() < end and record.step < stop:
-                record.step += 1
-                chosen = int(random.integers(len(pairs)))
-                broken = record.broken.total()
-                pairs[chosen].step()
-                if record.broken.total() > broken:  # do not count what follows from it
-                    pairs[chosen] = pairs[chosen].anew()
-                watch.sample({"messages": os.getpid()})
-            for each in pairs:
-                each.close()
+        pairs = [Pair(each, record, random) for each in INPUTS]
+        while record.next_step():
+            chosen = int(random.integers(len(pairs)))
+            broken = record.broken.total()
+            pairs[chosen].step()
+            # A broken oracle must not be counted again by what follows from it.
+            if record.broken.total() > broken or random.random() < RENEWED:
+                pairs[chosen] = pairs[chosen].anew()
+            watch.sample({"messages": os.getpid()})
+        for each in pairs:
+            each.close()

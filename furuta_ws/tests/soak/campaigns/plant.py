@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from math import pi
-from time import monotonic
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -31,10 +30,8 @@ FASTEST = 15.0
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    deadline = monotonic() + record.part.seconds
     with ros_context():
-        while monotonic() < deadline:
-            record.step += 1
+        while record.next_step():
             plant = _plant(record, random)
             _refuse(record, random, plant)
             _move(record, random, plant)

@@ -40,12 +40,10 @@ STRAYS = 50
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    deadline = monotonic() + record.part.seconds
     with ros_context(), TemporaryDirectory() as directory:
         graph = RealtimeProcesses(record, random, Path(directory))
         try:
-            while monotonic() < deadline:
-                record.step += 1
+            while record.next_step():
                 graph.intrude()
                 watch.sample({"realtime_processes": os.getpid()} | graph.pids)
         finally:

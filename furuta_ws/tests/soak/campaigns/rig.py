@@ -6,7 +6,6 @@ publisher. The log of the emulated rig shows when it was driven; it does not dep
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 from pathlib import Path
@@ -21,34 +20,22 @@ from std_srvs.srv import SetBool
 
 from furuta_graph.description import HARDWARE_BRIDGE, graph_nodes
 from furuta_graph.processes import executable
-from furuta_rig.emulator.emulated_rig import plant_of
 from furuta_rig.emulator.monitor import ask
-from furuta_rig.rig import Rig
 from furuta_ros.context import ros_context
 from furuta_ros.topics import COMMAND, QOS
-from furuta_sim.plant import design_plant
+from soak.line_relay import LineRelay
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end
 from soak.observer import Observer
-from soak.oracles import (
-    armed_without_request,
-    different_motion,
-    energy_growth,
-    late_stop,
-    out_of_bounds,
-    unarmed_drive,
-)
 from soak.record import Record
 from soak.resources import ResourceMonitor
+from soak.rig_log_checks import ALLOWED, check_rig_log
 
-RIG = Rig()
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
-PERIOD = round(RIG.line.sample_time * 1e9)
-# Time from the last sign of life to 0 V that is allowed: the watchdog, and a sample [ns].
-ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
 ATTEMPTS = 6  # to drive it: a node that was killed takes seconds to start
+KINDS = ("kill", "kill", "pause", "pause", "damage", "fault", "messages", "services")
 INTRUSIONS = 20  # between two looks at the log
 FAULTS: tuple[dict[str, Any], ...] = (
     {"lost": 0.6},
@@ -67,14 +54,12 @@ FAULTS: tuple[dict[str, Any], ...] = (
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    deadline = monotonic() + record.part.seconds
     with ros_context(), TemporaryDirectory() as directory:
         graph = RigGraph(record, random, Path(directory))
         try:
-            while monotonic() < deadline:
-                record.step += 1
+            while record.next_step():
                 graph.intrude()
-                watch.sample({"rig": os.getpid()} | graph.pids)
+                watch.sample(graph.pids)  # this process keeps the log
                 if record.step % INTRUSIONS == 0:
                     graph.check_log()
             graph.check_log()
@@ -97,9 +82,10 @@ class RigGraph:
         )
         assert self._emulator.stdout is not None
         self._emulator.stdout.readline()
+        self._line = LineRelay(directory / "port", directory / "line", random.spawn(1)[0])
         self._observer = Observer()
         self._intruder = self._observer.node.create_publisher(COMMAND.type, COMMAND.name, QOS)
-        bridge = (f"port:={directory / 'port'}", "autostart:=active")
+        bridge = (f"port:={directory / 'line'}", "autostart:=active")
         self._nodes = {
             name: NodeProcess(name, directory, *(bridge if name == HARDWARE_BRIDGE else ()))
             for name in NAMES
@@ -115,12 +101,8 @@ class RigGraph:
     def intrude(self) -> None:
         """Drive the rig, then disturb it in a random way."""
         driven = any(self._drive() for _ in range(ATTEMPTS))
-        self._record.tried[
-            "intrusion while driven" if driven else "intrusion while not driven"
-        ] += 1
-        kind = pick(
-            self._random, ("kill", "kill", "pause", "pause", "fault", "messages", "services")
-        )
+        self._record.tried["driven before" if driven else "not driven before"] += 1
+        kind = pick(self._random, KINDS)
         getattr(self, f"_{kind}")()
         for each in self._nodes.values():
             each.check(self._record)
@@ -132,9 +114,10 @@ class RigGraph:
         """Hold the pendulum upright, arm, and wait until the rig is driven."""
         begun = ask(self._monitor, "hold")["driven"]
         self._observer.spin_for(SETTLING)
-        self.requests += 1
-        self._record.tried["arm"] += 1
+        before = self._observer.requests
         answer = self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=True))
+        self.requests += self._observer.requests - before
+        self._record.tried["arm"] += 1
         if answer is None or not answer.success:
             self._record.refused["arm"] += 1
             return False
@@ -164,7 +147,16 @@ class RigGraph:
         node.process.send_signal(signal.SIGCONT)
         self._silences.append((paused, back))
 
+    def _damage(self) -> None:
+        """Damage bytes on the line."""
+        self._line.damaged = float(pick(self._random, (0.01, 0.1, 1.0)))
+        sleep(float(self._random.uniform(0.05, 0.5)))
+        self._line.damaged = 0.0
+        self._record.tried.update(self._line.counts)
+        self._line.counts.clear()
+
     def _fault(self) -> None:
+        """A fault that the emulated rig has by itself."""
         fault = pick(self._random, FAULTS)
         for name in fault:
             self._record.tried[f"line: {name}"] += 1
@@ -198,28 +190,7 @@ class RigGraph:
 
     def check_log(self) -> None:
         """Check everything that the rig has done since its start."""
-        record, log = self._record, self._log()
-        time, volts, armed = log["time_ns"], log["volts"], log["armed"]
-        x = np.column_stack([log[name] for name in ("phi", "phi_dot", "theta", "theta_dot")])
-        record.check("unarmed", unarmed_drive(volts, armed))
-        record.check("arming", armed_without_request(armed, self.requests))
-        record.check("bounds", out_of_bounds(x))
-        # The voltage of a row was applied up to its state.
-        after = np.append(volts[1:], 0.0)
-        held = np.all(x == x[0], axis=1)
-        # Holding the pendulum moves it by hand.
-        moving = np.where(held | np.append(held[1:], True), 1.0, after)
-        record.check("energy", energy_growth(x, moving, RIG.model, RIG.friction))
-        plant = plant_of(RIG)
-        motion = different_motion(x, volts, design_plant(plant), plant)
-        record.check("rig = simulation", motion)
-        for silent, back in self._silences:
-            problem = late_stop(time, volts, silent, back, ALLOWED)
-            record.check("watchdog", problem)
-            driven = time[(volts != 0.0) & (time > silent) & (time < back)]
-            if len(driven):
-                record.measure("time to 0 V of the rig [ms]", float(driven[-1] - silent) / 1e6)
-        record.tried["driven samples"] = int(np.sum(volts != 0.0))
+        check_rig_log(self._record, self._log(), self.requests, self._silences)
         self._silences.clear()
 
     def _log(self) -> dict[str, np.ndarray]:
@@ -232,5 +203,6 @@ class RigGraph:
         """End all processes."""
         end(self._nodes.values(), self._record)
         self._observer.close()
+        self._line.close()
         self._emulator.terminate()
         self._emulator.wait()

@@ -7,27 +7,22 @@ second. The time of the guard is that of the samples.
 from __future__ import annotations
 
 import os
-import struct
 from math import inf, nan
-from time import monotonic
-from zlib import crc32
 
 import numpy as np
-from cobs import cobs
 
 from furuta_control.control import ControllerParameters
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.drivers.serial_protocol.host import ProtocolHost
 from furuta_hw.guard import Guard
 from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
-from furuta_rig.protocol.frames import FORMATS, LONGEST_FRAME, FrameError, decode
 from furuta_rig.rig import Rig
 from furuta_sim.plant import design_plant
-from soak.mutators import damaged_bytes, pick
+from soak.damaged_line import DamagedLine
+from soak.mutators import pick
 from soak.oracles import (
     armed_without_request,
     different_motion,
-    different_value,
     late_stop,
     out_of_bounds,
     unarmed_drive,
@@ -46,60 +41,6 @@ WILD = 0.002
 GAIN = ControllerParameters().feedback_gain
 
 
-class Line:
-    """The host's port: it carries damaged bytes to the rig."""
-
-    def __init__(self, rig: EmulatedRig, record: Record, random: np.random.Generator) -> None:
-        self._rig, self._record, self._random = rig, record, random
-        self.damaged = 0.0
-
-    def read(self) -> bytes:
-        """Read nothing: samples are passed on by hand."""
-        return b""
-
-    def write(self, data: bytes) -> None:
-        """Send to the rig."""
-        self._rig.receive(self.carry(data, "to rig"))
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to free."""
-
-    def carry(self, data: bytes, direction: str) -> bytes:
-        """Carry bytes, perhaps damaged; each piece is also decoded independently."""
-        self._record.tried[f"frames carried {direction}"] += 1
-        if data and self._random.random() < self.damaged:
-            data, kind = damaged_bytes(self._random, data)
-            self._record.tried[f"frame {kind} {direction}"] += 1
-            for piece in data.split(b"\0")[:-1]:
-                self._record.check("frames", different_value(_decoded(piece), _expected(piece)))
-        return data
-
-
-def _decoded(piece: bytes) -> tuple[int, ...] | None:
-    try:
-        return tuple(decode(piece))
-    except FrameError:
-        return None
-
-
-def _expected(piece: bytes) -> tuple[int, ...] | None:
-    """The fields of a frame by another implementation of COBS; None if it is invalid."""
-    if not piece or len(piece) > LONGEST_FRAME:
-        return None
-    try:
-        payload = cobs.decode(piece)
-    except cobs.DecodeError:
-        return None
-    body, crc = payload[:-4], payload[-4:]
-    if not body or struct.pack("<I", crc32(body)) != crc:
-        return None
-    layouts = dict(FORMATS.values())
-    layout = layouts.get(body[0])
-    if layout is None or len(body) != 1 + layout.size:
-        return None
-    return tuple(int(each) for each in layout.unpack(body[1:]))
-
-
 class Loop:
     """Host, guard and emulated rig, one sample at a time."""
 
@@ -107,7 +48,7 @@ class Loop:
         self._record, self._random = record, random
         self.plant = plant_of(RIG, seed=int(random.integers(2**31)))
         self.rig = EmulatedRig(RIG, self.plant)
-        self.line = Line(self.rig, record, random)
+        self.line = DamagedLine(self.rig, record, random)
         self._guard = Guard(RIG.limits, PERIOD)
         self._bad = 0
         self.requests = 0
@@ -175,10 +116,8 @@ class Loop:
 def run(record: Record, watch: ResourceMonitor) -> None:
     """Run the slice."""
     random = record.part.random()
-    end = monotonic() + record.part.seconds
     plant = design_plant(plant_of(RIG))
-    while monotonic() < end:
-        record.step += 1
+    while record.next_step():
         loop, silences = _run(record, random)
         log = np.array(loop.log)
         time, states, volts, armed = log[:, 0], log[:, 1:5], log[:, 5], log[:, 6]
