@@ -106,6 +106,13 @@ def random_change(random: Random, group: Any) -> Change:
     return Change(parameters, kind, True)
 
 
+def default_values(group: Any) -> Change:
+    """A change that sets all parameters of a group to their defaults."""
+    known = [each for each in declared(group) if not each.about.read_only]
+    parameters = [Parameter(e.name, value=e.default) for e in known if e.kind is not list]
+    return Change(parameters, "defaults", False)
+
+
 def _valid_value(random: Random, each: Declared) -> Any:
     about = each.about
     if about.choices:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -81,8 +82,7 @@ def _run_process(part: Slice, out: Path) -> dict[str, Any]:
         try:
             status: int | str = process.wait(part.seconds + GRACE)
         except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+            _interrupt(process)
             status = "none, it did not end"
     file = out / f"{name}.json"
     if status in (0, 1) and file.exists():
@@ -91,3 +91,13 @@ def _run_process(part: Slice, out: Path) -> dict[str, Any]:
     record = Record(part)
     record.check("survival", f"the slice ended with status {status}, see {name}.log")
     return record.as_json()
+
+
+def _interrupt(process: subprocess.Popen[bytes]) -> None:
+    """End a slice; SIGINT first, so that it ends its own processes."""
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

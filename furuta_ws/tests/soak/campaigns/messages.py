@@ -24,6 +24,7 @@ from furuta_ros.context import ros_context
 from soak.mutators import (
     Given,
     damaged_joint_state,
+    default_values,
     joint_state,
     pick,
     random_change,
@@ -43,8 +44,9 @@ from soak.subject import Subject
 PERIOD = 1_000_000  # between two samples [ns]
 # Shares of the steps that damage a message, and that change parameters.
 DAMAGED, CHANGED = 0.5, 0.02
-# Share of the steps after which a pair of nodes is made anew, with its default parameters.
-RENEWED = 5e-4
+# Share of the changes that set all parameters to their defaults. Nodes are not made anew for that,
+# because the middleware keeps some memory of each node that has ended.
+RESTORED = 0.1
 INPUTS = {
     EstimatorNode: ("measurement",),
     FrictionObserverNode: ("joint_states",),
@@ -147,6 +149,8 @@ class Pair:
     def _change(self) -> None:
         record, node = self._record, self.node.node
         change = random_change(self._random, type(node.parameters))
+        if self._random.random() < RESTORED:
+            change = default_values(type(node.parameters))
         record.tried[f"parameters: {change.kind}"] += 1
         before = values(node.parameters)
         given = [(each.name, each.value) for each in change.parameters]
@@ -180,7 +184,7 @@ def run(record: Record, watch: ResourceMonitor) -> None:
             broken = record.broken.total()
             pairs[chosen].step()
             # A broken oracle must not be counted again by what follows from it.
-            if record.broken.total() > broken or random.random() < RENEWED:
+            if record.broken.total() > broken:
                 pairs[chosen] = pairs[chosen].anew()
             watch.sample({"messages": os.getpid()})
         for each in pairs:
