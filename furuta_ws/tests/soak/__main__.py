@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import json
 import sys
 from pathlib import Path
@@ -11,6 +12,9 @@ from ros_domain import take_domain
 
 from soak.record import Slice
 from soak.scheduler import run_slice, run_soak
+
+# Time [s] beyond its own after which a slice shows where it is; the scheduler waits longer.
+PATIENCE = 30.0
 
 
 def main() -> int:
@@ -21,9 +25,12 @@ def main() -> int:
         return run_soak(options.minutes * 60.0, options.seed, options.out.resolve())
     campaign, _, number = options.slice.partition(":")
     part = Slice(campaign, int(number or 0), options.seed, options.minutes * 60.0, options.steps)
+    # A slice that does not end shows where it is.
+    faulthandler.dump_traceback_later(part.seconds + PATIENCE)
     domain = take_domain()
     record = run_slice(part)
     domain.close()
+    faulthandler.cancel_dump_traceback_later()
     file = options.out / f"{part.campaign}-{part.number}.json"
     file.write_text(json.dumps(record.as_json(), indent=1))
     for each in record.failures:

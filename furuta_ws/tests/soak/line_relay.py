@@ -16,6 +16,8 @@ from soak.mutators import damaged_bytes
 
 # Longest wait for bytes before the end is checked [s], and the most bytes read at once.
 WAIT, MOST = 0.1, 65536
+# Priority of its thread in the real-time scheduler.
+PRIORITY = 10
 
 
 class LineRelay:
@@ -41,6 +43,9 @@ class LineRelay:
         self._thread.start()
 
     def _carry(self) -> None:
+        # Like the emulated rig: the line is no slower under load, if the system permits it.
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
         while not self._ended.is_set():
             ready, _, _ = select.select([self._host, self._rig], [], [], WAIT)
             if self._host in ready:
