@@ -1,4 +1,4 @@
-.PHONY: demo test bench clean
+.PHONY: demo test bench soak clean
 
 demo:
 	./furuta demo
@@ -11,6 +11,13 @@ bench:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
 		--requirement benchmarks/requirements.lock
 	tools/in_environment python benchmarks/run.py
+
+# make soak MINUTES=60 SEED=1; SLICE=messages:4 STEPS=17 repeats the first steps of a slice.
+MINUTES ?= 10
+SEED ?= 1
+soak:
+	cd furuta_ws/tests && ../../tools/in_environment python -m soak --minutes $(MINUTES) \
+		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE)) $(if $(STEPS),--steps $(STEPS))
 
 clean:
 	rm -rf .venv .setup.log .setup.lock furuta_ws/build furuta_ws/install furuta_ws/log

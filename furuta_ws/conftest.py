@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
 import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
+from ros_domain import take_domain
 
 if TYPE_CHECKING:
     from testbench import Bench
@@ -18,25 +16,8 @@ if TYPE_CHECKING:
     from furuta_graph.settings import Settings
 
 SOURCES = Path(__file__).resolve().parent / "src"
-DOMAINS = range(1, 100)
 
-
-def _own_domain() -> Any:
-    """Take the first ROS domain that no other test process holds; keep the lock while alive."""
-    for domain in DOMAINS:
-        lock = (Path(tempfile.gettempdir()) / f"furuta-test-domain-{domain}").open("w")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        return lock
-    raise RuntimeError("every ROS domain for tests is taken")
-
-
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-_DOMAIN_LOCK = _own_domain()
+_DOMAIN_LOCK = take_domain()
 
 # Tests run against the installed packages. ``colcon test`` starts ``python -m pytest`` in the
 # folder of a package in src/, and Python would import the package from there.

@@ -101,7 +101,7 @@ def test_bags_with_a_clock_are_read_recovered_and_replayed(bench: Bench, tmp_pat
     recorder = RecorderNode(tmp_path / "bag", stamped=True, topics=[*TOPICS, CLOCK])
     plant = LockStep(bench)
     (clock,) = published(plant.node)
-    bench.spin(lambda: clock.get_subscription_count() == 1)
+    bench.spin(lambda: clock.get_subscription_count() >= 1)
     plant.run_to(50)
     recorder.destroy_node()
     with Bag(tmp_path / "bag") as bag:

@@ -75,6 +75,7 @@ def fall_and_reset(graph: ResetGraph) -> int:
     return recovered
 
 
+@pytest.mark.timeout(60 + 15 * RESETS)
 @pytest.mark.parametrize("method", METHODS)
 def test_lockstep_recovers_by_reset(ros: None, method: str, tmp_path: Path) -> None:
     """Every fall; and the recording with its resets can be recomputed."""
@@ -90,6 +91,7 @@ def test_lockstep_recovers_by_reset(ros: None, method: str, tmp_path: Path) -> N
 
 
 @pytest.mark.realtime
+@pytest.mark.timeout(60 + 15 * RESETS)
 @pytest.mark.parametrize("method", METHODS)
 def test_real_time_recovers_by_reset(ros: None, method: str) -> None:
     """As in lock-step."""

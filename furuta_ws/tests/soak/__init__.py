@@ -1,0 +1,1 @@
+"""Soak: random messages, parameters, kills and faults against the graph, checked by oracles."""

@@ -1,0 +1,87 @@
+"""Campaign ``plant``: the simulated plant with random states and commands, by direct calls.
+
+Its energy must not grow without drive, whatever friction law it has, and commands that are refused
+must not move it.
+"""
+
+from __future__ import annotations
+
+import os
+from math import pi
+
+import numpy as np
+from rclpy.parameter import Parameter
+
+from furuta_model.friction.laws import LAWS
+from furuta_ros.context import ros_context
+from furuta_sim.plant_node import PlantNode
+from soak.mutators import pick, random_float
+from soak.oracles import different_value, energy_growth, out_of_bounds, wrong_refusal
+from soak.record import Record
+from soak.resources import ResourceMonitor
+
+SAMPLES = 3000
+# Samples from one push to the next, and of a push: longer ones make it faster than any rig.
+STRETCH, PUSH = 500, 30
+# Largest initial speeds [rad/s].
+FASTEST = 15.0
+
+
+def run(record: Record, watch: ResourceMonitor) -> None:
+    """Run the slice."""
+    random = record.part.random()
+    with ros_context():
+        while record.next_step():
+            plant = _plant(record, random)
+            _refuse(record, random, plant)
+            _move(record, random, plant)
+            plant.destroy_node()
+            watch.sample({"plant by direct calls": os.getpid()})
+
+
+def _plant(record: Record, random: np.random.Generator) -> PlantNode:
+    law = str(pick(random, LAWS))
+    record.tried[f"law {law}"] += 1
+    speeds = random.uniform(-FASTEST, FASTEST, 2)
+    initial = {"phi_dot": speeds[0], "theta_dot": speeds[1], "theta": random.uniform(-pi, pi)}
+    given = [Parameter(f"initial.{name}", value=float(v)) for name, v in initial.items()]
+    clock = Parameter("clock", value="lockstep")
+    return PlantNode([*given, clock, Parameter("friction.law", value=law)])
+
+
+def _refuse(record: Record, random: np.random.Generator, plant: PlantNode) -> None:
+    """Commands outside a sample: none moves the plant; NaN and infinity are refused."""
+    (callback,) = (s.callback for s in plant.subscriptions if s.topic_name == "/command")
+    before = plant.x.tolist()
+    for _ in range(20):
+        given = random_float(random)
+        record.tried[f"command: {given.kind}"] += 1
+        refused = plant.refused
+        callback(given.message)
+        refused = plant.refused - refused
+        record.refused["command"] += refused
+        record.check("refusal", wrong_refusal(given.refuse, bool(refused), given.message.data))
+    record.check("unchanged", different_value(plant.x.tolist(), before))
+
+
+def _move(record: Record, random: np.random.Generator, plant: PlantNode) -> None:
+    """Stretches with and without drive."""
+    states, volts = [], []
+    u = 0.0
+    for k in range(SAMPLES):
+        if k % STRETCH == 0:
+            u = float(pick(random, (0.0, random.normal(0, 5), 1e300)))
+        elif k % STRETCH == PUSH:
+            u = 0.0
+        states.append(plant.x[:4].copy())
+        volts.append(u)
+        plant.held = False
+        plant.move(u)
+    x = np.array(states)
+    record.tried["samples without drive"] += volts.count(0.0)
+    rig = plant.parameters.plant
+    growth = energy_growth(x, np.array(volts), rig.model, rig.friction.parameters)
+    record.check("energy", growth)
+    # An open loop without viscous friction may turn the arm as far as it likes.
+    x[:, 0] = np.where(np.isfinite(x[:, 0]), 0.0, np.nan)
+    record.check("bounds", out_of_bounds(x))

@@ -1,0 +1,208 @@
+"""Campaign ``rig``: the graph of processes on an emulated rig behind a pseudo-terminal.
+
+Kills and pauses of the bridge and of every other node, faults of the line, and messages of a second
+publisher. The log of the emulated rig shows when it was driven; it does not depend on the graph.
+"""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic, monotonic_ns, sleep
+from typing import Any
+
+import numpy as np
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from std_srvs.srv import SetBool
+
+from furuta_graph.description import HARDWARE_BRIDGE, graph_nodes
+from furuta_graph.processes import executable
+from furuta_rig.emulator.monitor import ask
+from furuta_ros.context import ros_context
+from furuta_ros.topics import COMMAND, QOS
+from soak.line_relay import LineRelay
+from soak.mutators import pick, random_float
+from soak.node_process import NodeProcess, end
+from soak.observer import Observer
+from soak.record import Record
+from soak.resources import ResourceMonitor
+from soak.rig_log_checks import ALLOWED, check_rig_log
+
+NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
+SETTLING = 0.6  # [s] between holding the pendulum upright and arming
+DRIVEN = 100  # samples driven before an intrusion
+ATTEMPTS = 6  # to drive it: a node that was killed takes seconds to start
+KINDS = ("kill", "kill", "pause", "pause", "damage", "fault", "messages", "services")
+INTRUSIONS = 20  # between two looks at the log
+FAULTS: tuple[dict[str, Any], ...] = (
+    {"lost": 0.6},
+    {"lost": 0.02},
+    {"corrupt": 0.6},
+    {"corrupt": 0.02},
+    {"repeated": 0.5},
+    {"late": 200},
+    {"silent": True},
+    {"encoder_stuck": True},
+    {"potentiometer_rail": True},
+    {"rig_fault": True},
+)
+
+
+def run(record: Record, watch: ResourceMonitor) -> None:
+    """Run the slice."""
+    random = record.part.random()
+    with ros_context(), TemporaryDirectory() as directory:
+        graph = RigGraph(record, random, Path(directory))
+        try:
+            while record.next_step():
+                graph.intrude()
+                watch.sample(graph.pids)  # this process keeps the log
+                if record.step % INTRUSIONS == 0:
+                    graph.check_log()
+            graph.check_log()
+        finally:
+            graph.close()
+
+
+class RigGraph:
+    """An emulated rig in a process, and a graph that drives it."""
+
+    def __init__(self, record: Record, random: np.random.Generator, directory: Path) -> None:
+        self._record, self._random, self._directory = record, random, directory
+        self._monitor = directory / "monitor"
+        self._emulator = subprocess.Popen(
+            [
+                *(str(executable("furuta_hw", "rig_emulator")), "--link", str(directory / "port")),
+                *("--monitor", str(self._monitor)),
+            ],
+            stdout=subprocess.PIPE,
+        )
+        assert self._emulator.stdout is not None
+        self._emulator.stdout.readline()
+        self._line = LineRelay(directory / "port", directory / "line", random.spawn(1)[0])
+        self._observer = Observer()
+        self._intruder = self._observer.node.create_publisher(COMMAND.type, COMMAND.name, QOS)
+        bridge = (f"port:={directory / 'line'}", "autostart:=active")
+        self._nodes = {
+            name: NodeProcess(name, directory, *(bridge if name == HARDWARE_BRIDGE else ()))
+            for name in NAMES
+        }
+        self.requests = 0
+        self._silences: list[tuple[int, int]] = []
+
+    @property
+    def pids(self) -> dict[str, int]:
+        """Process numbers by node. The emulator's memory grows with its log."""
+        return {name: each.process.pid for name, each in self._nodes.items()}
+
+    def intrude(self) -> None:
+        """Drive the rig, then disturb it in a random way."""
+        driven = any(self._drive() for _ in range(ATTEMPTS))
+        self._record.tried["driven before" if driven else "not driven before"] += 1
+        kind = pick(self._random, KINDS)
+        getattr(self, f"_{kind}")()
+        for each in self._nodes.values():
+            each.check(self._record)
+
+    def _status(self) -> dict[str, Any]:
+        return ask(self._monitor, "status")
+
+    def _drive(self) -> bool:
+        """Hold the pendulum upright, arm, and wait until the rig is driven."""
+        begun = ask(self._monitor, "hold")["driven"]
+        self._observer.spin_for(SETTLING)
+        before = self._observer.requests
+        answer = self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=True))
+        self.requests += self._observer.requests - before
+        self._record.tried["arm"] += 1
+        if answer is None or not answer.success:
+            self._record.refused["arm"] += 1
+            return False
+        deadline = monotonic() + 2.0
+        while monotonic() < deadline:
+            status = self._status()
+            if status["driven"] > begun + DRIVEN:
+                return bool(status["armed"])
+            sleep(0.02)
+        return False
+
+    def _kill(self) -> None:
+        name = str(pick(self._random, NAMES))
+        self._record.tried[f"kill {name}"] += 1
+        dead = self._nodes[name].kill()
+        sleep(3 * ALLOWED / 1e9)
+        self._silences.append((dead, monotonic_ns()))
+        self._nodes[name].start()
+
+    def _pause(self) -> None:
+        node = self._nodes[str(pick(self._random, NAMES))]
+        self._record.tried[f"pause {node.name}"] += 1
+        node.process.send_signal(signal.SIGSTOP)
+        paused = monotonic_ns()
+        sleep(float(self._random.uniform(0.01, 0.5)))
+        back = monotonic_ns()
+        node.process.send_signal(signal.SIGCONT)
+        self._silences.append((paused, back))
+
+    def _damage(self) -> None:
+        """Damage bytes on the line."""
+        self._line.damaged = float(pick(self._random, (0.01, 0.1, 1.0)))
+        sleep(float(self._random.uniform(0.05, 0.5)))
+        self._line.damaged = 0.0
+        self._record.tried.update(self._line.counts)
+        self._line.counts.clear()
+
+    def _fault(self) -> None:
+        """A fault that the emulated rig has by itself."""
+        fault = pick(self._random, FAULTS)
+        for name in fault:
+            self._record.tried[f"line: {name}"] += 1
+        ask(self._monitor, "faults", **fault)
+        sleep(float(self._random.uniform(0.05, 0.4)))
+        ask(self._monitor, "faults", **{name: type(value)() for name, value in fault.items()})
+
+    def _messages(self) -> None:
+        """Commands of a second publisher: they must not arm the rig."""
+        for _ in range(50):
+            given = random_float(self._random)
+            self._record.tried[f"command: {given.kind}"] += 1
+            self._intruder.publish(given.message)
+        self._observer.spin_for(0.1)
+
+    def _services(self) -> None:
+        """Disarm, or leave the active state and return."""
+        self._record.tried["disarm"] += 1
+        self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=False))
+        if self._random.random() < 0.5:
+            return
+        for number in (
+            Transition.TRANSITION_DEACTIVATE,
+            Transition.TRANSITION_CLEANUP,
+            Transition.TRANSITION_CONFIGURE,
+            Transition.TRANSITION_ACTIVATE,
+        ):
+            self._record.tried["transition"] += 1
+            request = ChangeState.Request(transition=Transition(id=number))
+            self._observer.call(ChangeState, "hardware_bridge/change_state", request)
+
+    def check_log(self) -> None:
+        """Check everything that the rig has done since its start."""
+        check_rig_log(self._record, self._log(), self.requests, self._silences)
+        self._silences.clear()
+
+    def _log(self) -> dict[str, np.ndarray]:
+        file = self._directory / "log.npz"
+        ask(self._monitor, "save", path=str(file))
+        with np.load(file) as table:
+            return dict(table)
+
+    def close(self) -> None:
+        """End all processes."""
+        end(self._nodes.values(), self._record)
+        self._observer.close()
+        self._line.close()
+        self._emulator.terminate()
+        self._emulator.wait()

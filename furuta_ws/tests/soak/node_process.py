@@ -1,0 +1,84 @@
+"""Node processes that are killed, paused and started again."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+from time import monotonic, monotonic_ns, sleep
+from typing import Any
+
+from furuta_graph.description import NODES
+from furuta_graph.processes import executable
+from soak.oracles import unexplained_end
+from soak.record import Record
+
+# Time for a process to end [s].
+GRACE = 10.0
+
+
+class NodeProcess:
+    """A node in a process of its own, with its log in a file: a full pipe would stop it."""
+
+    def __init__(self, name: str, directory: Path, *arguments: str) -> None:
+        self.name = name
+        self._log = directory / f"{name}.stderr"
+        about = NODES[name]
+        ros = [part for argument in arguments for part in ("-p", argument)]
+        self._command = [
+            str(executable(about.package, about.executable)),
+            *(["--ros-args", *ros] if ros else []),
+        ]
+        self.start()
+
+    def start(self) -> None:
+        """Start it, or start it again after its end."""
+        with self._log.open("w") as log:
+            self.process = subprocess.Popen(self._command, stdout=log, stderr=log)
+        self.started = monotonic()
+
+    @property
+    def log(self) -> str:
+        """What it has written since its start."""
+        return self._log.read_text(errors="replace")
+
+    def kill(self) -> int:
+        """SIGKILL; returns the time [ns] of the steady clock after its end."""
+        self.process.kill()
+        self.process.wait()
+        return monotonic_ns()
+
+    def pause(self, seconds: float) -> None:
+        """SIGSTOP, and SIGCONT after some time."""
+        self.process.send_signal(signal.SIGSTOP)
+        try:
+            sleep(seconds)
+        finally:
+            self.process.send_signal(signal.SIGCONT)
+
+    def check(self, record: Record) -> None:
+        """Check that it runs on, or gives a reason; a process that has ended is started again."""
+        status = self.process.poll()
+        problem = unexplained_end(status, self.log)
+        record.check("survival", f"{self.name}: {problem}" if problem else "")
+        if status is not None:
+            self.start()
+
+
+def end(processes: Iterable[NodeProcess], record: Record) -> None:
+    """End the processes with SIGINT, and check how they end."""
+    for each in processes:
+        each.process.send_signal(signal.SIGINT)
+    for each in processes:
+        status: Any
+        try:
+            status = each.process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            each.process.kill()
+            each.process.wait()
+            status = "none: SIGINT did not end it"
+        # A signal in the first second may end it before Python can say anything.
+        problem = "" if status == 0 or monotonic() - each.started < GRACE else f"status {status}"
+        problem = problem or unexplained_end(None, each.log)
+        record.check("survival", f"{each.name}, SIGINT: {problem}" if problem else "")

@@ -1,0 +1,100 @@
+"""Records what a slice of a campaign tried, what was refused and what its oracles found."""
+
+from __future__ import annotations
+
+from collections import Counter
+from time import monotonic
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# Failures of one oracle in one slice that are kept with their details; all are counted.
+KEPT_FAILURES = 5
+
+
+class Slice(NamedTuple):
+    """A part of a campaign: ``number`` and ``seed`` determine its random choices.
+
+    It ends after ``seconds``, or after ``steps`` if they are given.
+    """
+
+    campaign: str
+    number: int
+    seed: int
+    seconds: float
+    steps: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The name by which ``--slice`` repeats it."""
+        return f"{self.campaign}:{self.number}"
+
+    def random(self) -> np.random.Generator:
+        """The slice's source of random numbers; the same for the same seed and number."""
+        return np.random.default_rng([self.seed, self.number, *self.campaign.encode()])
+
+
+class Failure(NamedTuple):
+    """A broken oracle: where it happened and what was found."""
+
+    oracle: str
+    slice: str
+    seed: int
+    step: int
+    detail: str
+
+
+class Record:
+    """Counts of one slice. ``step`` is the number of the current random choice."""
+
+    def __init__(self, part: Slice) -> None:
+        self.part = part
+        self.step = 0
+        self._end = monotonic() + part.seconds
+        self.tried: Counter[str] = Counter()
+        self.refused: Counter[str] = Counter()
+        self.checks: Counter[str] = Counter()
+        self.broken: Counter[str] = Counter()
+        self.largest: dict[str, float] = {}
+        self.failures: list[Failure] = []
+
+    def next_step(self) -> bool:
+        """Begin the next step; False if the slice has ended."""
+        if self.step == self.part.steps or (self.part.steps is None and monotonic() > self._end):
+            return False
+        self.step += 1
+        return True
+
+    def check(self, oracle: str, problem: str) -> bool:
+        """Count a check of an oracle; ``problem`` is empty if it holds. Returns whether it does."""
+        self.checks[oracle] += 1
+        if problem:
+            self.broken[oracle] += 1
+            if self.broken[oracle] <= KEPT_FAILURES:
+                part = self.part
+                self.failures.append(Failure(oracle, part.name, part.seed, self.step, problem))
+        return not problem
+
+    def measure(self, name: str, value: float) -> None:
+        """Keep the largest value of a measured quantity; its name states the unit."""
+        self.largest[name] = max(value, self.largest.get(name, value))
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything recorded, for a JSON file."""
+        return {
+            "slice": self.part.name,
+            "seed": self.part.seed,
+            "seconds": self.part.seconds,
+            "steps": self.step,
+            "tried": _plain(self.tried),
+            "refused": _plain(self.refused),
+            "checks": _plain(self.checks),
+            "broken": _plain(self.broken),
+            "largest": self.largest,
+            "failures": [each._asdict() for each in self.failures],
+        }
+
+
+def _plain(counts: Counter[str]) -> dict[str, int]:
+    """Counts as integers that JSON knows; some come from numpy."""
+    return {name: int(count) for name, count in counts.items()}

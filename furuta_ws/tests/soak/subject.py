@@ -1,0 +1,46 @@
+"""A node whose callbacks are called directly, without the middleware."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.exceptions import ParameterNotDeclaredException
+from std_msgs.msg import Float64
+
+from furuta_ros.topics import TOPICS
+from soak.mutators import Change
+
+
+class Subject:
+    """A node whose callbacks are called directly, and what it has published."""
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self.node = make()
+        self.published: list[tuple[float, ...]] = []
+        self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
+        for publisher in self.node.publishers:
+            if publisher.topic_name.strip("/") in (topic.name for topic in TOPICS):
+                publisher.publish = self._keep
+
+    def _keep(self, message: Any) -> None:
+        if isinstance(message, Float64):
+            self.published.append((message.data,))
+        else:
+            arrays = (message.position, message.velocity, message.effort)
+            self.published.append(tuple(float(v) for array in arrays for v in array))
+
+    def give(self, topic: str, message: Any) -> tuple[bool, list[tuple[float, ...]]]:
+        """Give a message; returns whether it was refused, and what was published."""
+        self.published = []
+        refused = self.node.refused
+        self._callbacks[f"/{topic}"](message)
+        return self.node.refused > refused, self.published
+
+    def change(self, change: Change) -> tuple[bool, str]:
+        """Change parameters as the service does; returns whether it was refused, and why."""
+        try:
+            result = self.node.set_parameters_atomically(change.parameters)
+        except ParameterNotDeclaredException as error:  # the service refuses then
+            return True, str(error)
+        return not result.successful, result.reason
