@@ -124,3 +124,12 @@ def test_earlier_names_at_the_start(ros: None, overrides: list[Any], expected: f
     node = EstimatorNode(overrides)
     assert node.parameters.kalman.friction_process_noise == expected
     node.destroy_node()
+
+
+def test_parameter_without_a_name_is_rejected(ros: None) -> None:
+    """It would otherwise be declared."""
+    node = EstimatorNode()
+    result = node.set_parameters_atomically([Parameter("", value=1.0)])
+    assert not result.successful
+    assert "no name" in result.reason
+    node.destroy_node()

@@ -12,6 +12,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from furuta_ros.discovery import describe_discovery, reaches_network, restrict_discovery
 from furuta_ros.errors import UserError, first_line
+from furuta_ros.shared_memory import remove_empty_ports
 
 _arguments: list[str] = []
 
@@ -36,6 +37,7 @@ def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> It
     if namespace:
         given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
     restrict_discovery()
+    remove_empty_ports()
     _arguments[:] = sys.argv if given is None else given
     try:
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)

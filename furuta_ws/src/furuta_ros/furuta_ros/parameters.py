@@ -124,6 +124,8 @@ class NodeParameters(Generic[Group]):
         return {name: self._node.get_parameter(name).value for name in self._names}
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
+        if not all(each.name for each in parameters):
+            return SetParametersResult(successful=False, reason="a parameter has no name")
         mine = {each.name: each.value for each in parameters if each.name in self._names}
         if mine:
             try:
