@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -88,6 +89,7 @@ def test_realtime_rejects_simulated_time(bench: Bench, make: Any) -> None:
     """At the start and by service, with the reason; the node goes on in the system's time."""
     with pytest.raises(UserError, match=r"use_sim_time must be false for .*, given true"):
         make([SIMULATED])
+    gc.collect()  # the rejected node would keep its subscription to /clock
     node = bench.add(make())
     client = ParameterClient(bench.probe, bench.executor)
     with pytest.raises(ServiceError, match="use_sim_time must be false"):

@@ -122,6 +122,28 @@ def test_a_restarted_node_replaces_a_killed_one_that_is_still_listed() -> None:
             assert subscriber.accepted([1, 1000]) == [1000]
 
 
+def test_a_restarted_node_loses_messages_on_a_loaded_machine() -> None:
+    """Neither delays it: messages lost before the handover, and those lost after it."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(1000, 1050))
+    subscriber.publishers.append(RESTARTED)
+    numbers = [number for number in range(1, 3000) if number % 50 < 40]
+    interval = 1.25 * MS
+    accepted = subscriber.accepted(numbers, interval)
+    late = HANDOVER_TIME / interval
+    assert late <= len(numbers) - len(accepted) <= late + 2
+    assert accepted == numbers[-len(accepted) :]
+    assert sum("another publisher" in report for report in subscriber.reports) == 1
+
+
+def test_a_newcomer_of_the_same_name_is_no_killed_predecessor() -> None:
+    """Its message is rejected although messages of the accepted one may be lost."""
+    subscriber = Subscriber(CONTROLLER)
+    subscriber.accepted(range(1, 50))
+    subscriber.publishers.append(RESTARTED)
+    assert subscriber.accepted([50, 900, 51]) == [50, 51]
+
+
 def test_a_gap_is_accepted_beside_a_silent_second_publisher() -> None:
     """After the handover time, because the message could come from either."""
     subscriber = Subscriber(CONTROLLER)

@@ -46,6 +46,7 @@ class OnePublisher:
         self.rejected = 0
         self._next = NONE_YET  # sequence number that the next message must have
         self._accepted: TopicPublisher | None = None  # None while it is not known which one it is
+        self._known: frozenset[bytes] = frozenset()  # all publishers listed when it was accepted
         self._candidate = _Candidate()
         self._listed: Sequence[TopicPublisher] = ()
         self._lookup_time = -inf
@@ -109,8 +110,9 @@ class OnePublisher:
         if self._follows(number) or (time >= HANDOVER_TIME and self._may_replace(number)):
             self._next = number + 1
             self._accepted = self._listed[0] if self._alone else None
-            if not self._alone:
+            if not self._alone and not self._only_restarts:
                 self._report.replacement(self._listed)
+            self._known = frozenset(each.identity for each in self._listed)
             return True
         return False
 
@@ -119,7 +121,18 @@ class OnePublisher:
         ended = self._accepted is not None and not any(
             each.identity == self._accepted.identity for each in self._listed
         )
-        return ended or (self._alone and (self._next == NONE_YET or number > self._next))
+        if self._next == NONE_YET:
+            return ended or self._alone
+        return ended or (number > self._next and (self._alone or self._only_restarts))
+
+    @property
+    def _only_restarts(self) -> bool:
+        """Whether the publishers besides the accepted one are its killed predecessors.
+
+        They have its node name and were silent when it replaced them.
+        """
+        names = {each.node for each in self._listed}
+        return len(names) == 1 and all(each.identity in self._known for each in self._listed)
 
     def _may_replace(self, number: int) -> bool:
         """Whether a sequence may replace the accepted one, which is silent."""
@@ -134,12 +147,15 @@ class _Candidate:
     """A sequence that may replace the accepted one."""
 
     def __init__(self) -> None:
-        self._next = self._accepted_next = NONE_YET
+        self._next, self._accepted_next = NONE_YET, -1
         self._since = 0.0
 
     def time_alone(self, number: int, accepted_next: int, now: float) -> float:
-        """Time [s] for which only messages of this sequence have been received."""
-        if (number, accepted_next) != (self._next, self._accepted_next):
+        """Time [s] for which only messages of this sequence have been received.
+
+        Messages of it may be lost. Two publishers at once do not form one rising sequence.
+        """
+        if number < self._next or accepted_next != self._accepted_next:
             self._since = now
         self._next, self._accepted_next = number + 1, accepted_next
         return now - self._since

@@ -62,4 +62,6 @@ class PublisherReport:
 
 
 def _names(listed: Sequence[TopicPublisher]) -> str:
-    return " and ".join(sorted(each.node for each in listed))
+    names = sorted(each.node for each in listed)
+    killed = " (a killed node stays listed for up to 20 s)" if len(set(names)) < len(names) else ""
+    return " and ".join(names) + killed
