@@ -40,7 +40,7 @@ class IntrudedGraph:
         self.plant = self.graph.plant
         self.states: list[tuple[float, ...]] = []
         self.torques: list[float] = []
-        self.commands = 0
+        self.commands = self.measurements = 0
         self._watch(self.plant, "ground_truth", self._keep_state)
         self._watch(self.plant, "measurement", self._keep_torque)
         self._watch(self.graph.node("controller"), "command", self._count)
@@ -52,6 +52,7 @@ class IntrudedGraph:
         self.states.append((m.position[0], m.velocity[0], m.position[1], m.velocity[1]))
 
     def _keep_torque(self, message: Any) -> None:
+        self.measurements += 1
         if len(self.torques) < len(self.states):  # not a repetition
             self.torques.append(message.effort[0])
 

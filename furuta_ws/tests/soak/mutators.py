@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,7 +52,8 @@ def damaged_joint_state(random: Random, message: JointState, sensors: bool) -> G
         value = pick(random, NOT_FINITE if kind == "not finite" else ENORMOUS)
         field, at = pick(random, (("position", 0), ("position", 1), ("velocity", 0)))
         getattr(message, field)[at] = value
-        refuse = True if kind == "not finite" or sensors else None
+        # A reading is replaced; an estimate may be unknown (NaN).
+        refuse = not (sensors or isnan(value))
     elif kind == "length":
         field = pick(random, ("position", "velocity", "effort"))
         size = pick(random, (0, 1, 3, 50))
@@ -81,7 +82,7 @@ def random_float(random: Random, valid: float = 1.0) -> Given:
         "enormous": lambda: pick(random, ENORMOUS),
         "stray": lambda: float(random.normal(0, 50 * valid)),
     }[kind]()
-    refuse = True if kind == "not finite" else None if kind == "enormous" else False
+    refuse = kind in ("not finite", "enormous")
     return Given(Float64(data=value), kind, refuse)
 
 

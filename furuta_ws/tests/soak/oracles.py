@@ -113,9 +113,11 @@ def unarmed_drive(volts: np.ndarray, armed: np.ndarray) -> str:
     return f"{np.sum(wrong)} samples with a voltage while not armed" if np.any(wrong) else ""
 
 
-def wrong_command_count(samples: int, commands: int) -> str:
-    """A sample has exactly one command."""
-    return "" if samples == commands else f"{commands} commands for {samples} samples"
+def wrong_command_count(samples: int, measurements: int, commands: int) -> str:
+    """A sample has one command, and another one only if its measurement was sent again."""
+    if samples <= commands <= measurements:
+        return ""
+    return f"{commands} commands for {samples} samples, sent in {measurements} measurements"
 
 
 def late_stop(

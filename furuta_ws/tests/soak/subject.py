@@ -11,6 +11,9 @@ from std_msgs.msg import Float64
 from furuta_ros.topics import TOPICS
 from soak.mutators import Change
 
+# What the middleware says about a message.
+NO_INFO = {"publication_sequence_number": None}
+
 
 class Subject:
     """A node whose callbacks are called directly, and what it has published."""
@@ -19,6 +22,9 @@ class Subject:
         self.node = make()
         self.published: list[tuple[float, ...]] = []
         self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
+        # There is no middleware that numbers the messages of a publisher.
+        for each in self.node.accepted_publishers.values():
+            each.accepts = lambda number: True
         for publisher in self.node.publishers:
             if publisher.topic_name.strip("/") in (topic.name for topic in TOPICS):
                 publisher.publish = self._keep
@@ -34,7 +40,7 @@ class Subject:
         """Give a message; returns whether it was refused, and what was published."""
         self.published = []
         refused = self.node.refused
-        self._callbacks[f"/{topic}"](message)
+        self._callbacks[f"/{topic}"](message, NO_INFO)
         return self.node.refused > refused, self.published
 
     def change(self, change: Change) -> tuple[bool, str]:

@@ -85,8 +85,14 @@ EXAMPLES: dict[str, tuple[list[Callable[[], str]], list[Callable[[], str]]]] = {
         [lambda: oracles.unarmed_drive(ONES, 0 * ONES)],
     ),
     "one command": (
-        [lambda: oracles.wrong_command_count(5, 5)],
-        [lambda: oracles.wrong_command_count(5, 6), lambda: oracles.wrong_command_count(5, 4)],
+        [
+            lambda: oracles.wrong_command_count(5, 5, 5),
+            lambda: oracles.wrong_command_count(5, 7, 6),
+        ],
+        [
+            lambda: oracles.wrong_command_count(5, 5, 6),
+            lambda: oracles.wrong_command_count(5, 5, 4),
+        ],
     ),
     "watchdog": (
         [lambda: oracles.late_stop(TIME, ONES * (TIME < 5e7), 1e6, 9e7, 51e6)],

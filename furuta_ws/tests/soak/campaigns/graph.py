@@ -57,7 +57,7 @@ def refused_messages(record: Record, random: np.random.Generator) -> None:
         numbers = list(range(len(got)))
         record.tried["compared samples"] += len(got)
         record.check("graph = simulation", different_run(numbers, got, expected.state))
-        record.check("one command", wrong_command_count(len(got), run.commands))
+        record.check("one command", wrong_command_count(len(got), run.measurements, run.commands))
 
 
 def stray_messages(record: Record, random: np.random.Generator) -> None:
@@ -72,9 +72,10 @@ def stray_messages(record: Record, random: np.random.Generator) -> None:
         run.advance(0.2)
         named = run.spin(lambda: not not_named(topic.name, run.log), 3.0)
         record.check("named", "" if named else not_named(topic.name, run.log))
-        samples, commands = len(run.states), run.commands
+        counts = np.array([len(run.states), run.measurements, run.commands])
         run.advance(COUNTED * 0.001)
-        count = wrong_command_count(len(run.states) - samples, run.commands - commands)
+        added = np.array([len(run.states), run.measurements, run.commands]) - counts
+        count = wrong_command_count(*added.tolist())
         after = f"after a stray message on {topic.name}: {count}"
         record.check("one command", after if count else "")
         record.check("bounds", out_of_bounds(np.array(run.states)))

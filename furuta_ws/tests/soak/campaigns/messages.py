@@ -144,7 +144,8 @@ class Pair:
                     self._record.check("friction limit", problem)
             else:
                 for value in out[:4]:
-                    self._record.check("output", bad_output(value, np.inf))
+                    known = 0.0 if np.isnan(value) else value
+                    self._record.check("output", bad_output(known, np.inf))
 
     def _change(self) -> None:
         record, node = self._record, self.node.node

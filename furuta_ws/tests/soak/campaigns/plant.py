@@ -19,6 +19,7 @@ from soak.mutators import pick, random_float
 from soak.oracles import different_value, energy_growth, out_of_bounds, wrong_refusal
 from soak.record import Record
 from soak.resources import ResourceMonitor
+from soak.subject import NO_INFO
 
 SAMPLES = 3000
 # Samples from one push to the next, and of a push: longer ones make it faster than any rig.
@@ -52,12 +53,13 @@ def _plant(record: Record, random: np.random.Generator) -> PlantNode:
 def _refuse(record: Record, random: np.random.Generator, plant: PlantNode) -> None:
     """Commands outside a sample: none moves the plant; NaN and infinity are refused."""
     (callback,) = (s.callback for s in plant.subscriptions if s.topic_name == "/command")
+    plant.accepted_publishers["command"].accepts = lambda number: True
     before = plant.x.tolist()
     for _ in range(20):
         given = random_float(random)
         record.tried[f"command: {given.kind}"] += 1
         refused = plant.refused
-        callback(given.message)
+        callback(given.message, NO_INFO)
         refused = plant.refused - refused
         record.refused["command"] += refused
         record.check("refusal", wrong_refusal(given.refuse, bool(refused), given.message.data))
