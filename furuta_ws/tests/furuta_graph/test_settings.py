@@ -127,6 +127,18 @@ def test_files_that_are_wrong(file: Any, text: str, message: str) -> None:
         load_settings([file(text)], [])
 
 
+def test_unknown_names_are_named(file: Any) -> None:
+    """All of a few; of very many only the first ones, because each is compared with all known."""
+    few, many = ("{seeed: 1, clocks: 2}", "{" + ", ".join(f"a{n}: 1" for n in range(50_000)) + "}")
+    with pytest.raises(
+        ParameterError, match=r"no parameter seeed; .*; plant has no parameter clocks"
+    ):
+        read_file(file(f"plant: {{ros__parameters: {few}}}"))
+    with pytest.raises(ParameterError) as caught:
+        read_file(file(f"plant: {{ros__parameters: {many}}}"))
+    assert str(caught.value).count("no parameter") == 10
+
+
 def test_exponent_without_dot(file: Any) -> None:
     """A file may say 1e2, as it may to ROS itself."""
     found = read_file(file("estimator:\n  ros__parameters: {filter_bandwidth: 1e2}\n"))

@@ -14,6 +14,9 @@ from furuta_model.renamed_parameters import with_current_names
 from furuta_model.ros_parameters import is_of_ros
 from furuta_model.yaml_files import parse_yaml, read_yaml
 
+# Most unknown names of a section that are reported; each is compared with all known ones.
+MOST_REPORTED = 10
+
 # Values that differ from the defaults, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
 
@@ -115,7 +118,7 @@ def _node_name(key: Any, file: Path) -> str:
 
 
 def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Path) -> None:
-    """Set the values of a section; raises ParameterError with all its unknown names."""
+    """Set the values of a section; raises ParameterError with its unknown names."""
     unknown = []
     for name, value in values.items():
         if is_of_ros(name):
@@ -126,6 +129,8 @@ def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Pat
             matches = find_in_node(node, name)
         except ParameterError as error:
             unknown.append(str(error))
+            if len(unknown) == MOST_REPORTED:
+                break
             continue
         for match in matches:
             settings[match.node][match.parameter.name] = match.parsed(value)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import yaml
+from furuta_model.yaml_files import read_yaml
 
 PARAMETERS = "ros__parameters"
 
@@ -43,7 +43,7 @@ def read_sections(arguments: Sequence[str]) -> list[Section]:
 
 
 def _file_sections(file: str) -> Iterator[Section]:
-    content = yaml.safe_load(Path(file).read_text())
+    content = read_yaml(Path(file), "parameter file")
     if isinstance(content, Mapping):
         for key, section in content.items():
             yield from _sections(file, str(key), section)
