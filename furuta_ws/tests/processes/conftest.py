@@ -19,7 +19,7 @@ from furuta_graph.description import NODES
 from furuta_graph.processes import executable
 from furuta_rig.emulator.monitor import ask
 
-TIMEOUT = 120.0
+TIMEOUT = 240.0
 GRACE = 10.0
 STATUS_AGE = 0.05
 
