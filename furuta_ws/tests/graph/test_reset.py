@@ -21,7 +21,7 @@ from furuta_ros.spinning import spin_until
 from furuta_studies.recompute import recompute_bag
 from furuta_studies.recorded_loop import compare
 
-RESETS = int(os.environ.get("FURUTA_RESETS", "2"))
+RESETS = int(os.environ.get("FURUTA_RESETS", "1"))
 METHODS = ("kalman", "lowpass")
 
 

@@ -106,11 +106,22 @@ def hanging_drive(theta: np.ndarray, volts: np.ndarray, sample_time: float) -> s
     return ""
 
 
-def unarmed_drive(volts: np.ndarray, armed: np.ndarray) -> str:
-    """Voltage [V] up to each sample of a rig, and its arming after the sample."""
+def unarmed_drive(volts: np.ndarray, armed: np.ndarray, requests: int) -> str:
+    """Voltage [V] up to each sample of a rig, its arming after the sample, and requests to arm.
+
+    A rig that is armed and stopped within one sample is driven in it. The log shows no arming then,
+    so there may be as many such samples as requests without a visible arming.
+    """
     armed_before = np.concatenate(([0.0], armed[:-1]))
-    wrong = (volts != 0.0) & (armed == 0.0) & (armed_before == 0.0)
-    return f"{np.sum(wrong)} samples with a voltage while not armed" if np.any(wrong) else ""
+    wrong = int(np.sum((volts != 0.0) & (armed == 0.0) & (armed_before == 0.0)))
+    if wrong <= max(0, requests - _armings(armed)):
+        return ""
+    return f"{wrong} samples with a voltage while not armed, {requests} requests to arm"
+
+
+def _armings(armed: np.ndarray) -> int:
+    """How often a rig was armed, by its arming sample by sample."""
+    return int(np.sum(np.diff(armed.astype(int), prepend=0) > 0))
 
 
 def wrong_command_count(samples: int, measurements: int, commands: int) -> str:
@@ -134,8 +145,8 @@ def late_stop(
 
 def armed_without_request(armed: np.ndarray, requests: int) -> str:
     """A rig's arming, sample by sample, and the number of requests to arm."""
-    edges = int(np.sum(np.diff(armed.astype(int), prepend=0) > 0))
-    return f"armed {edges} times, {requests} requests" if edges > requests else ""
+    armings = _armings(armed)
+    return f"armed {armings} times, {requests} requests" if armings > requests else ""
 
 
 def wrong_refusal(should_refuse: bool | None, refused: bool, given: Any) -> str:

@@ -37,7 +37,7 @@ def check_rig_log(
     """
     time, volts, armed = log["time_ns"], log["volts"], log["armed"]
     x = np.column_stack([log[name] for name in ("phi", "phi_dot", "theta", "theta_dot")])
-    record.check("unarmed", unarmed_drive(volts, armed))
+    record.check("unarmed", unarmed_drive(volts, armed, requests))
     record.check("arming", armed_without_request(armed, requests))
     record.check("bounds", out_of_bounds(x))
     _check_physics(record, x, volts)

@@ -81,8 +81,14 @@ EXAMPLES: dict[str, tuple[list[Callable[[], str]], list[Callable[[], str]]]] = {
         [lambda: oracles.hanging_drive(HANGING, ONES, 0.001)],
     ),
     "unarmed": (
-        [lambda: oracles.unarmed_drive(ONES, ONES)],
-        [lambda: oracles.unarmed_drive(ONES, 0 * ONES)],
+        [
+            lambda: oracles.unarmed_drive(ONES, ONES, 1),
+            lambda: oracles.unarmed_drive(ONES * (TIME == 0.0), 0 * ONES, 1),
+        ],
+        [
+            lambda: oracles.unarmed_drive(ONES, 0 * ONES, 1),
+            lambda: oracles.unarmed_drive(ONES * (TIME == 0.0), 0 * ONES, 0),
+        ],
     ),
     "one command": (
         [
