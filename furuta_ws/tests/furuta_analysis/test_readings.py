@@ -19,6 +19,8 @@ from furuta_control.estimation import (
     EstimatorParameters,
     design_estimator,
     estimate_state,
+    pass_skipped,
+    skipped_samples,
     unusable_readings,
 )
 from furuta_friction.compensation import ObserverParameters
@@ -213,3 +215,19 @@ def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
         state[:] = 0.0
         simulation.run(1e-3)
     assert np.max(np.abs(simulation.run(10.0).state[:, 2])) < 0.1
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_skipped_samples_are_bridged(method: str) -> None:
+    """With every fifth measurement the speed is as good as with all, not five times too large."""
+    measurements, design = swinging(), design_estimator(EstimatorParameters(method))
+    memory, estimate = np.zeros(MEMORY), np.zeros(5)
+    expected, _ = estimates(measurements, EstimatorParameters(method))
+    for k in range(0, 400, 5):
+        pass_skipped(
+            memory, skipped_samples(0.005, 0.001) if k else 0, measurements[k], design, estimate
+        )
+        estimate_state(memory, measurements[k].copy(), design, estimate)
+        if k >= 100:
+            assert estimate[:4] == pytest.approx(expected[k, :4], abs=0.1)
+    assert unusable_readings(memory) == 0

@@ -145,6 +145,30 @@ def estimate_state(
             estimate[i] = measurement[i]
 
 
+@compiled
+def pass_skipped(
+    memory: np.ndarray,
+    samples: int,
+    measurement: np.ndarray,
+    p: EstimatorDesign,
+    estimate: np.ndarray,
+) -> None:
+    """Move the estimate over ``samples`` without readings, before ``measurement``.
+
+    A plant or rig that is late leaves out measurements; it holds the torque meanwhile.
+    """
+    missing = np.empty(SIGNALS)
+    for _ in range(samples):
+        missing[:] = np.nan
+        missing[APPLIED_TORQUE] = measurement[APPLIED_TORQUE]
+        estimate_state(memory, missing, p, estimate)
+
+
+def skipped_samples(interval: float, sample_time: float) -> int:
+    """Number of samples left out in an ``interval`` between two measurements, in one unit."""
+    return max(0, round(interval / sample_time) - 1)
+
+
 @inlined
 def unusable_readings(memory: np.ndarray) -> int:
     """Readings of the last sample that were replaced: a bit for each signal, -1 if lost."""

@@ -15,7 +15,9 @@ from furuta_control.estimation import (
     EstimatorParameters,
     design_estimator,
     estimate_state,
+    pass_skipped,
     restart,
+    skipped_samples,
     unusable_readings,
 )
 from furuta_model.block import block
@@ -62,15 +64,19 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         design = design_estimator(parameters)
         self._estimator = block(design)
         self._interval = parameters.sample_time * NANOSECONDS
-        _estimate(self._memory.copy(), self._measurement, self._estimator, self._estimate)
+        _estimate(self._memory.copy(), 0, self._measurement, self._estimator, self._estimate)
 
     def _on_measurement(self, message: JointState) -> None:
         stamp = stamp_nanoseconds(message)
         if stamp != self._last_stamp:
             self._read(message)
+            skipped = skipped_samples(stamp - self._last_stamp, self._interval)
             if starts_anew(self._last_stamp, stamp):
                 restart(self._memory)
-            unusable = _estimate(self._memory, self._measurement, self._estimator, self._estimate)
+                skipped = 0
+            unusable = _estimate(
+                self._memory, skipped, self._measurement, self._estimator, self._estimate
+            )
             if unusable != self._unusable or unusable > 0:
                 self._report(unusable, message)
             answer = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
@@ -118,9 +124,15 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
 
 @compiled
 def _estimate(
-    memory: np.ndarray, measurement: np.ndarray, estimator: np.ndarray, estimate: np.ndarray
+    memory: np.ndarray,
+    skipped: int,
+    measurement: np.ndarray,
+    estimator: np.ndarray,
+    estimate: np.ndarray,
 ) -> int:
     """One sample; return the readings that were replaced."""
+    if skipped:
+        pass_skipped(memory, skipped, measurement, estimator[0], estimate)
     estimate_state(memory, measurement, estimator[0], estimate)
     return unusable_readings(memory)
 

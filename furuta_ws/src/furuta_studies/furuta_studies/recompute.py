@@ -132,7 +132,7 @@ def recompute_bag(
             current = with_current_parameter_names(node, changed)
             base = merge_settings(base, _settings_of(base, node, current))
             loops.append((sample, loop(merge_settings(base, given))))
-    return recorded, recompute(recorded.measurement, loops, recorded.starts)
+    return recorded, recompute(recorded.measurement, loops, recorded.starts, recorded.time)
 
 
 def _settings_of(settings: Settings, node: str, changed: dict[str, Any]) -> Settings:

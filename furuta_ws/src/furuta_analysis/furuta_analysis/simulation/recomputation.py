@@ -17,6 +17,7 @@ from furuta_analysis.simulation.control_system import (
     initial_memory,
     start_anew,
 )
+from furuta_control.estimation import pass_skipped
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 
@@ -30,18 +31,25 @@ class Recomputed(NamedTuple):
 
 
 def recompute(
-    measurement: np.ndarray, changes: list[tuple[int, Loop]], starts: Sequence[int] = ()
+    measurement: np.ndarray,
+    changes: list[tuple[int, Loop]],
+    starts: Sequence[int] = (),
+    time: np.ndarray | None = None,
 ) -> Recomputed:
     """Process ``measurement`` (n, 5) by estimator, friction observer and controller.
 
     ``changes`` lists parameters and the sample from which they apply; the first must be 0. The
     memories are kept over a change, as in the nodes. ``starts`` are samples that do not continue
-    the ones before.
+    the ones before. ``time`` (n,) [s] tells where samples were left out; none if it is not given.
     """
     n = len(measurement)
     result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
     memory = initial_memory()
     loops = dict(changes)
+    sample_time = changes[0][1].estimator.sample_time
+    intervals = np.zeros(n) if time is None else np.diff(time, prepend=time[0])
+    skipped = np.maximum(np.rint(intervals / sample_time).astype(np.int64) - 1, 0)
+    skipped[list(starts)] = 0
     bounds = sorted({*loops, *starts, n})
     for start, end in pairwise(bounds):
         if start in loops:
@@ -53,6 +61,7 @@ def recompute(
             measurement[start:end].copy(),
             memory,
             control_system,
+            skipped[start:end],
             Recomputed(*(series[start:end] for series in result)),
         )
     return result
@@ -60,9 +69,21 @@ def recompute(
 
 @compiled
 def _run(
-    measurement: np.ndarray, memory: Memory, control_system: ControlSystem, result: Recomputed
+    measurement: np.ndarray,
+    memory: Memory,
+    control_system: ControlSystem,
+    skipped: np.ndarray,
+    result: Recomputed,
 ) -> None:
     for k in range(len(measurement)):
+        if skipped[k]:
+            pass_skipped(
+                memory.estimator,
+                skipped[k],
+                measurement[k],
+                control_system.estimator,
+                result.estimate[k],
+            )
         result.friction_estimate[k], result.command[k] = control_sample(
             memory.estimator,
             memory.observer,
