@@ -123,7 +123,7 @@ def run(record: Record, watch: ResourceMonitor) -> None:
         time, states, volts, armed = log[:, 0], log[:, 1:5], log[:, 5], log[:, 6]
         record.tried["armed"] += loop.requests
         record.tried["driven samples"] += int(np.sum(volts != 0.0))
-        record.check("unarmed", unarmed_drive(volts, armed))
+        record.check("unarmed", unarmed_drive(volts, armed, loop.requests))
         record.check("arming", armed_without_request(armed, loop.requests))
         record.check("bounds", out_of_bounds(states))
         record.check("rig = simulation", different_motion(states, volts, plant, loop.plant))
