@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from furuta_graph.description import NODES, check_graph
 from furuta_graph.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
 from furuta_model.parameters import ParameterError, build, shortened
 from furuta_model.renamed_parameters import with_current_names
-from furuta_model.ros_parameters import is_of_ros
+from furuta_model.ros_parameters import by_full_name, is_of_ros
 from furuta_model.yaml_files import parse_yaml, read_yaml
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
@@ -105,7 +105,7 @@ def _parameters(section: Any, key: Any, file: Path) -> dict[str, Any]:
     beside = [each for each in section if each != "ros__parameters"]
     if beside:
         raise ParameterError(f"{file}: {key} has ros__parameters and also {shortened(beside)}")
-    return dict(_flat(section["ros__parameters"]))
+    return dict(by_full_name(section["ros__parameters"]))
 
 
 def _node_name(key: Any, file: Path) -> str:
@@ -143,12 +143,3 @@ def _value(text: str, name: str) -> Any:
         return parse_yaml(text, name)
     except ParameterError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
-
-
-def _flat(section: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Full names and values."""
-    for name, value in section.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rosgraph_msgs.msg import Clock
 
 from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_model.topic_names import PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
+from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import deep
 
 # Depth of the publishers' queues. At full speed a subscriber may be this far behind, and the
@@ -26,8 +26,6 @@ QUEUE_DEPTH = 20_000
 SUBSCRIBER_TIMEOUT = 30.0
 # Where nodes with use_sim_time expect the time.
 CLOCK_TOPIC = "/clock"
-# Time of the bag between two messages on /clock [ns].
-CLOCK_PERIOD = 10_000_000
 # Longest sleep [s] between two checks whether to stop.
 LONGEST_SLEEP = 0.1
 
@@ -55,13 +53,10 @@ class ReplayNode(Node):
         self.latest = 0.0
         # Monotonic time [s] and time of the bag [ns] at the first message.
         self._start: tuple[float, int] | None = None
-        self._clock_tick = -1
         self._topic_publishers: dict[str, Publisher] = {}
         for topic, type_name in self._chosen_types().items():
             self._create_publisher(topic, type_name)
-        self._clock_publisher = (
-            self.create_publisher(Clock, CLOCK_TOPIC, deep(10)) if options.clock else None
-        )
+        self._bag_clock = SimulatedClock(self, CLOCK_TOPIC) if options.clock else None
 
     def _chosen_types(self) -> dict[str, str]:
         """Topics to replay with their types."""
@@ -102,7 +97,8 @@ class ReplayNode(Node):
                 self._sleep_until_due(time, stop)
                 if stop():
                     return
-                self._publish_clock(time)
+                if self._bag_clock is not None:
+                    self._bag_clock.advance(time)
                 self._topic_publishers[connection.topic].publish(bytes(data))
                 self.published += 1
         for publisher in self._topic_publishers.values():
@@ -119,14 +115,6 @@ class ReplayNode(Node):
         while (left := due - monotonic()) > 0.0 and not stop():
             sleep(min(left, LONGEST_SLEEP))
         self.latest = max(self.latest, monotonic() - due)
-
-    def _publish_clock(self, time: int) -> None:
-        if self._clock_publisher is None or time // CLOCK_PERIOD <= self._clock_tick:
-            return
-        self._clock_tick = time // CLOCK_PERIOD
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(time, NANOSECONDS)
-        self._clock_publisher.publish(message)
 
     def _wait_for_subscribers(self, stop: Callable[[], bool]) -> None:
         """Return when every topic has a subscriber, but for those of ROS itself."""

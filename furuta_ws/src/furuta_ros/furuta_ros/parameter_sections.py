@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from furuta_model.ros_parameters import by_full_name
 from furuta_model.yaml_files import read_yaml
 
 PARAMETERS = "ros__parameters"
@@ -55,16 +56,7 @@ def _sections(file: str, key: str, section: Any) -> Iterator[Section]:
         return
     for name, inner in section.items():
         if name == PARAMETERS:
-            yield Section(file, key, frozenset(_names(inner)))
+            given = by_full_name(inner) if isinstance(inner, Mapping) else ()
+            yield Section(file, key, frozenset(each for each, _ in given))
         else:
             yield from _sections(file, f"{key}/{name}", inner)
-
-
-def _names(parameters: Any, prefix: str = "") -> Iterator[str]:
-    if not isinstance(parameters, Mapping):
-        return
-    for name, value in parameters.items():
-        if isinstance(value, Mapping):
-            yield from _names(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}"

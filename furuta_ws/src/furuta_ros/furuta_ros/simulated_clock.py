@@ -18,19 +18,20 @@ CLOCK_PERIOD = 10_000_000
 class SimulatedClock:
     """Publishes simulated time on ``clock``, which is /clock for a graph without namespace.
 
-    Every ``CLOCK_PERIOD`` is enough for displays and timers, and costs a sample little.
+    Once in each ``CLOCK_PERIOD`` is enough for displays and timers, and costs a sample little.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(CLOCK.type, CLOCK.name, QOS)
+    def __init__(self, node: Node, topic: str = CLOCK.name) -> None:
+        self._publisher = node.create_publisher(CLOCK.type, topic, QOS)
         self._message = Clock()
-        self._next = 0
+        self._period = -1  # number of the last period with a message
 
     def advance(self, time: int) -> None:
-        """Publish ``time`` [ns] if ``CLOCK_PERIOD`` has passed."""
-        if time < self._next:
+        """Publish ``time`` [ns] if it is in a later ``CLOCK_PERIOD`` than the last message."""
+        period = time // CLOCK_PERIOD
+        if period <= self._period:
             return
-        self._next = time + CLOCK_PERIOD
+        self._period = period
         self._message.clock.sec, self._message.clock.nanosec = divmod(time, NANOSECONDS)
         self._publisher.publish(self._message)
 

@@ -19,7 +19,7 @@ from furuta_graph.settings import (
 )
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
+from furuta_model.time_stamps import stamp_nanoseconds
 from furuta_model.topic_names import (
     COMMAND,
     FRICTION_ESTIMATE,
@@ -90,11 +90,10 @@ class _GraphMessages:
         estimates[rows] = np.array(self._estimated).reshape(-1, SIGNALS)
         friction, command = (_padded(series, n) for series in self._floats.values())
         return RecordedLoop(
-            (stamps - stamps[0]) / NANOSECONDS,
+            stamps,
             np.array(self._measured).reshape(-1, SIGNALS),
             Recomputed(estimates[:n], friction, command),
             self._changes,
-            [k for k in range(1, n) if starts_anew(int(stamps[k - 1]), int(stamps[k]))],
         )
 
 
@@ -132,7 +131,7 @@ def recompute_bag(
             current = with_current_parameter_names(node, changed)
             base = merge_settings(base, _settings_of(base, node, current))
             loops.append((sample, loop(merge_settings(base, given))))
-    return recorded, recompute(recorded.measurement, loops, recorded.starts, recorded.time)
+    return recorded, recompute(recorded.measurement, loops, recorded.stamps)
 
 
 def _settings_of(settings: Settings, node: str, changed: dict[str, Any]) -> Settings:

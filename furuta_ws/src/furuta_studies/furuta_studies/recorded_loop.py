@@ -7,21 +7,26 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_analysis.simulation.recomputation import Recomputed
+from furuta_model.time_stamps import NANOSECONDS
 
 
 class RecordedLoop(NamedTuple):
     """What a bag holds of the graph, one row per measurement.
 
-    ``time`` (n,) [s], ``measurement`` (n, 5). ``outputs`` are what the nodes computed, NaN where
+    ``stamps`` (n,) [ns], ``measurement`` (n, 5). ``outputs`` are what the nodes computed, NaN where
     nothing was recorded. ``changes``: (sample, node, {parameter: value}) of parameters set.
-    ``starts``: samples that do not continue the ones before, as after a reset.
     """
 
-    time: np.ndarray
+    stamps: np.ndarray
     measurement: np.ndarray
     outputs: Recomputed
     changes: list[tuple[int, str, dict[str, Any]]]
-    starts: list[int]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time since the first sample (n,) [s]."""
+        elapsed: np.ndarray = (self.stamps - self.stamps[0]) / NANOSECONDS
+        return elapsed
 
 
 def compare(recorded: RecordedLoop, recomputed: Recomputed) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,9 +16,10 @@ from furuta_analysis.simulation.control_system import (
     initial_memory,
     start_anew,
 )
-from furuta_control.estimation import pass_skipped
+from furuta_control.estimation import pass_skipped, skipped_samples
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
+from furuta_model.time_stamps import NANOSECONDS, starts_anew
 
 
 class Recomputed(NamedTuple):
@@ -30,26 +30,30 @@ class Recomputed(NamedTuple):
     command: np.ndarray
 
 
+def new_starts(stamps: np.ndarray) -> list[int]:
+    """Samples that do not continue the ones before, as after a reset."""
+    return [k for k in range(1, len(stamps)) if starts_anew(int(stamps[k - 1]), int(stamps[k]))]
+
+
 def recompute(
     measurement: np.ndarray,
     changes: list[tuple[int, Loop]],
-    starts: Sequence[int] = (),
-    time: np.ndarray | None = None,
+    stamps: np.ndarray,
 ) -> Recomputed:
-    """Process ``measurement`` (n, 5) by estimator, friction observer and controller.
+    """Process ``measurement`` (n, 5) of ``stamps`` (n,) [ns] as the three nodes do.
 
     ``changes`` lists parameters and the sample from which they apply; the first must be 0. The
-    memories are kept over a change, as in the nodes. ``starts`` are samples that do not continue
-    the ones before. ``time`` (n,) [s] tells where samples were left out; none if it is not given.
+    memories are kept over a change.
     """
     n = len(measurement)
     result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
     memory = initial_memory()
     loops = dict(changes)
-    sample_time = changes[0][1].estimator.sample_time
-    intervals = np.zeros(n) if time is None else np.diff(time, prepend=time[0])
-    skipped = np.maximum(np.rint(intervals / sample_time).astype(np.int64) - 1, 0)
-    skipped[list(starts)] = 0
+    starts = new_starts(stamps)
+    period = changes[0][1].estimator.sample_time * NANOSECONDS
+    intervals = np.diff(stamps, prepend=stamps[:1])
+    skipped = np.array([skipped_samples(each, period) for each in intervals])
+    skipped[starts] = 0
     bounds = sorted({*loops, *starts, n})
     for start, end in pairwise(bounds):
         if start in loops:
