@@ -24,7 +24,7 @@ from soak.resources import ResourceMonitor
 LANES: tuple[dict[str, float], ...] = (
     {"rig": 1.0},
     {"lockstep_processes": 1.0, "realtime_processes": 1.0},
-    {"messages": 4.0, "graph": 4.0, "wire": 3.0, "plant": 2.0, "full_disk": 1.0},
+    {"messages": 14.0, "graph": 4.0, "wire": 2.0, "plant": 2.0, "full_disk": 1.0},
 )
 # Longest time [s] until every campaign has had its turn.
 ROUND = 300.0
