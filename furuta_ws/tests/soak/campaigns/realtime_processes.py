@@ -141,7 +141,10 @@ class RealtimeProcesses:
             self._record.refused["parameters"] += refused
 
     def _check_motion(self) -> None:
-        self._record.check("bounds", out_of_bounds(states(self._observer.truths)))
+        x = states(self._observer.truths)
+        self._record.check("bounds", out_of_bounds(x))
+        for i, name in ((0, "arm angle [rad]"), (1, "arm speed [rad/s]")):
+            self._record.measure(name, float(np.max(np.abs(x[:, i]), initial=0.0)))
         theta, volts = motion(self._observer).T
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if len(theta) and fallen(theta[-1]):
