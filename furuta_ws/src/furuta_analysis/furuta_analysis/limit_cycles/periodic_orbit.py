@@ -35,9 +35,9 @@ class LimitCycle(NamedTuple):
     """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
 
     ``turns`` is the number of upper reversals of the arm per period, ``point`` the state (5,) at
-    the first of them; a reversal counts after a slide of ``smallest_slide`` [rad]. ``rest_distance``
-    [rad, rad/s, V] is how close the cycle comes to a rest, and ``growth_rate_1_s`` how fast a
-    disturbance grows at the rest or at the rotation; it decays if that is negative.
+    the first of them; a reversal counts after a slide of ``smallest_slide`` [rad].
+    ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
+    ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative.
 
     With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
     however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.

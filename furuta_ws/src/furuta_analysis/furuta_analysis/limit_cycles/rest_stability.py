@@ -1,16 +1,16 @@
 r"""Stability of the ideal loop at rest, and the directions in which a disturbance grows.
 
-**Bristle.** At v = 0, θ = 0 every deflection z that balances l₁φ = σ₀z is a rest. There (5) is linear
-on each side of v = 0: :math:`\dot z = (1 ∓ ρ)v` for v ≷ 0 with the strain ρ = σ₀z/g(0), so the arm
-hangs on a spring σ₀(1 ∓ ρ) and a damper σ₁(1 ∓ ρ) + σ₂. The characteristic polynomial of a side has
-the constant term δ(l₁ − σ₀(1 ∓ ρ)) over αβ − γ². A negative one means a positive real eigenvalue. Its
-eigenvector has one sign of v, so the motion along it stays on its side and is a motion of the loop:
-if l₁ < σ₀(1 + |ρ|), the rest is unstable. A bristle stiffer than l₁ therefore has no stable rest.
-Otherwise all eigenvalues of both sides decide. Without strain that is exact; with strain, motions
-that change sides again and again are not covered.
+**Bristle.** At v = 0, θ = 0 every deflection z that balances l₁φ = σ₀z is a rest. There (5) is
+linear on each side of v = 0: :math:`\dot z = (1 ∓ ρ)v` for v ≷ 0 with the strain ρ = σ₀z/g(0). The
+arm hangs on a spring σ₀(1 ∓ ρ) and a damper σ₁(1 ∓ ρ) + σ₂. The characteristic polynomial of a side
+has the constant term δ(l₁ − σ₀(1 ∓ ρ))/(αβ − γ²). If that is negative, there is a positive real
+eigenvalue. Its eigenvector has one sign of v, so the motion along it stays on its side and is a
+motion of the loop: if l₁ < σ₀(1 + |ρ|), the rest is unstable. A bristle stiffer than l₁ therefore
+has no stable rest. Otherwise all eigenvalues of both sides decide. Without strain that is exact;
+with strain, motions that change sides again and again are not covered.
 
-**True sticking.** The stuck arm is a fixed base: β θ̈ = δθ, so a disturbance of θ grows with √(δ/β)
-until the arm breaks away. Every rest is unstable, also one that the sliding arm reaches.
+**True sticking.** The stuck arm is a fixed base: β θ̈ = δθ, so a disturbance of θ grows with
+√(δ/β) until the arm breaks away. Every rest is unstable, also one that the sliding arm reaches.
 
 **No friction.** The loop is smooth, and its eigenvalues decide.
 

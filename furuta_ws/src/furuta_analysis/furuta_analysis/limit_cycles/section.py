@@ -19,7 +19,7 @@ from furuta_model.state import BRISTLE, PHI, PLANT_STATES, THETA, THETA_DOT
 NO_TRACE = np.empty((0, PLANT_STATES + 1))
 LONGEST_RETURN = 300.0  # [s]; without a reversal for this time the arm rotates or rests
 DIFFERENCE_STEP = 1e-6  # of the finite differences, relative to the size of the cycle
-# Limit of that step, relative to how close the cycle comes to a rest: it must pass on the same side.
+# Limit of that step, relative to the least distance from a rest, to stay on one side of it.
 REST_STEP = 1e-2
 
 

@@ -24,6 +24,7 @@ from furuta_model.friction.laws import has_bristle
 from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
 # How a piece of motion ended.
+GOES_ON = -1
 EVENT = 0  # at its event
 TIME_OUT = 1
 UNBOUNDED = 2  # the pendulum fell, or the state grew without bound
@@ -107,19 +108,25 @@ def integrate(
         extent[CLOSEST] = min(extent[CLOSEST], distance)
         if ended:
             return EVENT, t, rows
-        if abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED:
-            return UNBOUNDED, t, rows
-        if not near and distance < NEAR:
-            return NEAR_REST, t, rows
-        if near:
-            if distance < REACHED:
-                return AT_REST, t, rows
-            if distance > FAR:
-                return LEFT_REST, t, rows
-            size = distance
+        ending = _ending(y, near, distance)
+        if ending != GOES_ON:
+            return ending, t, rows
+        size = distance if near else 1.0
         k[0] = k[6]
         h *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     return TIME_OUT, t, rows
+
+
+@compiled
+def _ending(y: np.ndarray, near: bool, distance: float) -> int:
+    """How the piece of motion ends at ``y``, ``distance`` from a rest; GOES_ON if it does not."""
+    if abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED:
+        return UNBOUNDED
+    if not near:
+        return NEAR_REST if distance < NEAR else GOES_ON
+    if distance < REACHED:
+        return AT_REST
+    return LEFT_REST if distance > FAR else GOES_ON
 
 
 @compiled
