@@ -24,7 +24,7 @@ SMALLEST_STEP = 1e-6
 AT_EDGE = 1e-3  # of the range; the parameter may not be allowed beyond its ends
 MAX_POINTS = 400
 NEWTON_STEPS = 8
-HOMOCLINIC = 0.02  # least distance from a rest, relative to that of other cycles of the branch
+HOMOCLINIC = 0.01  # least distance of the last cycle from a rest, relative to its amplitude
 TOLERANCE = 1e-7  # scaled residual of a corrected point
 PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
 
@@ -106,8 +106,10 @@ class Branch:
         """Why the branch cannot be followed beyond ``w``."""
         if min(w[-1], 1.0 - w[-1]) < AT_EDGE:
             return "end"
-        distances = [point.cycle.rest_distance for point in points]
-        return "homoclinic" if distances and distances[-1] < HOMOCLINIC * max(distances) else "lost"
+        last = points[-1].cycle if points else None
+        if last and last.rest_distance < HOMOCLINIC * last.phi_peak_to_peak_rad:
+            return "homoclinic"
+        return "lost"
 
     @staticmethod
     def _ended(points: list[BranchPoint], event: str) -> list[BranchPoint]:
