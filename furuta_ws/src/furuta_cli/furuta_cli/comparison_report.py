@@ -12,8 +12,9 @@ from rich.table import Table as Grid
 
 from furuta_studies.comparison.scores import Estimate, Score, Table
 
-# Most rigs that are listed one by one.
+# Most rigs that are listed one by one; columns of their names, and of a candidate's [characters].
 MOST_LISTED = 30
+RIG_WIDTH, CANDIDATE_WIDTH = 28, 13
 
 
 def summary_of(scores: list[Score], table: Table, encoder_count: float) -> dict[str, Any]:
@@ -39,18 +40,20 @@ def print_report(scores: list[Score], table: Table, encoder_count: float) -> Non
     """Print the residual per rig if there are few, and the ranking."""
     console = Console()
     if len(table.rigs) <= MOST_LISTED:
-        console.print(_rig_table(scores, table, encoder_count))
-    console.print(_ranking(scores, encoder_count))
+        columns = max(1, (console.width - RIG_WIDTH) // CANDIDATE_WIDTH)
+        for first in range(0, len(table.candidates), columns):
+            chosen = slice(first, first + columns)
+            console.print(_rig_table(table, chosen, encoder_count))
+    console.print(_sizes(scores, encoder_count))
+    console.print(_counts(scores))
 
 
-def _rig_table(scores: list[Score], table: Table, encoder_count: float) -> Grid:
-    grid = Grid(
-        title=escape("arm, peak to peak [mrad], by rig; bold: within one count"), box=SIMPLE
-    )
-    grid.add_column("rig", no_wrap=True)
-    for name in table.candidates:
-        grid.add_column(escape(name), justify="right")
-    for rig, residual in zip(table.rigs, table.residual.T, strict=True):
+def _rig_table(table: Table, chosen: slice, encoder_count: float) -> Grid:
+    grid = _grid("arm, peak to peak [mrad], by rig; bold: within one count", "rig")
+    for name in table.candidates[chosen]:
+        # A name may be wider than its column.
+        grid.add_column(escape(name.replace("_", " ")), justify="right")
+    for rig, residual in zip(table.rigs, table.residual[chosen].T, strict=True):
         cells = (_mrad(each) for each in residual)
         within = residual <= encoder_count
         marked = (f"[bold]{c}[/bold]" if ok else c for c, ok in zip(cells, within, strict=True))
@@ -58,37 +61,49 @@ def _rig_table(scores: list[Score], table: Table, encoder_count: float) -> Grid:
     return grid
 
 
-def _ranking(scores: list[Score], encoder_count: float) -> Grid:
-    grid = Grid(
-        title=escape(
-            f"arm, peak to peak [mrad], over {scores[0].rigs} rigs (95 % confidence intervals); "
-            f"one count is {1e3 * encoder_count:.1f}"
-        ),
-        box=SIMPLE,
+def _sizes(scores: list[Score], encoder_count: float) -> Grid:
+    rigs = scores[0].rigs
+    grid = _grid(
+        f"arm, peak to peak [mrad], over {rigs} rigs, with 95 % confidence intervals; "
+        f"one count is {1e3 * encoder_count:.1f}",
+        *("candidate", "median", "95 %", "worst", "rms u [V]"),
     )
-    grid.add_column("candidate", no_wrap=True)
-    headings = ["median", "95 %", "worst", "within a count", escape("rms u [V]"), "fell"]
-    headings += ["above none", "pushes survived", "lost", "beats next"]
-    for heading in headings:
-        grid.add_column(heading, justify="right")
     for score in scores:
-        grid.add_row(escape(score.candidate), *_cells(score))
+        grid.add_row(
+            escape(score.candidate),
+            _interval(score.residual_median_rad),
+            _interval(score.residual_95_rad),
+            _mrad(score.residual_worst_rad),
+            f"{score.command_rms_v:.3f}",
+        )
     return grid
 
 
-def _cells(score: Score) -> list[str]:
-    return [
-        _interval(score.residual_median_rad),
-        _interval(score.residual_95_rad),
-        _mrad(score.residual_worst_rad),
-        _percent(score.within_count),
-        f"{score.command_rms_v:.3f}",
-        str(score.falls),
-        _number(score.worse_than_none),
-        f"{score.pushes_survived}/{score.pushes}",
-        _number(score.pushes_lost),
-        _percent(score.beats_next),
-    ]
+def _counts(scores: list[Score]) -> Grid:
+    grid = _grid(
+        "rigs [%] within one count and better than the next candidate; rigs worse than none, "
+        "fallen; pushes survived, lost although none survives",
+        *("candidate", "within", "better", "worse", "fell", "pushes", "lost"),
+    )
+    for score in scores:
+        grid.add_row(
+            escape(score.candidate),
+            _percent(score.within_count),
+            _percent(score.beats_next),
+            _number(score.worse_than_none),
+            str(score.falls),
+            f"{score.pushes_survived}/{score.pushes}",
+            _number(score.pushes_lost),
+        )
+    return grid
+
+
+def _grid(title: str, *headings: str) -> Grid:
+    """A table whose first column is text."""
+    grid = Grid(title=escape(title), box=SIMPLE)
+    for number, heading in enumerate(headings):
+        grid.add_column(escape(heading), justify="right" if number else "left", no_wrap=not number)
+    return grid
 
 
 def _interval(estimate: Estimate) -> str:
@@ -105,7 +120,7 @@ def _percent(estimate: Estimate | None) -> str:
     if estimate is None:
         return "–"
     value, low, high = (f"{100 * each:.0f}" for each in estimate)
-    return f"{value} % ({low}–{high})"
+    return f"{value} ({low}–{high})"
 
 
 def _number(value: int | None) -> str:

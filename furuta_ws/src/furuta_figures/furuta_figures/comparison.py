@@ -11,6 +11,7 @@ from furuta_figures.figure import saved_figure, style_axis
 from furuta_studies.comparison.scores import Table
 
 LABEL = "arm, peak to peak [rad]"
+COUNT = "one encoder count"
 # Widest scatter of the points of a candidate, which shows how many there are.
 SCATTER = 0.3
 # Most points per candidate that are drawn singly.
@@ -24,7 +25,7 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
     finite = table.residual[np.isfinite(table.residual)]
     fall = FALL * float(finite.max(initial=1.0))
     height = 2.0 + 0.55 * len(order)
-    with saved_figure(path, 1, 2, figsize=(13, max(height, 4.5))) as (_, (points, above)):
+    with saved_figure(path, 1, 2, figsize=(13, max(height, 4.5))) as (figure, (points, above)):
         for number, name in enumerate(order):
             residual = table.residual[table.candidates.index(name)]
             drawn = np.where(np.isinf(residual), fall, residual)
@@ -33,13 +34,13 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
         points.set_yticks(range(len(order)), order)
         points.invert_yaxis()
         for axis in (points, above):
-            axis.axvline(encoder_count, color="0.3", ls="--", lw=1, label="one encoder count")
+            axis.axvline(encoder_count, color="0.3", ls="--", lw=1, label=COUNT)
             axis.set_xscale("log")
         if np.isinf(table.residual).any():
             points.axvline(fall, color="tab:red", lw=0.8, label="fell")
         points.plot([], [], "k|", ms=12, label="median, 95 %, worst")
-        points.legend(loc="lower right", fontsize="small")
-        above.legend(fontsize="small")
+        figure.legend(*points.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
         style_axis(points, LABEL)
         style_axis(above, LABEL, f"fraction of the {len(table.rigs)} rigs above it")
 
@@ -55,5 +56,5 @@ def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
 
 def _draw_fraction_above(axis: Axes, residual: np.ndarray, name: str, colour: str) -> None:
     sizes = np.sort(residual)
-    above = 1.0 - np.arange(1, len(sizes) + 1) / len(sizes)
-    axis.step(sizes, above, where="post", label=name, color=colour, lw=1.4)
+    above = np.linspace(1.0, 0.0, len(sizes) + 1)
+    axis.step([sizes[0], *sizes], above, where="post", label=name, color=colour, lw=1.4)

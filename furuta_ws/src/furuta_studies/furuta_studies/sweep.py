@@ -28,9 +28,6 @@ class Study(Protocol):
     def remaining_loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
         """The loop of every run that is not ``done``, or the reason why it is impossible."""
 
-    def _asdict(self) -> dict[str, Any]:
-        """What the runs depend on."""
-
 
 class Sweep(NamedTuple):
     """Base settings, swept parameters, how their values are chosen, and seconds per run."""

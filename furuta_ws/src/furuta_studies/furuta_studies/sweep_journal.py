@@ -10,16 +10,19 @@ import csv
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 from furuta_model.parameters import ParameterError
-from furuta_studies.sweep import RunResult, Study
+from furuta_studies.sweep import RunResult
 
 
 class Journal:
-    """The results so far, in a file that survives a kill."""
+    """The results so far, in a file that survives a kill.
 
-    def __init__(self, out: Path, study: Study) -> None:
+    ``study`` describes what the results depend on.
+    """
+
+    def __init__(self, out: Path, study: NamedTuple) -> None:
         self._kind = type(study).__name__.lower()
         self._path = out.with_name(out.name + ".part")
         self._header = json.dumps(study._asdict(), default=str)

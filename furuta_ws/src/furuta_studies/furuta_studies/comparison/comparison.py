@@ -21,10 +21,10 @@ ROWS = ("named", "random")
 
 
 class Rigs(NamedTuple):
-    """Which rigs: the named ones, or ``count`` random ones of a ``seed`` from number ``first``."""
+    """Which rigs: the named ones, or ``size`` random ones of a ``seed`` from number ``first``."""
 
     rows: str = "named"
-    count: int = 100
+    size: int = 100
     first: int = 0
     seed: int = 0
     disturbances: tuple[str, ...] = ()
@@ -36,7 +36,7 @@ class Rigs(NamedTuple):
             yield from named_rigs(settings)
             return
         nominal = nominal_values(settings)
-        for number in range(self.first, self.first + self.count):
+        for number in range(self.first, self.first + self.size):
             yield random_rig(nominal, number, self.seed, self.disturbances, self.purpose)
 
 

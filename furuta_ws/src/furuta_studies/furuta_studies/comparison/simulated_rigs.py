@@ -35,8 +35,9 @@ class SimulatedRig(NamedTuple):
         if push:
             given |= {"pushes.times": (push_time,), "pushes.durations": (PUSH_DURATION,)}
             given |= {"pushes.arm": (push,), "pushes.pendulum": (0.0,)}
-        made: PlantParameters = build(NODES["plant"].parameters, given).plant
-        return made
+        node: Any = build(NODES["plant"].parameters, given)
+        plant: PlantParameters = node.plant
+        return plant
 
 
 # Duration of a push on the arm [s].
