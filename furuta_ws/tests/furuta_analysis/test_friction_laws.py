@@ -14,7 +14,9 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_model.friction.law import Law
 from furuta_model.friction.laws import (
     ALL,
+    ANALYSED_LAWS,
     LAWS,
+    analysed_law,
     bristle_force,
     friction_force,
     friction_law,
@@ -24,6 +26,7 @@ from furuta_model.friction.laws import (
 )
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
+from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import Actuator, PlantFriction, PlantParameters
@@ -64,6 +67,18 @@ def test_steady_slide_has_the_steady_friction(law: str, v: float) -> None:
     assert friction_force(v, memory, friction) == pytest.approx(steady_friction(v, friction))
 
 
+def test_a_law_without_damping_has_none() -> None:
+    """Dahl's law ignores σ₁."""
+    assert friction_law("dahl", P).parameters.sigma1 == 0.0
+    assert friction_law("lugre", P).named("dahl") == friction_law("dahl", P)
+
+
+def test_analysis_rejects_a_law_with_springs() -> None:
+    """It names the laws that analysis accepts."""
+    with pytest.raises(ParameterError, match="maxwell_slip; give --law with one of coulomb, "):
+        analysed_law("maxwell_slip", P)
+
+
 @pytest.mark.parametrize("law", STICKING)
 def test_the_arm_truly_sticks(law: str) -> None:
     """Below the breakaway level the arm does not move at all, and friction is the torque."""
@@ -79,7 +94,7 @@ def test_the_arm_truly_sticks(law: str) -> None:
     assert x[4] == pytest.approx(sliding_level(x[1], 1.0, friction), rel=1e-3)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", ANALYSED_LAWS)
 @pytest.mark.parametrize("p", [Friction(), Friction(alpha1=0.0, asymmetry=0.1)])
 def test_limit_cycle_agrees_with_the_exact_one(law: str, p: Friction) -> None:
     """The limit cycle of the plant at 0.2 ms is within 0.5 % of the event-driven solution."""

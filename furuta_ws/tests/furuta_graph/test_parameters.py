@@ -49,7 +49,7 @@ def test_an_empty_list_is_the_default() -> None:
     """ROS cannot know the type of an empty list, so no parameter has one as its value."""
     assert build(ControllerParameters, {"gain": []}) == ControllerParameters()
     lists = [each for _, each in ALL if each.kind is list]
-    assert [each.default for each in lists] == [(0.0,)]
+    assert {each.default for each in lists} == {(0.0,)}
 
 
 def test_messages_shorten_what_was_given() -> None:

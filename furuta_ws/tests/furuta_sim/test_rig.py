@@ -124,9 +124,11 @@ def test_noise_is_one_seeded_stream() -> None:
 
 
 def test_initial_state() -> None:
-    """The rig starts where it is held, its bristle slack."""
+    """The rig starts where it is held, its bristle slack and its memory empty."""
     plant = PlantParameters(initial=InitialState(1.0, 2.0, 3.0, 4.0))
-    assert list(initial_state(plant)) == [1, 2, 3, 4, 0]
+    state = list(initial_state(plant))
+    assert state[:5] == [1, 2, 3, 4, 0]
+    assert not any(state[5:])
 
 
 def test_one_sample_of_the_rig() -> None:

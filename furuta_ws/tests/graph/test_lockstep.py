@@ -18,6 +18,32 @@ from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import TOPICS
 
 IDEAL = ["sensors.ideal=true"]
+# Every part of the plant that the control system does not know, at once.
+ALL_PARTS = [
+    "plant.friction.variation.angle=0.2",
+    "plant.friction.variation.drift=0.1",
+    "plant.friction.variation.heat=0.05",
+    "plant.friction.variation.load=0.1",
+    "plant.cogging.torque=0.02",
+    "plant.pendulum_friction.damping=0.0005",
+    "plant.pendulum_friction.coulomb=0.001",
+    "plant.drive.delay=2",
+    "plant.drive.lag=0.002",
+    "plant.drive.dead_band=0.01",
+    "plant.sensor_faults.reading_delay=1",
+    "plant.sensor_faults.missing=0.02",
+    "plant.sensor_faults.stuck=tachometer",
+    "plant.sensor_faults.stuck_from=2.99",
+    "plant.sensor_faults.arm_bias=0.02",
+    "plant.sensor_faults.arm_speed_bias=0.01",
+    "plant.sensor_faults.pendulum_bias=0.002",
+    "plant.pushes.times=[0.5, 1.0, 1.2]",
+    "plant.pushes.durations=[0.05]",
+    "plant.pushes.arm=[0.2, 0.0, -0.2]",
+    "plant.pushes.pendulum=[0.0, 0.01, 0.0]",
+    "plant.pushes.base_x=[0.0, 0.01, 0.02]",
+    "plant.pushes.base_y=[0.01]",
+]
 
 
 def record(settings: Settings, seconds: float, bag: Path) -> Path:
@@ -38,17 +64,29 @@ def raw_messages(bag: Path) -> dict[str, list[bytes]]:
     return messages
 
 
-@pytest.mark.parametrize("compensation", ["none", "coulomb", "lugre"])
-def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str) -> None:
-    """Nodes and offline simulation call the same functions: equal to the last bit."""
-    settings = load_settings([], [f"compensation={compensation}"])
+def require_graph_is_the_offline_loop(assignments: list[str], bag: Path) -> None:
+    """The graph in lock-step and the offline simulation agree to the last bit over 3 s."""
+    settings = load_settings([], assignments)
     expected = simulate(loop(settings), 3.0)
-    recorded = read_recorded_run(record(settings, 3.0, tmp_path / "bag"))
+    recorded = read_recorded_run(record(settings, 3.0, bag))
     assert len(recorded.time) == 3000
     np.testing.assert_array_equal(recorded.state, expected.state)
     np.testing.assert_array_equal(recorded.friction, expected.friction)
     np.testing.assert_array_equal(recorded.friction_estimate, expected.friction_estimate)
     np.testing.assert_array_equal(recorded.command, expected.command)
+
+
+@pytest.mark.parametrize("compensation", ["none", "coulomb", "lugre"])
+def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str) -> None:
+    """Nodes and offline simulation call the same functions: equal to the last bit."""
+    require_graph_is_the_offline_loop([f"compensation={compensation}"], tmp_path / "bag")
+
+
+@pytest.mark.parametrize("law", ["stribeck", "dahl", "maxwell_slip"])
+def test_graph_with_all_parts_is_the_offline_loop(ros: None, tmp_path: Path, law: str) -> None:
+    """So they are with every part of the plant switched on."""
+    chosen = [f"plant.friction.law={law}", "compensation=adaptive"]
+    require_graph_is_the_offline_loop([*ALL_PARTS, *chosen], tmp_path / "bag")
 
 
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:

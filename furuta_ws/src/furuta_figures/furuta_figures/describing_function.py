@@ -12,7 +12,7 @@ from furuta_analysis.describing_functions.predicted_cycles import Prediction
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
 from furuta_figures.nyquist import feedback_title, nyquist_curve
-from furuta_model.friction.laws import LAWS, FrictionLaw
+from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw
 from furuta_model.transfer import Transfer, transfer
 
 # Amplitudes are drawn from 1/SPAN to SPAN of the predicted one. ZOOM is the extent of the axes over
@@ -21,7 +21,7 @@ SPAN = 300.0
 POINTS = 200
 ZOOM = 2.0
 PALETTE = ("tab:red", "tab:orange", "tab:purple", "tab:green", "tab:brown", "tab:cyan")
-COLOURS = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(LAWS)}
+COLOURS = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(ANALYSED_LAWS)}
 
 
 def draw_describing_function(loop: IdealLoop, prediction: Prediction, path: Path) -> None:
@@ -80,9 +80,8 @@ def _draw_plane(
 def _draw_functions(axis: Any, law: FrictionLaw, omega: float, amplitude: float) -> None:
     amplitudes = np.geomspace(amplitude / SPAN, amplitude * SPAN / 30, POINTS)
     phase = axis.twinx()
-    for kind, name in enumerate(LAWS):
-        drawn = FrictionLaw(kind, law.parameters)
-        n = np.array([describing_function(a, omega, drawn) for a in amplitudes])
+    for name in ANALYSED_LAWS:
+        n = np.array([describing_function(a, omega, law.named(name)) for a in amplitudes])
         style = "--" if name == "stiction" else "-"  # it covers Coulomb's curve
         axis.loglog(amplitudes, np.abs(n), style, color=COLOURS[name], lw=1.8, label=name)
         phase.semilogx(amplitudes, np.degrees(np.angle(n)), ":", color=COLOURS[name], lw=1.2)

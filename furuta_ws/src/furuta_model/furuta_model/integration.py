@@ -54,10 +54,18 @@ def substeps_for(dt: float, pendulum: FurutaPendulum, friction: Friction) -> int
     return max(1, ceil(dt * (spring + damper + gravity) / LARGEST_STEP))
 
 
-def integrator(stage: Stage) -> Callable[..., None]:
+@inlined
+def _nothing(x: np.ndarray, body: Any) -> None:
+    """A body without memory of its own."""
+
+
+def integrator(
+    stage: Stage, after_substep: Callable[[np.ndarray, Any], None] = _nothing
+) -> Callable[..., None]:
     """Make the midpoint rule for a body and its friction, given by its ``stage`` (compiled).
 
-    The returned function has the arguments of :func:`advance`. It is inlined into its callers.
+    ``after_substep`` (inlined) gets the state and the body at the end of each substep. The returned
+    function has the arguments of :func:`advance`. It is inlined into its callers.
     """
 
     def advance(
@@ -86,6 +94,7 @@ def integrator(stage: Stage) -> Callable[..., None]:
             x[THETA] = theta + h * w_mid
             x[THETA_DOT] = w + h * w_dot
             x[BRISTLE] = end
+            after_substep(x, body)
 
     return inlined(advance, cached=False)
 

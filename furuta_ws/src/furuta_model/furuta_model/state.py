@@ -7,8 +7,9 @@ speed [rad, rad/s]. Three arrays (5,) begin with x and differ in the fifth numbe
 array          index                               meaning of the fifth number
 =============  ==================================  =============================================
 plant state    :data:`BRISTLE`                     memory of the friction law: deflection of the
-                                                   bristle [rad], or the friction [V] of a law
-                                                   that truly sticks
+                                                   bristle or mean deflection of the springs
+                                                   [rad], or the friction [V] of a law that
+                                                   truly sticks
 measurement    :data:`APPLIED_TORQUE`              torque applied since the last measurement [V]
 estimate       :data:`OBSERVED_FRICTION`           friction that the estimator observes [V]
 =============  ==================================  =============================================

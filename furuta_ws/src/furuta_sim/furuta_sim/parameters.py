@@ -1,4 +1,4 @@
-"""Parameters of the simulated rig: true pendulum, true friction, sensors and actuator.
+"""Parameters of the simulated rig: true pendulum, true friction, sensors, drive and other parts.
 
 The defaults are those of the paper's rig (Section 4).
 """
@@ -9,11 +9,17 @@ from math import pi
 from typing import Annotated, NamedTuple
 
 from furuta_model.friction.laws import LAWS
+from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
+from furuta_sim.parts.drive import Drive
+from furuta_sim.parts.friction_variation import FrictionVariation
+from furuta_sim.parts.motion import Cogging, PendulumFriction
+from furuta_sim.parts.pushes import Pushes
+from furuta_sim.parts.sensor_faults import SensorFaults
 
 CLOCKS = ("realtime", "lockstep")
 
@@ -39,10 +45,12 @@ class InitialState(NamedTuple):
 
 
 class PlantFriction(NamedTuple):
-    """Friction in the arm's joint: the law, and the parameters that all laws share."""
+    """Friction in the arm's joint: the law, the parameters that all laws share, and variation."""
 
     law: Annotated[str, About("friction law of the simulated arm", choices=LAWS)] = "lugre"
     parameters: Annotated[Friction, INLINE] = Friction()
+    springs: Annotated[int, About("maxwell_slip: number of springs", "", 1, MAX_SPRINGS)] = 4
+    variation: FrictionVariation = FrictionVariation()
 
 
 class PlantParameters(NamedTuple):
@@ -52,6 +60,11 @@ class PlantParameters(NamedTuple):
     friction: PlantFriction = PlantFriction()
     sensors: Sensors = Sensors()
     actuator: Actuator = Actuator()
+    drive: Drive = Drive()
+    cogging: Cogging = Cogging()
+    pendulum_friction: PendulumFriction = PendulumFriction()
+    sensor_faults: SensorFaults = SensorFaults()
+    pushes: Pushes = Pushes()
     initial: InitialState = InitialState()
     sample_time: Annotated[float, About("time between samples", "s", 1e-5, 0.1, read_only=True)] = (
         0.001

@@ -1,7 +1,8 @@
 """Simulates the rig over one sample: drive, motion and sensors.
 
-Plant state and measurement are (5,), see :mod:`furuta_model.state`. The measurement of θ̇ is NaN,
-because the rig has no sensor for it.
+The measurement is (5,), see :mod:`furuta_model.state`. The measurement of θ̇ is NaN, because the
+rig has no sensor for it. The array x begins with the plant state (5,); the rest is memory of the
+parts that are on (:mod:`furuta_sim.plant_memory`). A rig without them needs only the state.
 """
 
 from __future__ import annotations
@@ -16,11 +17,36 @@ from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import Actuator, PlantParameters
+from furuta_sim.parts.drive import Drive, mean_torque
+from furuta_sim.parts.friction_variation import FrictionVariation, vary_level
+from furuta_sim.parts.motion import (
+    Body,
+    Cogging,
+    PendulumFriction,
+    advance_with_parts,
+    varied_friction,
+)
+from furuta_sim.parts.pushes import push_at
+from furuta_sim.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
+from furuta_sim.plant_memory import MOVED, PLANT_MEMORY
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+
+
+class Parts(NamedTuple):
+    """Parts of the rig that act on its motion; ``any`` says whether one of them is on."""
+
+    any: bool
+    springs: int
+    variation: FrictionVariation
+    drive: Drive
+    cogging: Cogging
+    pendulum_friction: PendulumFriction
+    push_count: int
+    pushes: np.ndarray
 
 
 class Plant(NamedTuple):
@@ -32,6 +58,8 @@ class Plant(NamedTuple):
     actuator: Actuator
     sample_time: float
     substeps: int
+    parts: Parts
+    faults: FaultySensors
 
 
 def design_plant(p: PlantParameters) -> Plant:
@@ -43,6 +71,20 @@ def design_plant(p: PlantParameters) -> Plant:
         p.actuator,
         p.sample_time,
         substeps_for(p.sample_time, p.model, p.friction.parameters),
+        _design_parts(p),
+        design_faults(p.sensor_faults, p.sample_time, p.seed),
+    )
+
+
+def _design_parts(p: PlantParameters) -> Parts:
+    given = (p.friction.variation, p.drive, p.cogging, p.pendulum_friction)
+    law = friction_law(p.friction.law, p.friction.parameters).law
+    return Parts(
+        law.springs or p.pushes.number > 0 or any(each != type(each)() for each in given),
+        p.friction.springs,
+        *given,
+        p.pushes.number,
+        p.pushes.profile(p.sample_time),
     )
 
 
@@ -64,23 +106,58 @@ def drive(command: float, actuator: Actuator) -> float:
 
 
 @inlined
+def read(x: np.ndarray, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
+    """Read the sensors with their faults, once a sample; see :func:`measure`."""
+    if plant.faults.any:
+        _read_with_faults(x, noise, plant.sensors, plant.faults, measurement)
+    else:
+        measure(x, noise, plant.sensors, measurement)
+
+
+@compiled
+def _read_with_faults(
+    x: np.ndarray,
+    noise: np.ndarray,
+    sensors: Sensors,
+    faults: FaultySensors,
+    measurement: np.ndarray,
+) -> None:
+    phi, v = seen_state(x, PHI, faults), seen_state(x, PHI_DOT, faults)
+    theta, w = seen_state(x, THETA, faults), seen_state(x, THETA_DOT, faults)
+    _measure(phi, v, theta, w, noise, sensors, measurement)
+    spoil(x, measurement, faults)
+
+
+@inlined
 def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
-    """Read the sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal."""
+    """Read sound sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal."""
+    _measure(x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], noise, sensors, measurement)
+
+
+@inlined
+def _measure(
+    phi: float,
+    v: float,
+    theta: float,
+    w: float,
+    noise: np.ndarray,
+    sensors: Sensors,
+    measurement: np.ndarray,
+) -> None:
     if sensors.ideal:
-        for i in range(4):
-            measurement[i] = x[i]
+        measurement[PHI], measurement[PHI_DOT] = phi, v
+        measurement[THETA], measurement[THETA_DOT] = theta, w
         return
-    phi = x[PHI]
     if sensors.encoder_counts > 0:
         count = 2.0 * pi / sensors.encoder_counts
         phi = floor(phi / count + 0.5) * count
     measurement[PHI] = phi
     measurement[PHI_DOT] = convert(
-        x[PHI_DOT] + sensors.tachometer_noise * noise[0],
+        v + sensors.tachometer_noise * noise[0],
         sensors.tachometer_range,
         sensors.tachometer_bits,
     )
-    theta = x[THETA] - 2.0 * pi * floor(x[THETA] / (2.0 * pi) + 0.5)
+    theta -= 2.0 * pi * floor(theta / (2.0 * pi) + 0.5)
     measurement[THETA] = convert(
         theta + sensors.potentiometer_noise * noise[1],
         sensors.potentiometer_range,
@@ -91,21 +168,46 @@ def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.
 
 @inlined
 def move(x: np.ndarray, command: float, plant: Plant) -> float:
-    """Move the rig over one sample at constant ``command`` [V]; return the torque applied [V]."""
-    torque = drive(command, plant.actuator)
-    advance(x, torque, plant.sample_time, plant.substeps, plant.model, plant.friction)
-    return torque
+    """Move the rig over one sample at constant ``command`` [V]; return the drive's voltage [V]."""
+    voltage = drive(command, plant.actuator)
+    if plant.parts.any:
+        _move_with_parts(x, voltage, plant)
+    else:
+        advance(x, voltage, plant.sample_time, plant.substeps, plant.model, plant.friction)
+    return voltage
+
+
+@compiled
+def _move_with_parts(x: np.ndarray, voltage: float, plant: Plant) -> None:
+    parts, dt = plant.parts, plant.sample_time
+    friction = true_friction(x, plant)
+    torque = mean_torque(x, voltage, dt, parts.drive)
+    vary_level(x, torque, friction, x[PHI_DOT], dt, parts.variation)
+    push = push_at(x[MOVED], parts.pushes, parts.push_count)
+    body = Body(
+        plant.model,
+        parts.variation,
+        parts.cogging,
+        parts.pendulum_friction,
+        parts.springs,
+        push,
+        x,
+    )
+    advance_with_parts(x, torque, dt, plant.substeps, body, plant.friction)
+    x[MOVED] += 1.0
 
 
 @inlined
 def true_friction(x: np.ndarray, plant: Plant) -> float:
-    """Friction F [V] in plant state ``x`` (5,)."""
+    """Friction F [V] of the arm in state ``x``."""
+    if plant.parts.any:
+        return varied_friction(x, plant.friction, plant.parts.springs, plant.parts.variation)
     return friction_force(x[PHI_DOT], x[BRISTLE], plant.friction)
 
 
 def initial_state(plant: PlantParameters) -> np.ndarray:
-    """Initial state (5,) with the bristle undeflected."""
-    x = np.zeros(PLANT_STATES)
+    """Initial state, with the bristle undeflected, and empty memory of the parts."""
+    x = np.zeros(PLANT_MEMORY)
     x[:BRISTLE] = plant.initial
     return x
 

@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.state import SIGNALS
+from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
@@ -25,8 +25,8 @@ from furuta_sim.plant import (
     Noise,
     design_plant,
     initial_state,
-    measure,
     move,
+    read,
     true_friction,
 )
 from furuta_sim.realtime import RealTime
@@ -91,7 +91,7 @@ class PlantNode(PacedNode):
         friction = _read(self.x, self._noise(), self._block, self._measurement)
         stamp = self.stamp
         self._truth_writer.stamp(stamp)
-        self._truth_writer.fill(self.x, friction)
+        self._truth_writer.fill(self.x[:RIGID_STATES], friction)
         self._measurement_writer.stamp(stamp)
         self._measurement_writer.fill(self._measurement, self._torque)
         self._truth_publisher.publish(self._truth_writer.message)
@@ -133,7 +133,7 @@ class PlantNode(PacedNode):
 @compiled
 def _read(x: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray) -> float:
     """Read the sensors and return the true friction [V]."""
-    measure(x, noise, plant[0].sensors, measurement)
+    read(x, noise, plant[0], measurement)
     return true_friction(x, plant[0])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_graph.parameter_names import parameters_named
 from furuta_graph.settings import load_settings, loop
-from furuta_model.friction.laws import friction_law
+from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback, transfer
 from furuta_studies.parameter_range import GAINS
@@ -38,7 +38,7 @@ class AnalysisOptions(NamedTuple):
             if name in GAINS:
                 gains[GAINS.index(name)] = value
         friction = configured.plant.friction
-        law = friction_law(self.law or friction.law, friction.parameters)
+        law = analysed_law(self.law or friction.law, friction.parameters)
         l1, l2, l3, l4 = gains
         return IdealLoop(configured.plant.model, law, l1, l2, l3, l4, self.linear)
 

@@ -16,7 +16,7 @@ from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta_analysis.simulation.closed_loop import Loop, Record, simulate
 from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillation
-from furuta_model.friction.laws import friction_law
+from furuta_model.friction.laws import analysed_law
 from furuta_sim.parameters import PlantParameters
 from furuta_studies.feedback_map import predicted_peak_to_peak
 from furuta_studies.tuning.plan import TuningPlan
@@ -120,7 +120,7 @@ def _with_perfect_sensors(loop: Loop) -> Loop:
 
 
 def _ideal_loop(loop: Loop) -> IdealLoop:
-    law = friction_law(loop.plant.friction.law, loop.plant.friction.parameters)
+    law = analysed_law(loop.plant.friction.law, loop.plant.friction.parameters)
     l1, l2, l3, l4 = (-each for each in loop.controller.feedback_gain)
     return IdealLoop(loop.plant.model, law, l1, l2, l3, l4)
 

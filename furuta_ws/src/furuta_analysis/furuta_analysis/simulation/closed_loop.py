@@ -35,8 +35,8 @@ from furuta_sim.plant import (
     Plant,
     design_plant,
     initial_state,
-    measure,
     move,
+    read,
     true_friction,
 )
 
@@ -209,7 +209,7 @@ def _run(
         if not plant.sensors.ideal:
             for channel in range(NOISE_CHANNELS):
                 noise[channel] = generator.standard_normal()
-        measure(x, noise, plant.sensors, measurement)
+        read(x, noise, plant, measurement)
         measurement[APPLIED_TORQUE] = torque
         estimated, u = control_sample(
             estimator_memory,

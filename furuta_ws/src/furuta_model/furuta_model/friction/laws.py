@@ -19,15 +19,26 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from furuta_model.compiled import by_kind, compiled
-from furuta_model.friction import coulomb, lugre, stiction, stribeck
+from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
 from furuta_model.friction.bristle import deflection_after, deflection_rate
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
 
-ALL: tuple[Law, ...] = (coulomb.LAW, stiction.LAW, stribeck.LAW, lugre.LAW)
+ALL: tuple[Law, ...] = (
+    coulomb.LAW,
+    stiction.LAW,
+    stribeck.LAW,
+    lugre.LAW,
+    dahl.LAW,
+    maxwell_slip.LAW,
+)
 
 LAWS = tuple(law.name for law in ALL)
 HAS_BRISTLE = tuple(law.bristle for law in ALL)
+HAS_SPRINGS = tuple(law.springs for law in ALL)
+# Laws for which describing functions and exact limit cycles are defined.
+ANALYSED_LAWS = tuple(law.name for law in ALL if not law.springs)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
 _level = by_kind([law.level for law in ALL])
@@ -57,12 +68,28 @@ class FrictionLaw(NamedTuple):
 
     def named(self, name: str) -> FrictionLaw:
         """The law with this name and the same parameters."""
-        return self._replace(kind=LAWS.index(name))
+        return friction_law(name, self.parameters)
 
 
 def friction_law(name: str, parameters: Friction) -> FrictionLaw:
-    """The law with this name, one of :data:`LAWS`, and these parameters."""
-    return FrictionLaw(LAWS.index(name), parameters)
+    """The law with this name, one of :data:`LAWS`, and these parameters.
+
+    A law without damping has σ₁ = 0, whatever is given.
+    """
+    kind = LAWS.index(name)
+    if not ALL[kind].damped:
+        parameters = parameters._replace(sigma1=0.0)
+    return FrictionLaw(kind, parameters)
+
+
+def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
+    """The law, for analysis: raises :class:`ParameterError` where analysis is not defined."""
+    if name not in ANALYSED_LAWS:
+        raise ParameterError(
+            f"limit cycles and describing functions are not defined for the friction law {name}; "
+            f"give --law with one of {', '.join(ANALYSED_LAWS)}, or simulate"
+        )
+    return friction_law(name, parameters)
 
 
 @compiled

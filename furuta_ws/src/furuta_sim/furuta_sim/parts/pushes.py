@@ -1,0 +1,101 @@
+"""Pushes on arm and pendulum and motion of the base, as a profile that repeats exactly.
+
+Push k lasts from ``times[k]`` for ``durations[k]``, both rounded to samples, and is constant
+meanwhile. Time counts from when the rig is released. Pushes may overlap; they add up.
+
+A horizontal acceleration of the base acts on the pendulum like a tilt of gravity; ``base_x`` is
+along the arm at angle 0. The arm is assumed to be balanced about its axis.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled, inlined
+from furuta_model.parameters import About, ParameterError
+
+MAX_PUSHES = 16
+# Columns of the profile: first sample, first sample after the end, and the four sizes.
+FIRST, AFTER, ARM, PENDULUM, BASE_X, BASE_Y = range(6)
+
+Numbers = tuple[float, ...]
+
+
+class Pushes(NamedTuple):
+    """The profile. A list with one element applies to every push."""
+
+    times: Annotated[Numbers, About("begin of each push", "s", 0, 1e6)] = (0.0,)
+    durations: Annotated[Numbers, About("duration of each push", "s", 0, 1e6)] = (0.0,)
+    arm: Annotated[Numbers, About("torque on the arm", "V", -1e3, 1e3)] = (0.0,)
+    pendulum: Annotated[Numbers, About("torque on the pendulum's joint", "V", -1e3, 1e3)] = (0.0,)
+    base_x: Annotated[
+        Numbers, About("acceleration of the base along the arm at angle 0", "g", -10, 10)
+    ] = (0.0,)
+    base_y: Annotated[
+        Numbers, About("acceleration of the base across the arm at angle 0", "g", -10, 10)
+    ] = (0.0,)
+
+    def check(self) -> None:
+        """Reject lists of different lengths."""
+        lengths = {name: len(given) for name, given in self._asdict().items() if len(given) > 1}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise ParameterError(f"lists of pushes must have one length, or 1; given {listed}")
+        if max(lengths.values(), default=1) > MAX_PUSHES:
+            raise ParameterError(
+                f"at most {MAX_PUSHES} pushes are possible, given {max(lengths.values())}"
+            )
+
+    @property
+    def number(self) -> int:
+        """Number of pushes; 0 if none pushes."""
+        if not any(any(sizes) for sizes in self[2:]):
+            return 0
+        return max(map(len, self))
+
+    def profile(self, dt: float) -> np.ndarray:
+        """The pushes as an array (:data:`MAX_PUSHES`, 6) in samples of ``dt`` [s]."""
+        table = np.zeros((MAX_PUSHES, 6))
+        rows = table[: self.number]
+        for column, given in enumerate(self):
+            rows[:, column] = given if len(given) > 1 else given[0]
+        rows[:, AFTER] = np.rint((rows[:, FIRST] + rows[:, AFTER]) / dt)
+        rows[:, FIRST] = np.rint(rows[:, FIRST] / dt)
+        return table
+
+
+class Push(NamedTuple):
+    """What pushes in a sample: torques [V] and acceleration of the base [g]."""
+
+    arm: float
+    pendulum: float
+    base_x: float
+    base_y: float
+
+
+@inlined
+def push_at(sample: float, profile: np.ndarray, count: int) -> Push:
+    """The sum of the pushes in a sample."""
+    arm = pendulum = base_x = base_y = 0.0
+    for k in range(count):
+        if profile[k, FIRST] <= sample < profile[k, AFTER]:
+            arm += profile[k, ARM]
+            pendulum += profile[k, PENDULUM]
+            base_x += profile[k, BASE_X]
+            base_y += profile[k, BASE_Y]
+    return Push(arm, pendulum, base_x, base_y)
+
+
+@compiled
+def push_torques(
+    phi: float, sine: float, cosine: float, delta: float, p: Push
+) -> tuple[float, float]:
+    """Torques [V] on arm and pendulum at φ and θ; ``delta`` is the gravity torque [V]."""
+    if p.base_x == 0.0 and p.base_y == 0.0:
+        return p.arm, p.pendulum
+    along, across = cos(phi), sin(phi)
+    arm = delta * sine * (p.base_x * along + p.base_y * across)
+    return p.arm + arm, p.pendulum - delta * cosine * (p.base_y * along - p.base_x * across)
