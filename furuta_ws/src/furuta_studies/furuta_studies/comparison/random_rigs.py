@@ -44,8 +44,8 @@ def _noise(r: np.random.Generator, nominal: PlantValues) -> PlantValues:
 def _turn(r: np.random.Generator, nominal: PlantValues) -> PlantValues:
     return {
         "friction.variation.angle": r.uniform(0.0, LARGEST_CHANGE),
-        "friction.variation.periods": int(r.integers(1, 5)),
-        "friction.variation.phase": r.uniform(-pi, pi),
+        "friction.variation.angle_periods": int(r.integers(1, 5)),
+        "friction.variation.angle_phase": r.uniform(-pi, pi),
     }
 
 
@@ -55,7 +55,7 @@ def _asymmetry(r: np.random.Generator, nominal: PlantValues) -> PlantValues:
 
 def _cogging(r: np.random.Generator, nominal: PlantValues) -> PlantValues:
     return {
-        "cogging.amplitude": r.uniform(0.0, LARGEST_COGGING),
+        "cogging.torque": r.uniform(0.0, LARGEST_COGGING),
         "cogging.periods": int(r.integers(10, 201)),
         "cogging.phase": r.uniform(-pi, pi),
     }

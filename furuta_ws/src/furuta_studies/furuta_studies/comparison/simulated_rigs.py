@@ -75,7 +75,7 @@ NAMED: dict[str, Callable[[PlantValues], PlantValues]] = {
     "alpha1 = 0.2, sticking": _fixed({"friction.law": "stiction", "friction.alpha1": 0.2}),
     "asymmetry 0.3": _fixed({"friction.asymmetry": 0.3}),
     "level over the turn ±30 %": _fixed({"friction.variation.angle": 0.3}),
-    "cogging 0.05 V": _fixed({"cogging.amplitude": 0.05, "cogging.periods": 100}),
+    "cogging 0.05 V": _fixed({"cogging.torque": 0.05, "cogging.periods": 100}),
     "no friction": _fixed(
         {"friction.alpha0": 0.0, "friction.alpha1": 0.0, "friction.viscous": 0.0}
     ),
