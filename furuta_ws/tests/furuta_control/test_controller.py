@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import reference
+from scipy.linalg import expm
 
 from furuta_control.control import (
     BALANCE_MEMORY,
@@ -15,7 +16,8 @@ from furuta_control.control import (
     start_anew,
 )
 from furuta_control.excitation import ExcitationParameters
-from furuta_control.modes.balance import BALANCING
+from furuta_control.modes.balance import BALANCING, INTEGRAL
+from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 
 GAIN = (-1.0, -2.0, -30.0, -4.0)
@@ -71,7 +73,12 @@ def test_saturation(limit: float) -> None:
         friction = RNG.uniform(-5, 5)
         expected = np.clip(-np.dot(GAIN, x) + friction, -limit, limit)
         found = command(
-            x, friction, voltage_limit=limit, arm_angle_limit=50.0, arm_speed_limit=50.0
+            x,
+            friction,
+            voltage_limit=limit,
+            arm_angle_limit=50.0,
+            arm_error_limit=50.0,
+            arm_speed_limit=50.0,
         )
         assert found == pytest.approx(expected)
 
@@ -231,3 +238,40 @@ def test_off() -> None:
     excitation = ExcitationParameters("steps", 0.5)
     off = design_controller(ControllerParameters(mode="off", excitation=excitation))
     assert control(memory_of(), np.array([1, 1, 0.1, 1]), 0.2, off) == 0.0
+
+
+def test_a_far_arm_is_fed_back_as_a_near_one() -> None:
+    """The arm's error is relative to the reference and limited; near it the feedback is linear."""
+    assert command([0.5, 0, 0, 0], arm_reference=0.2) == pytest.approx(0.3)
+    for phi, error in ((3.0, 1.0), (-9.0, -1.0), (0.99, 0.99)):
+        found = command([phi, 0, 0, 0], arm_angle_limit=100.0)
+        assert found == pytest.approx(error)
+    assert command([5.0, 0, 0, 0], arm_error_limit=1e6) == pytest.approx(5.0)
+
+
+def test_integral_action() -> None:
+    """A constant error adds L₁ error t/T, limited as the error is. A fall clears it."""
+    p = ControllerParameters(gain=GAIN, integral_time=0.5, arm_error_limit=0.7)
+    memory, design = memory_of(), design_controller(p)
+    resting = np.array([0.2, 0, 0, 0])
+    series = [control(memory, resting, 0.0, design) for _ in range(4000)]
+    assert series[249] == pytest.approx(0.2 + 0.2 * 0.25 / 0.5)
+    assert series[-1] == pytest.approx(0.2 + 0.7)
+    control(memory, np.array([0.2, 0, 1.0, 0]), 0.0, design)
+    assert memory[BALANCE_MEMORY + INTEGRAL] == 0.0
+
+
+@pytest.mark.parametrize("friction", [0.3, -0.2])
+def test_super_twisting_finds_a_constant_friction(friction: float) -> None:
+    """On the linear model with exact states it becomes the friction within a second."""
+    p = ControllerParameters(super_twisting=10.0)
+    memory, design = memory_of(), design_controller(p)
+    a, b = linearize(FurutaPendulum())
+    step = expm(np.block([[a, b[:, None]], [np.zeros((1, 5))]]) * p.sample_time)
+    x, added = np.zeros(4), []
+    for _ in range(2000):
+        u = control(memory, x, 0.0, design)
+        added.append(u + np.dot(p.feedback_gain, x))
+        x = step[:4, :4] @ x + step[:4, 4] * (u - friction)
+    assert np.mean(added[1000:]) == pytest.approx(friction, abs=0.01)
+    assert np.max(np.abs(x)) < 0.02

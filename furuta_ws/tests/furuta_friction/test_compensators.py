@@ -15,9 +15,11 @@ from furuta_friction.compensation import (
     MEMORY,
     Compensator,
     ObserverParameters,
+    allow,
     design_compensator,
     estimate_friction,
     largest_estimate,
+    switched_off,
 )
 from furuta_model.friction.parameters import Friction
 
@@ -53,10 +55,14 @@ def test_bounded_for_any_motion(kind: str) -> None:
     rng = np.random.default_rng(14)
     for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
         lugre = Friction(viscous=0.1, asymmetry=asymmetry)
-        factor = 3.0 if kind == "adaptive" else 1.0
+        factor = 3.0 if kind in ("adaptive", "disturbance_observer", "combined") else 1.0
         bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         observer = compensators(
-            friction=lugre, observer_gain=gain, adaptation_gain=abs(gain), sample_time=dt
+            friction=lugre,
+            observer_gain=gain,
+            adaptation_gain=abs(gain),
+            guard_time=0.0,
+            sample_time=dt,
         )[kind]
         memory = np.zeros(MEMORY)
         for _ in range(500):
@@ -73,7 +79,8 @@ def test_converges_to_the_true_bristle(dt: float) -> None:
     """Without model error an initial error of ẑ decays, and F̂ is the F of (5)."""
     lugre = Friction(viscous=0.1, asymmetry=0.2)
     observer = compensators(friction=lugre, observer_gain=0.0, sample_time=dt)["lugre"]
-    memory, z = np.array([-0.0025, 0.0, 0.0]), 0.0025
+    memory, z = np.zeros(MEMORY), 0.0025
+    memory[0] = -0.0025
     for v in 0.6 * np.sin(np.arange(0.01, 3, dt)):
         rate = lugre.sigma0 * abs(v) / reference.level(v, lugre)
         slope = [[-rate]]
@@ -121,7 +128,7 @@ def test_observer_has_converged_at_a_switch() -> None:
         kind = kinds[k // 100]
         expected = estimate_friction(kept, x, by_kind["lugre"])
         found = estimate_friction(switched, x, by_kind[kind])
-        assert np.array_equal(kept, switched)
+        assert kept[0] == switched[0]
         assert kind != "lugre" or found == expected
 
 
@@ -176,7 +183,7 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
     for v, observed in ((0.0, 1.0), (0.5, nan)):
         for _ in range(100):
             estimate_friction(memory, signals(v, observed=observed), compensator)
-        assert memory[1:].tolist() == [0.0, 0.0]
+        assert memory[1:3].tolist() == [0.0, 0.0]
 
 
 def test_estimate_is_continuous_at_a_reversal() -> None:
@@ -190,3 +197,63 @@ def test_estimate_is_continuous_at_a_reversal() -> None:
         largest[kind] = max(abs(after - before) for before, after in pairwise(series[500:]))
     assert largest["coulomb"] == pytest.approx(0.42)
     assert largest["lugre"] < 0.01
+
+
+@pytest.mark.parametrize("kind", ["disturbance_observer", "combined"])
+def test_observed_friction_is_compensated(kind: str) -> None:
+    """F̂ becomes the observed friction whatever α₀ says; the parameters limit it to three levels."""
+    compensator = compensators(friction=Friction(viscous=0.5), guard_time=0.0)[kind]
+    for v, observed, expected in (
+        (0.3, 0.4, 0.4),
+        (0.3, -0.1, -0.1),
+        (0.0, 0.1, 0.1),
+        (0.3, 5.0, 3 * 0.232 + 0.15),
+        (0.3, nan, 0.0),
+    ):
+        memory = np.zeros(MEMORY)
+        for _ in range(5000):
+            estimate = estimate_friction(memory, signals(v, observed=observed), compensator)
+        assert estimate == pytest.approx(expected, rel=1e-6)
+
+
+def test_combined_learns_the_levels() -> None:
+    """After some slides the first estimate of a reversal is the level of the new direction."""
+    compensator = compensators()["combined"]
+    memory = np.zeros(MEMORY)
+    true = Friction(alpha0=0.3, alpha1=0.0, asymmetry=0.2)
+    for v in (0.5, -0.5, 0.5):
+        level = true.alpha0 * (1.2 if v > 0 else -0.8)
+        first = estimate_friction(memory, signals(v, observed=level), compensator)
+        for _ in range(2000):
+            estimate_friction(memory, signals(v, observed=level), compensator)
+    assert first == pytest.approx(0.36, rel=0.02)
+    assert memory[3:5] == pytest.approx([0.36, 0.24], rel=0.01)
+
+
+def test_the_guard_ends_a_compensation_worse_than_none() -> None:
+    """Two seconds after an arm without friction starts to be driven; not at half the true level."""
+    compensator = compensators()["coulomb"]
+    for observed, ends in ((0.0, True), (0.2, False), (0.11, False), (0.1, True), (nan, False)):
+        memory = np.zeros(MEMORY)
+        speeds = 0.5 * np.sin(np.arange(0, 6, DT) * 5)
+        found = [
+            estimate_friction(memory, signals(v, observed=observed * np.sign(v)), compensator)
+            for v in speeds
+        ]
+        assert switched_off(memory) is ends
+        assert (found[-1] == 0.0) is ends
+        assert found[1900] != 0.0
+    allow(memory)
+    assert not switched_off(memory)
+
+
+@pytest.mark.parametrize(("v", "theta"), [(0.01, 0.0), (0.5, 1.0)])
+def test_the_guard_waits_for_a_motion_that_it_can_judge(v: float, theta: float) -> None:
+    """A nearly resting arm and a fallen pendulum say nothing about the compensation."""
+    compensator = compensators()["coulomb"]
+    memory = np.zeros(MEMORY)
+    x = signals(v, observed=0.0)
+    x[2] = theta
+    for _ in range(10_000):
+        estimate_friction(memory, x, compensator)
+    assert not switched_off(memory)

@@ -40,7 +40,11 @@ def speeds(
     )
     gain = tuple(-each for each in feedback)
     controller = ControllerParameters(
-        gain=gain, voltage_limit=1000.0, arm_angle_limit=1e6, arm_speed_limit=1e6
+        gain=gain,
+        voltage_limit=1000.0,
+        arm_angle_limit=1e6,
+        arm_error_limit=1e6,
+        arm_speed_limit=1e6,
     )
     estimator = EstimatorParameters(sensors=Sensors(ideal=True), sample_time=2e-4)
     loop = Loop(plant, estimator, controller=controller)

@@ -22,7 +22,7 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance
+from furuta_control.modes import balance, super_twisting
 from furuta_control.modes.balance import Balance
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
@@ -83,6 +83,18 @@ class ControllerParameters(NamedTuple):
     catch_time: Annotated[
         float, About("after a fall: time within catch angle and speed before it", "s", 0.0, 10.0)
     ] = 0.05
+    arm_reference: Annotated[
+        float, About("arm angle at which the arm is held", "rad", -1e6, 1e6)
+    ] = 0.0
+    arm_error_limit: Annotated[
+        float, About("largest arm error that is fed back, so that u stays small", "rad", 1e-3, 1e6)
+    ] = 1.0
+    integral_time: Annotated[
+        float, About("time of the integral action on the arm's error, 0 for none", "s", 0.0, 1e4)
+    ] = 0.0
+    super_twisting: Annotated[
+        float, About("super-twisting: bound on the friction's rate, 0 for none", "V/s", 0.0, 1e4)
+    ] = 0.0
     arm_angle_limit: Annotated[
         float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
     ] = 2 * pi
@@ -151,6 +163,11 @@ def _balance(p: ControllerParameters) -> Balance:
         p.catch_angle,
         p.catch_speed,
         ceil(p.catch_time / p.sample_time),
+        p.arm_reference,
+        p.arm_error_limit,
+        p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
+        super_twisting.design(p.super_twisting, p.model, p.feedback_gain, p.sample_time),
+        p.voltage_limit,
     )
 
 
@@ -180,7 +197,7 @@ def _mode_command(
     if p.mode == BALANCE:
         if not balance.balances(memory, BALANCE_MEMORY, x, p.balance):
             return INACTIVE
-        return balance.command(x, friction, p.balance), True
+        return balance.command(memory, BALANCE_MEMORY, x, friction, p.balance), True
     balance.leave(memory, BALANCE_MEMORY)
     if p.mode == OPEN_LOOP:
         return 0.0, True

@@ -14,9 +14,11 @@ from std_msgs.msg import Float64
 from furuta_friction.compensation import (
     MEMORY,
     ObserverParameters,
+    allow,
     design_compensator,
     estimate_friction,
     start_anew,
+    switched_off,
 )
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -40,13 +42,20 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self._x = np.zeros(SIGNALS)
         self._estimate = Float64()
         self._last_stamp = -1
+        self._applied: ObserverParameters | None = None
         super().__init__("friction_observer", ObserverParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self._on_state)
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
-        """Switch to the compensator that the parameters describe; the memory is kept."""
+        """Switch to the compensator that the parameters describe; the memory is kept.
+
+        After a change a compensation that the guard has switched off is tried again.
+        """
+        if parameters != self._applied:
+            allow(self._memory)
+        self._applied = parameters
         self._compensator = block(design_compensator(parameters))
         _estimate(self._memory.copy(), self._x, self._compensator)
 
@@ -57,7 +66,10 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
             if starts_anew(self._last_stamp, stamp):
                 start_anew(self._memory)
             self._check_observed_friction()
+            before = switched_off(self._memory)
             self._estimate.data = _estimate(self._memory, self._x, self._compensator)
+            if switched_off(self._memory) and not before:
+                self.get_logger().error(self.parameters.switch_off_reason)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
 

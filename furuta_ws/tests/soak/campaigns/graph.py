@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta_analysis.simulation.closed_loop import simulate
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.settings import loop
 from furuta_model.parameters import values
 from furuta_ros.context import ros_context
@@ -33,7 +34,6 @@ from soak.oracles import (
 from soak.record import Record
 from soak.resources import ResourceMonitor
 
-COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive")
 # Length of a run without effective intrusion [s].
 EXACT = 1.0
 # Samples over which commands are counted after a stray message.

@@ -14,6 +14,7 @@ import numpy as np
 from rclpy.parameter import Parameter
 
 from furuta_analysis.simulation.closed_loop import simulate
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.description import graph_nodes
 from furuta_graph.settings import load_settings, loop
 from furuta_ros.context import ros_context
@@ -25,7 +26,6 @@ from soak.record import Record
 from soak.resources import ResourceMonitor
 
 NAMES = [each.name for each in graph_nodes()]
-COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive")
 # Time of the undisturbed run [s], and its wait in this machine's time.
 EXACT, EXACT_WAIT = 6.0, 90.0
 # Pauses within it.

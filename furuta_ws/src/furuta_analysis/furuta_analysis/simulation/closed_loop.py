@@ -26,7 +26,7 @@ from furuta_analysis.simulation.oscillation import (
 )
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
+from furuta_friction.compensation import ObserverParameters, allow, switched_off
 from furuta_model.compiled import compiled
 from furuta_model.state import APPLIED_TORQUE, PHI, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
@@ -106,11 +106,17 @@ class Simulation:
     """
 
     def __init__(self, loop: Loop) -> None:
+        self._memory = initial_memory()
+        self._loop = loop
         self.loop = loop
         self._state = initial_state(loop.plant)
         self._noise = np.random.default_rng(loop.plant.seed)
-        self._memory = initial_memory()
         self._torque = np.zeros(1)
+
+    @property
+    def switched_off(self) -> bool:
+        """Whether the guard has switched the friction compensation off, as worse than none."""
+        return switched_off(self._memory.observer)
 
     @property
     def loop(self) -> Loop:
@@ -119,6 +125,8 @@ class Simulation:
 
     @loop.setter
     def loop(self, loop: Loop) -> None:
+        if loop.observer != self._loop.observer:
+            allow(self._memory.observer)
         self._loop = loop
         self._plant = design_plant(loop.plant)
         self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)

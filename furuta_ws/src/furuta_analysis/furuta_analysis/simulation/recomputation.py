@@ -17,6 +17,7 @@ from furuta_analysis.simulation.control_system import (
     start_anew,
 )
 from furuta_control.estimation import pass_skipped, skipped_samples
+from furuta_friction.compensation import allow
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 from furuta_model.time_stamps import NANOSECONDS, starts_anew
@@ -55,9 +56,13 @@ def recompute(
     skipped = np.array([skipped_samples(each, period) for each in intervals])
     skipped[starts] = 0
     bounds = sorted({*loops, *starts, n})
+    observer = changes[0][1].observer
     for start, end in pairwise(bounds):
         if start in loops:
             control_system = design_control_system(*loops[start][1:])
+            if loops[start].observer != observer:
+                allow(memory.observer)
+            observer = loops[start].observer
         if start in starts:
             start_anew(memory)
         _run(

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import numpy as np
 
-from furuta_analysis.simulation.closed_loop import simulate
+from furuta_analysis.simulation.closed_loop import Simulation
 from furuta_analysis.simulation.oscillation import fell, measure_oscillation
 from furuta_cli.file_types import SERIES_OR_FIGURE
 from furuta_cli.options import (
@@ -65,19 +65,23 @@ def command(
         extra.append(f"friction_observer.compensation={compensation}")
     if ideal_sensors:
         extra.append("sensors.ideal=true")
-        # The motion of the ideal loop may be a rotation.
-        first += [f"controller.arm_{each}_limit={LARGEST_VALUE}" for each in ("angle", "speed")]
+        # The motion of the ideal loop may be a rotation, and its feedback is linear.
+        limits = ("angle", "error", "speed")
+        first += [f"controller.arm_{each}_limit={LARGEST_VALUE}" for each in limits]
     if seed is not None:
         extra.append(f"plant.seed={seed}")
     if feedback is not None:
         extra.append(f"controller.gain={[-each for each in feedback]}")
     settings = load_settings(files, [*first, *assignments, *extra])
+    simulation = Simulation(loop(settings))
     began = perf_counter()
-    record = simulate(loop(settings), seconds)
+    record = simulation.run(seconds)
     wall = perf_counter() - began
+    if simulation.switched_off:
+        click.echo(f"note: {simulation.loop.observer.switch_off_reason}", err=True)
     result = _result(record, wall)
     if out is not None:
-        _save(record, out, loop(settings).plant.actuator)
+        _save(record, out, simulation.loop.plant.actuator)
     if as_json:
         print_json(result)
     else:

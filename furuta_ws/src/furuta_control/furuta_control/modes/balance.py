@@ -6,6 +6,11 @@ opposes positive arm speed. The estimate F̂ is therefore *added*:
     u = −Lx + F̂
 
 The scan of the paper has a minus in (8), which would double the friction.
+
+The arm's error φ − reference is limited before it is fed back. An arm that is far away then returns
+at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
+0 and L₁ the loop with the paper's gain is stable. Two rivals of friction compensation are options:
+integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 """
 
 from __future__ import annotations
@@ -14,21 +19,27 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_control.modes import super_twisting
+from furuta_control.modes.super_twisting import SuperTwisting
 from furuta_model.compiled import inlined
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # The mode's memory: 1 while the pendulum is balanced; 1 after it has fallen, until it is caught;
-# samples for which it has been ready to be caught.
+# samples for which it has been ready to be caught; integral of the arm's error over the integral
+# time [rad]; then that of super-twisting.
 BALANCING = 0
 FALLEN = 1
 READY = 2
-MEMORY = 3
+INTEGRAL = 3
+TWISTING = 4
+MEMORY = TWISTING + super_twisting.MEMORY
 
 
 class Balance(NamedTuple):
     """Gain L of u = −Lx [V per unit of state], and when balancing stops and starts.
 
-    Angles [rad], speeds [rad/s], number of samples.
+    Angles [rad], speeds [rad/s], number of samples. ``integral_share`` is the sample time over the
+    integral time, 0 without integral action; ``voltage_limit`` [V] is that of the command.
     """
 
     l1: float
@@ -41,6 +52,11 @@ class Balance(NamedTuple):
     catch_angle: float
     catch_speed: float
     catch_samples: float
+    arm_reference: float
+    arm_error_limit: float
+    integral_share: float
+    super_twisting: SuperTwisting
+    voltage_limit: float
 
 
 @inlined
@@ -74,17 +90,29 @@ def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
 @inlined
 def leave(memory: np.ndarray, at: int) -> None:
     """Stop balancing: the pendulum counts as fallen."""
-    memory[at + BALANCING] = memory[at + READY] = 0.0
+    memory[at + BALANCING] = memory[at + READY] = memory[at + INTEGRAL] = 0.0
+    memory[at + TWISTING + super_twisting.STARTED] = 0.0
     memory[at + FALLEN] = 1.0
 
 
 @inlined
 def start_anew(memory: np.ndarray, at: int) -> None:
-    """Forget a fall: the pendulum has been put back."""
-    memory[at + FALLEN] = 0.0
+    """Forget a fall and what was integrated: the pendulum has been put back."""
+    memory[at + FALLEN] = memory[at + INTEGRAL] = 0.0
+    memory[at + TWISTING + super_twisting.STARTED] = 0.0
 
 
 @inlined
-def command(x: np.ndarray, friction: float, p: Balance) -> float:
+def command(memory: np.ndarray, at: int, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for the state estimate ``x`` and friction estimate [V]."""
-    return friction - p.l1 * x[PHI] - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    error = min(max(x[PHI] - p.arm_reference, -p.arm_error_limit), p.arm_error_limit)
+    u = friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    if p.integral_share > 0.0:
+        integral = memory[at + INTEGRAL] + p.integral_share * error
+        memory[at + INTEGRAL] = min(max(integral, -p.arm_error_limit), p.arm_error_limit)
+        u -= p.l1 * memory[at + INTEGRAL]
+    if p.super_twisting.rate_bound > 0.0:
+        u += super_twisting.correction(
+            memory, at + TWISTING, x, error, p.voltage_limit, p.super_twisting
+        )
+    return u
