@@ -41,23 +41,42 @@ class Candidate(NamedTuple):
 
 
 class _Standard(NamedTuple):
-    """Settings of a standard candidate, and the parameters that can be tuned."""
+    """Settings of a standard candidate by full name, and the parameters that can be tuned."""
 
     settings: dict[str, Any]
-    tunable: tuple[str, ...] = ()
+    tunable: tuple[str, ...]
 
 
-_OBSERVER = "friction_observer"
+def _standard(
+    compensation: str, tunable: tuple[str, ...] = (), controller: dict[str, Any] | None = None
+) -> _Standard:
+    beside = {f"controller.{name}": value for name, value in (controller or {}).items()}
+    return _Standard({"friction_observer.compensation": compensation, **beside}, tunable)
+
+
+def _observer(*names: str) -> tuple[str, ...]:
+    return tuple(f"friction_observer.{name}" for name in names)
+
+
+_COMBINED = _observer("combined.filter_time", "combined.reversal_speed", "combined.level_rate")
 _TUNABLE = {
-    "coulomb": ("friction_observer.alpha0",),
-    "stiction": tuple(f"{_OBSERVER}.{each}" for each in ("alpha0", "alpha1", "stribeck_velocity")),
-    "lugre": tuple(f"{_OBSERVER}.{each}" for each in ("sigma0", "sigma1", "alpha0", "alpha1")),
-    "adaptive": tuple(f"{_OBSERVER}.{each}" for each in ("sigma0", "sigma1", "adaptation_gain")),
+    "coulomb": _observer("alpha0"),
+    "stiction": _observer("alpha0", "alpha1", "stribeck_velocity"),
+    "lugre": _observer("sigma0", "sigma1", "alpha0", "alpha1"),
+    "adaptive": _observer("sigma0", "sigma1", "adaptation_gain"),
+    "disturbance_observer": ("estimator.friction_process_noise",),
+    "combined": _COMBINED,
 }
-# Every compensation as its parameters are set, and methods that do not estimate the friction.
-STANDARD = {
-    name: _Standard({f"{_OBSERVER}.compensation": name}, _TUNABLE.get(name, ()))
-    for name in COMPENSATIONS
+_TWISTING = "controller.super_twisting"
+# Dither of 50 Hz: a period has 20 samples. Averaging it out smooths friction (Pervozvanski and
+# Canudas de Wit, Automatica 38, 2002).
+_DITHER = {"excitation.kind": "sine", "excitation.amplitude": 1.0, "excitation.period": 0.02}
+# Every compensation with its parameters as they are set, and methods without a friction estimate.
+STANDARD = {name: _standard(name, _TUNABLE.get(name, ())) for name in COMPENSATIONS} | {
+    "combined_twisting": _standard("combined", (*_COMBINED, _TWISTING), {"super_twisting": 1.0}),
+    "super_twisting": _standard("none", (_TWISTING,), {"super_twisting": 1.0}),
+    "integral": _standard("none", ("controller.integral_time",), {"integral_time": 1.0}),
+    "dither": _standard("none", ("controller.excitation.amplitude",), _DITHER),
 }
 
 
