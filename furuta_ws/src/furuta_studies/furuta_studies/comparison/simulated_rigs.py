@@ -74,8 +74,10 @@ NAMED: dict[str, Callable[[PlantValues], PlantValues]] = {
     "alpha1 = 0.2": _fixed({"friction.alpha1": 0.2}),
     "alpha1 = 0.2, sticking": _fixed({"friction.law": "stiction", "friction.alpha1": 0.2}),
     "asymmetry 0.3": _fixed({"friction.asymmetry": 0.3}),
-    "level over the turn ±30 %": _fixed({"friction.variation.angle": 0.3}),
-    "cogging 0.05 V": _fixed({"cogging.torque": 0.05, "cogging.periods": 100}),
+    "levels ±30 %, 50 per turn": _fixed(
+        {"friction.variation.angle": 0.3, "friction.variation.angle_periods": 50}
+    ),
+    "cogging 0.05 V": _fixed({"cogging.torque": 0.05}),
     "no friction": _fixed(
         {"friction.alpha0": 0.0, "friction.alpha1": 0.0, "friction.viscous": 0.0}
     ),
