@@ -178,7 +178,7 @@ def test_fraction_and_value_are_inverse() -> None:
 
 def test_tuning_improves_within_its_budget() -> None:
     """Coulomb compensation with a level that is 40 % too high finds a better one."""
-    budget = TuningBudget(12, Rigs("random", 3, purpose=TUNING), 20.0)
+    budget = TuningBudget(12, Rigs("random", 1, purpose=TUNING), 20.0)
     observer = "friction_observer"
     settings = {f"{observer}.compensation": "coulomb", f"{observer}.alpha0": 0.3}
     candidate = Candidate("coulomb", settings, {f"{observer}.alpha0": (0.05, 1.0)})
