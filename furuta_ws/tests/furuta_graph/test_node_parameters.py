@@ -133,3 +133,15 @@ def test_parameter_without_a_name_is_rejected(ros: None) -> None:
     assert not result.successful
     assert "no name" in result.reason
     node.destroy_node()
+
+
+def test_a_rig_without_a_filter_is_refused(bench: Bench) -> None:
+    """Where no Kalman filter can be computed, the service says so and nothing changes."""
+    node = bench.add(EstimatorNode())
+    before = node.parameters
+    body = {"alpha": 1e-6, "beta": 1e-9, "gamma": 1e-9, "delta": 1.0}
+    changes = [Parameter(f"model.{name}", value=value) for name, value in body.items()]
+    result = node.set_parameters_atomically(changes)
+    assert not result.successful
+    assert "no Kalman filter" in result.reason
+    assert node.parameters == before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 from collections.abc import Iterable
@@ -35,7 +36,9 @@ class NodeProcess:
     def start(self) -> None:
         """Start it, or start it again after its end."""
         with self._log.open("w") as log:
-            self.process = subprocess.Popen(self._command, stdout=log, stderr=log)
+            self.process = subprocess.Popen(
+                self._command, stdout=log, stderr=log, env=os.environ | {"PYTHONFAULTHANDLER": "1"}
+            )
         self.started = monotonic()
 
     @property
@@ -48,6 +51,16 @@ class NodeProcess:
         self.process.kill()
         self.process.wait()
         return monotonic_ns()
+
+    def abort(self) -> str:
+        """End a process that does not react; returns where its threads were."""
+        before = len(self.log)
+        self.process.send_signal(signal.SIGABRT)
+        try:
+            self.process.wait(GRACE)
+        finally:
+            self.kill()
+        return self.log[before:]
 
     def pause(self, seconds: float) -> None:
         """SIGSTOP, and SIGCONT after some time."""
@@ -75,9 +88,7 @@ def end(processes: Iterable[NodeProcess], record: Record) -> None:
         try:
             status = each.process.wait(GRACE)
         except subprocess.TimeoutExpired:
-            each.process.kill()
-            each.process.wait()
-            status = "none: SIGINT did not end it"
+            status = f"none: SIGINT did not end it; it was here: {each.abort()}"
         # A signal in the first second may end it before Python can say anything.
         problem = "" if status == 0 or monotonic() - each.started < GRACE else f"status {status}"
         problem = problem or unexplained_end(None, each.log)

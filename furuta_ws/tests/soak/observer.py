@@ -98,11 +98,14 @@ def stamps(messages: list[Any]) -> np.ndarray:
     return np.array(values, dtype=np.int64)
 
 
-def motion(observer: Observer) -> np.ndarray:
-    """True pendulum angle [rad] and torque [V] (n, 2) of the samples received on both topics."""
+def motion(observer: Observer, since: int = 0) -> np.ndarray:
+    """True pendulum angle [rad] and torque [V] (n, 2) of the samples received on both topics.
+
+    Samples stamped before ``since`` [ns] are left out.
+    """
     sent = [m for m in observer.measurements if len(m.effort) == 2]  # not those of an intruder
     torque = {stamp: m.effort[0] for stamp, m in zip(stamps(sent), sent, strict=True)}
     truths = list(observer.truths)
     rows = zip(stamps(truths), truths, strict=True)
-    kept = [(t.position[1], torque[stamp]) for stamp, t in rows if stamp in torque]
+    kept = [(t.position[1], torque[stamp]) for stamp, t in rows if stamp in torque and stamp >= since]
     return np.array(kept).reshape(-1, 2)

@@ -8,7 +8,7 @@ and its branch in :func:`_mode_command`.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import ceil, pi
+from math import ceil, isfinite, pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -105,6 +105,9 @@ class ControllerParameters(NamedTuple):
         float,
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
+    state_timeout: Annotated[
+        float, About("in real time: age beyond which a state is answered by 0 V", "s", 0.001, 10)
+    ] = 0.05
     excitation: ExcitationParameters = ExcitationParameters()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
@@ -116,6 +119,11 @@ class ControllerParameters(NamedTuple):
             raise ParameterError(
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
                 f"placement, given {shortened(list(self.gain))}"
+            )
+        if not all(isfinite(each) for each in self.feedback_gain):
+            raise ParameterError(
+                "no gain can be computed for these poles and this model; given "
+                f"{shortened(self.poles)}, {shortened(self.model)}"
             )
         if self.catch_angle > self.fall_angle:
             raise ParameterError(

@@ -20,7 +20,7 @@ from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
 from furuta_control.estimators.rig import NominalRig
 from furuta_control.readings import ReadingLimits, reading_limits
 from furuta_model.compiled import compiled, inlined
-from furuta_model.parameters import INLINE, About
+from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
@@ -85,6 +85,19 @@ class EstimatorParameters(NamedTuple):
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
+
+    def check(self) -> None:
+        """Reject a rig for which no Kalman filter can be computed."""
+        try:
+            with np.errstate(all="ignore"):
+                step = design_estimator(self).kalman.step
+        except (np.linalg.LinAlgError, ValueError):
+            step = np.full(1, nan)
+        if not np.all(np.isfinite(step)):
+            raise ParameterError(
+                "no Kalman filter can be computed for this rig: model, sensors or process noise "
+                f"are too extreme; given {shortened(self.model)}, {shortened(self.kalman)}"
+            )
 
     @property
     def rig(self) -> NominalRig:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import time_ns
 from typing import Any
 
 import numpy as np
@@ -100,11 +101,11 @@ class RealtimeProcesses:
             self._nodes["estimator"].process.poll() is None
         ):
             return
-        observer.spin_for(SILENT)
+        silent = time_ns() + round(SILENT * 1e9)
         observer.clear()
-        received = observer.spin(lambda: len(motion(observer)) > AT_ZERO, RECOVERY)
+        received = observer.spin(lambda: len(motion(observer, silent)) > AT_ZERO, RECOVERY)
         problem = not_recovered(received, f"{AT_ZERO} samples without commands", RECOVERY)
-        driven = int(np.count_nonzero(motion(observer)[:, 1]))
+        driven = int(np.count_nonzero(motion(observer, silent)[:, 1]))
         problem = problem or (f"{driven} samples driven {SILENT:g} s later" if driven else "")
         self._record.check("watchdog", problem)
 
@@ -141,7 +142,10 @@ class RealtimeProcesses:
             self._record.refused["parameters"] += refused
 
     def _check_motion(self) -> None:
-        self._record.check("bounds", out_of_bounds(states(self._observer.truths)))
+        x = states(self._observer.truths)
+        self._record.check("bounds", out_of_bounds(x))
+        for i, name in ((0, "arm angle [rad]"), (1, "arm speed [rad/s]")):
+            self._record.measure(name, float(np.max(np.abs(x[:, i]), initial=0.0)))
         theta, volts = motion(self._observer).T
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if len(theta) and fallen(theta[-1]):
