@@ -89,6 +89,14 @@ def test_graph_with_all_parts_is_the_offline_loop(ros: None, tmp_path: Path, law
     require_graph_is_the_offline_loop([*ALL_PARTS, *chosen], tmp_path / "bag")
 
 
+@pytest.mark.parametrize("others", [["super_twisting=1.0"], ["integral_time=5.0", "phi=2.0"]])
+def test_graph_with_rivals_is_the_offline_loop(
+    ros: None, tmp_path: Path, others: list[str]
+) -> None:
+    """So they are with the controller's own means against friction."""
+    require_graph_is_the_offline_loop(["compensation=combined", *others], tmp_path / "bag")
+
+
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
     """Two runs with one seed are equal on every topic to the last bit; another seed differs."""
     bags = [

@@ -107,5 +107,6 @@ def motion(observer: Observer, since: int = 0) -> np.ndarray:
     torque = {stamp: m.effort[0] for stamp, m in zip(stamps(sent), sent, strict=True)}
     truths = list(observer.truths)
     rows = zip(stamps(truths), truths, strict=True)
-    kept = [(t.position[1], torque[stamp]) for stamp, t in rows if stamp in torque and stamp >= since]
+    common = ((stamp, t) for stamp, t in rows if stamp in torque and stamp >= since)
+    kept = [(t.position[1], torque[stamp]) for stamp, t in common]
     return np.array(kept).reshape(-1, 2)
