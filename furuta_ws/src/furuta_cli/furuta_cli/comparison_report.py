@@ -80,21 +80,25 @@ def _sizes(scores: list[Score], encoder_count: float) -> Grid:
 
 
 def _counts(scores: list[Score]) -> Grid:
-    grid = _grid(
-        "rigs [%] within one count and better than the next candidate; rigs worse than none, "
-        "fallen; pushes survived, lost although none survives",
-        *("candidate", "within", "better", "worse", "fell", "pushes", "lost"),
+    title = (
+        "rigs [%] within one count and better than the next candidate; rigs worse than none, fell"
     )
+    headings = ["candidate", "within", "better", "worse", "fell"]
+    if scores[0].pushes:
+        title += "; pushes survived, lost although none survives"
+        headings += ["pushes", "lost"]
+    grid = _grid(title, *headings)
     for score in scores:
-        grid.add_row(
+        cells = [
             escape(score.candidate),
             _percent(score.within_count),
             _percent(score.beats_next),
             _number(score.worse_than_none),
             str(score.falls),
-            f"{score.pushes_survived}/{score.pushes}",
-            _number(score.pushes_lost),
-        )
+        ]
+        if score.pushes:
+            cells += [f"{score.pushes_survived}/{score.pushes}", _number(score.pushes_lost)]
+        grid.add_row(*cells)
     return grid
 
 

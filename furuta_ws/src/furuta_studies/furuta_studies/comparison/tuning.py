@@ -65,7 +65,7 @@ def tune_candidate(
     search = _Search(candidate, settings, budget)
     start = search.start()
     before = search.evaluate(start)
-    if len(start):
+    if len(start) and budget.evaluations > 1:
         search.minimise(start, budget.evaluations - 1)
     return TunedCandidate(
         candidate.name, search.best.settings, before, search.lowest, search.evaluations
