@@ -64,26 +64,25 @@ def _rig_table(table: Table, chosen: slice, encoder_count: float) -> Grid:
 def _sizes(scores: list[Score], encoder_count: float) -> Grid:
     rigs = scores[0].rigs
     grid = _grid(
-        f"arm, peak to peak [mrad], over {rigs} rigs, with 95 % confidence intervals; "
+        f"arm, peak to peak [mrad], over {rigs} rigs, with a 95 % confidence interval; "
         f"one count is {1e3 * encoder_count:.1f}",
-        *("candidate", "median", "95 %", "worst", "rms u [V]"),
+        *("candidate", "median", "95 %", "worst", "fell", "rms u [V]"),
     )
     for score in scores:
         grid.add_row(
             escape(score.candidate),
-            _interval(score.residual_median_rad),
+            _mrad(score.residual_median_rad.value),
             _interval(score.residual_95_rad),
             _mrad(score.residual_worst_rad),
+            str(score.falls),
             f"{score.command_rms_v:.3f}",
         )
     return grid
 
 
 def _counts(scores: list[Score]) -> Grid:
-    title = (
-        "rigs [%] within one count and better than the next candidate; rigs worse than none, fell"
-    )
-    headings = ["candidate", "within", "better", "worse", "fell"]
+    title = "rigs [%] within one count and better than the next candidate; rigs worse than none"
+    headings = ["candidate", "within", "better", "worse"]
     if scores[0].pushes:
         title += "; pushes survived, lost although none survives"
         headings += ["pushes", "lost"]
@@ -94,7 +93,6 @@ def _counts(scores: list[Score]) -> Grid:
             _percent(score.within_count),
             _percent(score.beats_next),
             _number(score.worse_than_none),
-            str(score.falls),
         ]
         if score.pushes:
             cells += [f"{score.pushes_survived}/{score.pushes}", _number(score.pushes_lost)]

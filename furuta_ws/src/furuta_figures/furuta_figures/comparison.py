@@ -16,6 +16,8 @@ COUNT = "one encoder count"
 SCATTER = 0.3
 # Most points per candidate that are drawn singly.
 MOST_POINTS = 300
+# Colours of the default cycle.
+COLOURS = 10
 # A fall is drawn at this multiple of the largest residual.
 FALL = 2.0
 
@@ -30,7 +32,7 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
             residual = table.residual[table.candidates.index(name)]
             drawn = np.where(np.isinf(residual), fall, residual)
             _draw_points(points, number, drawn)
-            _draw_fraction_above(above, drawn, name, f"C{number % 10}")
+            _draw_fraction_above(above, number, drawn, name)
         points.set_yticks(range(len(order)), order)
         points.invert_yaxis()
         for axis in (points, above):
@@ -46,15 +48,21 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
 
 
 def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
-    colour = f"C{number % 10}"
     scatter = np.random.default_rng(number).uniform(-SCATTER, SCATTER, len(residual))
     some = slice(None, MOST_POINTS)
-    axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=colour)
+    axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=_colour(number))
     marks = np.quantile(residual, [0.5, 0.95, 1.0], method="inverted_cdf")
     axis.plot(marks, [number] * 3, "k|", ms=16, mew=1.5)
 
 
-def _draw_fraction_above(axis: Axes, residual: np.ndarray, name: str, colour: str) -> None:
+def _draw_fraction_above(axis: Axes, number: int, residual: np.ndarray, name: str) -> None:
     sizes = np.sort(residual)
     above = np.linspace(1.0, 0.0, len(sizes) + 1)
-    axis.step([sizes[0], *sizes], above, where="post", label=name, color=colour, lw=1.4)
+    style = "-" if number < COLOURS else "--"
+    axis.step(
+        [sizes[0], *sizes], above, style, where="post", label=name, color=_colour(number), lw=1.4
+    )
+
+
+def _colour(number: int) -> str:
+    return f"C{number % COLOURS}"
