@@ -20,6 +20,7 @@ VERBS = {
     "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
+    "compare": "Compare compensations on rigs that they do not know.",
     "sensitivity": "Remaining limit cycle over the sensor noise.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "Exact limit cycle, and its branches over a parameter.",

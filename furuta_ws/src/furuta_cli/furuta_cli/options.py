@@ -83,14 +83,15 @@ json_option = click.option(
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object on standard output; NaN becomes null."""
-    print(json.dumps(_finite(result)))
+    print(json.dumps(finite(result)))
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """The value with null instead of NaN and infinity, which JSON does not have."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
+        return {key: finite(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_finite(each) for each in value]
+        return [finite(each) for each in value]
     return value

@@ -1,4 +1,4 @@
-"""Runs of a sweep on a Dask cluster whose workers have this workspace installed."""
+"""Runs of a study on a Dask cluster whose workers have this workspace installed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from furuta_analysis.simulation.batch import outcomes
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_ros.errors import UserError
-from furuta_studies.sweep import RunResult, Sweep, finished_run, impossible_run
+from furuta_studies.sweep import RunResult, Study, finished_run, impossible_run
 
 # Runs that are sent together.
 CHUNK_SIZE = 8
@@ -23,7 +23,7 @@ MAX_ATTEMPTS = 20
 Chunk = list[tuple[int, Loop]]
 
 
-def run_on_cluster(sweep: Sweep, done: set[int], address: str) -> Iterator[RunResult]:
+def run_on_cluster(study: Study, done: set[int], address: str) -> Iterator[RunResult]:
     """Run what is not ``done`` on the cluster at ``address``, and yield results as they arrive.
 
     A chunk whose worker dies is run again by another worker; finished runs are not repeated.
@@ -35,18 +35,18 @@ def run_on_cluster(sweep: Sweep, done: set[int], address: str) -> Iterator[RunRe
     except (OSError, ValueError) as error:
         raise UserError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        yield from _ClusterRun(client, sweep, done).results()
+        yield from _ClusterRun(client, study, done).results()
 
 
 class _ClusterRun:
     """Keeps enough chunks waiting on the cluster that no thread is idle."""
 
-    def __init__(self, client: Any, sweep: Sweep, done: set[int]) -> None:
+    def __init__(self, client: Any, study: Study, done: set[int]) -> None:
         from distributed import as_completed  # noqa: PLC0415 - slow to load
 
         self._client = client
-        self._seconds = sweep.seconds
-        self._remaining = sweep.remaining_loops(done)
+        self._seconds = study.seconds
+        self._remaining = study.remaining_loops(done)
         self._waiting: dict[Any, tuple[Chunk, int]] = {}
         self._completed = as_completed(loop=client.loop)
 
@@ -86,7 +86,7 @@ class _ClusterRun:
         except KilledWorker:
             if attempt == MAX_ATTEMPTS:
                 raise UserError(
-                    f"{MAX_ATTEMPTS} workers died in one sweep; it can be resumed"
+                    f"{MAX_ATTEMPTS} workers died in one study; it can be resumed"
                 ) from None
             self._submit(chunk, attempt + 1)
             return

@@ -1,7 +1,7 @@
-"""The journal of a sweep, which lets it continue after a kill, and its final table.
+"""The journal of a study, which lets it continue after a kill, and its final table.
 
-While a sweep runs, its results are in a journal beside the output file: a first line that describes
-the sweep, then one line per run. A last line that a kill has cut off is ignored.
+While a sweep or comparison runs, its results are in a journal beside the output file: a first line
+that describes the study, then one line per run. A last line that a kill has cut off is ignored.
 """
 
 from __future__ import annotations
@@ -10,18 +10,22 @@ import csv
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 from furuta_model.parameters import ParameterError
-from furuta_studies.sweep import RunResult, Sweep
+from furuta_studies.sweep import RunResult
 
 
 class Journal:
-    """The results so far, in a file that survives a kill."""
+    """The results so far, in a file that survives a kill.
 
-    def __init__(self, out: Path, sweep: Sweep) -> None:
+    ``study`` describes what the results depend on.
+    """
+
+    def __init__(self, out: Path, study: NamedTuple) -> None:
+        self._kind = type(study).__name__.lower()
         self._path = out.with_name(out.name + ".part")
-        self._header = json.dumps(sweep._asdict(), default=str)
+        self._header = json.dumps(study._asdict(), default=str)
         self.results: dict[int, dict[str, Any]] = {}
         out.parent.mkdir(parents=True, exist_ok=True)
         if self._path.exists():
@@ -34,8 +38,8 @@ class Journal:
         header, *lines = self._path.read_text().split("\n")
         if header != self._header:
             raise ParameterError(
-                f"{self._path} belongs to another sweep; finish that one with its own arguments, "
-                "or delete the file"
+                f"{self._path} belongs to another {self._kind}; finish that one with its own "
+                "arguments, or delete the file"
             )
         complete = [line for line in lines[:-1] if line]
         self.results = dict(json.loads(line) for line in complete)

@@ -1,0 +1,1 @@
+"""Comparison of compensators on simulated rigs whose true friction they do not know."""

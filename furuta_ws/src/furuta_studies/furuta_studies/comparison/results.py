@@ -1,0 +1,79 @@
+"""The files of a comparison, in a directory with which a killed comparison continues.
+
+``runs.csv`` has a row per run, ``rigs.csv`` the true parameters of each rig, ``tuning.json`` the
+tuned candidates, ``summary.json`` the scores.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from furuta_model.parameters import ParameterError
+from furuta_studies.comparison.candidates import Candidate
+from furuta_studies.comparison.comparison import Comparison, rig_rows
+from furuta_studies.comparison.tuning import Tuning
+from furuta_studies.sweep import RunResult
+from furuta_studies.sweep_journal import Journal, write_table
+
+# Runs what is not done, and reports each result to a callback.
+Runner = Callable[[Comparison, set[int]], Iterator[RunResult]]
+Observer = Callable[[Iterator[RunResult], int, int], None]
+
+
+class Results:
+    """The results of a comparison in a directory that holds no complete one yet."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.figure = directory / "comparison.png"
+        self._runs = directory / "runs.csv"
+        if self._runs.exists():
+            raise ParameterError(f"{self._runs} already exists; name another directory with --out")
+
+    def tune(self, tuning: Tuning, observe: Observer) -> tuple[Candidate, ...]:
+        """Tune the candidates that have not been tuned before an interruption."""
+        journal = Journal(self.directory / "tuning.json", tuning)
+        try:
+            done = len(journal.results)
+            results = journal.record(tuning.tune(set(journal.results)))
+            observe(results, len(tuning.candidates), done)
+        finally:
+            journal.close()
+        tuned = [journal.results[number] for number in range(len(tuning.candidates))]
+        self._write("tuning.json", tuned)
+        return tuple(
+            each._replace(settings=found["settings"], ranges={})
+            for each, found in zip(tuning.candidates, tuned, strict=True)
+        )
+
+    def run(
+        self, comparison: Comparison, runner: Runner, observe: Observer
+    ) -> list[dict[str, Any]]:
+        """Run what is missing; returns a row per run, and writes runs and rigs."""
+        journal = Journal(self._runs, comparison)
+        runs = list(comparison.runs())
+        try:
+            results = journal.record(runner(comparison, set(journal.results)))
+            observe(results, len(runs), len(journal.results))
+        finally:
+            journal.close()
+        rows = [run._asdict() | journal.results[number] for number, run in enumerate(runs)]
+        rigs = list(comparison.rigs.generate(comparison.settings))
+        write_table(rig_rows(rigs), self.directory / "rigs.csv")
+        write_table(rows, self._runs)
+        self._delete_journals()
+        return rows
+
+    def write_summary(self, summary: dict[str, Any]) -> None:
+        """Write the scores."""
+        self._write("summary.json", summary)
+
+    def _write(self, name: str, content: Any) -> None:
+        (self.directory / name).write_text(json.dumps(content, indent=1) + "\n")
+
+    def _delete_journals(self) -> None:
+        for journal in self.directory.glob("*.part"):
+            journal.unlink()
