@@ -16,6 +16,7 @@ from furuta_friction.compensation import (
     Compensator,
     ObserverParameters,
     allow,
+    beyond_adaptation,
     design_compensator,
     estimate_friction,
     largest_estimate,
@@ -257,3 +258,14 @@ def test_the_guard_waits_for_a_motion_that_it_can_judge(v: float, theta: float) 
     for _ in range(10_000):
         estimate_friction(memory, x, compensator)
     assert not switched_off(memory)
+
+
+@pytest.mark.parametrize(("observed", "beyond"), [(0.02, True), (0.25, False), (0.9, True)])
+def test_adaptation_outside_its_model_is_known(observed: float, beyond: bool) -> None:
+    """A friction below a third or above three times the told level."""
+    parameters = ObserverParameters("adaptive", guard_time=0.0)
+    compensator, memory = design_compensator(parameters), np.zeros(MEMORY)
+    for _ in range(2000):
+        estimate_friction(memory, signals(0.5, observed=observed), compensator)
+    assert beyond_adaptation(memory, parameters) is beyond
+    assert not beyond_adaptation(memory, parameters._replace(compensation="lugre"))

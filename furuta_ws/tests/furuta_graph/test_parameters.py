@@ -96,7 +96,7 @@ def test_round_trip(node: str) -> None:
             elif each.about.choices:
                 given[each.name] = str(rng.choice(each.about.choices))
             elif each.kind is list:
-                given[each.name] = list(rng.normal(size=4))
+                given[each.name] = list(rng.uniform(low, high, 4))
         kept = values(build(NODES[node].parameters, given))
         assert {name: kept[name] for name in given} == given
 

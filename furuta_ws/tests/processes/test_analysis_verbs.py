@@ -44,8 +44,18 @@ def test_describing_function(
 ) -> None:
     """The predicted limit cycle of the rig, with pictures."""
     out_file, curves = tmp_path / "n.png", tmp_path / "laws.png"
+    presliding = tmp_path / "presliding.png"
     status, out, err = furuta(
-        "describing-function", "--law", law, "--json", "--out", out_file, "--curves", curves
+        "describing-function",
+        "--law",
+        law,
+        "--json",
+        "--out",
+        out_file,
+        "--curves",
+        curves,
+        "--presliding",
+        presliding,
     )
     assert status == 0, err
     (cycle,) = json.loads(out)["cycles"]
@@ -54,6 +64,7 @@ def test_describing_function(
     assert cycle["stable"] is True
     assert out_file.read_bytes().startswith(PNG)
     assert curves.read_bytes().startswith(PNG)
+    assert presliding.read_bytes().startswith(PNG)
 
 
 def test_parameters_and_feedback_reach_it(furuta: Any) -> None:

@@ -58,13 +58,18 @@ WARM_UP = 0.3
 
 
 def energy_growth(
-    states: np.ndarray, volts: np.ndarray, model: FurutaPendulum, friction: Friction
+    states: np.ndarray,
+    volts: np.ndarray,
+    model: FurutaPendulum,
+    friction: Friction,
+    storage: float = 1.0,
 ) -> str:
     """States (n, 4), ``volts`` (n,) applied after each of them; the bristle may give back its own.
 
-    The energy within a stretch without drive may not exceed that at its begin.
+    The energy within a stretch without drive may not exceed that at its begin. ``storage`` is the
+    energy that the law stores, in units of the bristle's.
     """
-    stored = highest_level(friction) ** 2 / (2.0 * friction.sigma0)
+    stored = storage * highest_level(friction) ** 2 / (2.0 * friction.sigma0)
     limit = np.inf
     for k in range(len(states)):
         now = energy(states[k], model)

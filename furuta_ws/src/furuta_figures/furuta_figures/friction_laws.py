@@ -1,4 +1,4 @@
-"""Friction of every law over the arm's speed: steady, at rest, and LuGre's in an oscillation."""
+"""Friction over the arm's speed: steady, at rest, and with a bristle in an oscillation."""
 
 from __future__ import annotations
 
@@ -8,27 +8,33 @@ from typing import Any
 import numpy as np
 
 from furuta_figures.figure import FAINT_GRID, saved_figure, style_axis
-from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level, steady_friction
-from furuta_model.friction.lugre import bristle_after
+from furuta_model.friction.laws import (
+    ANALYSED_LAWS,
+    FrictionLaw,
+    breakaway_level,
+    bristle_force,
+    friction_law,
+    steady_friction,
+)
 from furuta_model.friction.parameters import Friction
 
 # Largest speed shown, in Stribeck velocities.
 LARGEST_SPEED = 4.0
-# Angular frequency of the oscillation in LuGre's panel [rad/s], and its samples.
+# Angular frequency of the oscillation of laws with a bristle [rad/s], and its samples.
 OSCILLATION = 3.0
 SAMPLES = 20_000
 STEADY, REST, MOVING = "tab:blue", "tab:red", "tab:green"
 
 
 def draw_friction_laws(p: Friction, path: Path) -> None:
-    """Draw one panel per law."""
+    """Draw one panel per law without springs; :mod:`.presliding` draws those."""
     shared: dict[str, Any] = {"sharex": True, "sharey": True, "figsize": (13, 4.2)}
-    with saved_figure(path, 1, len(LAWS), **shared) as (figure, axes):
-        for kind, axis in enumerate(axes):
-            law = FrictionLaw(kind, p)
+    with saved_figure(path, 1, len(ANALYSED_LAWS), **shared) as (figure, axes):
+        for name, axis in zip(ANALYSED_LAWS, axes, strict=True):
+            law = friction_law(name, p)
             _draw_steady_sliding(axis, law)
             if law.bristle:
-                _draw_oscillation(axis, p)
+                _draw_oscillation(axis, law)
             else:
                 _draw_rest(axis, law)
             axis.set_title(law.name)
@@ -58,16 +64,15 @@ def _draw_rest(axis: Any, law: FrictionLaw) -> None:
     )
 
 
-def _draw_oscillation(axis: Any, p: Friction) -> None:
+def _draw_oscillation(axis: Any, law: FrictionLaw) -> None:
     """F over v in the second period of v = A sin ωt: the bristle lags behind."""
-    step = 4.0 * np.pi / OSCILLATION / SAMPLES
+    p, step = law.parameters, 4.0 * np.pi / OSCILLATION / SAMPLES
     amplitude = LARGEST_SPEED * p.stribeck_velocity
     z, force = 0.0, np.empty(SAMPLES)
     speed = amplitude * np.sin(OSCILLATION * step * (np.arange(SAMPLES) + 0.5))
     for k, v in enumerate(speed):
-        end, mean = bristle_after(v, 0.0, z, step, p)
-        force[k] = p.sigma0 * mean + p.sigma1 * (end - z) / step + p.viscous * v
-        z = end
+        force[k], z = bristle_force(v, z, step, law)
+        force[k] += p.viscous * v
     period = slice(SAMPLES // 2, None)
     axis.plot(
         speed[period],

@@ -138,6 +138,11 @@ def switched_off(memory: np.ndarray) -> bool:
     return bool(memory[GUARD + guard.TRIPPED] != 0.0)
 
 
+def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
+    """Whether the adaptive compensation is used outside its model."""
+    return p.compensation == ALL[ADAPTIVE].name and adaptive.at_limit(memory)
+
+
 @inlined
 def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
     """F̂ [V] for the state estimate (5,); ``memory`` (MEMORY,) is updated.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from math import isnan
 
 import numpy as np
+from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -15,6 +16,7 @@ from furuta_friction.compensation import (
     MEMORY,
     ObserverParameters,
     allow,
+    beyond_adaptation,
     design_compensator,
     estimate_friction,
     start_anew,
@@ -28,6 +30,9 @@ from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
+
+# Time between two checks of the adapted levels [s].
+LEVELS_PERIOD = 5.0
 
 
 class FrictionObserverNode(FurutaNode[ObserverParameters]):
@@ -47,6 +52,9 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self._on_state)
+        self.create_timer(
+            LEVELS_PERIOD, self._check_levels, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
         """Switch to the compensator that the parameters describe; the memory is kept.
@@ -72,6 +80,13 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
                 self.get_logger().error(self.parameters.switch_off_reason)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
+
+    def _check_levels(self) -> None:
+        if beyond_adaptation(self._memory, self.parameters):
+            self.get_logger().warning(
+                "compensation adaptive: a level is at its limit, a third or three times what "
+                "alpha0 and alpha1 say; the friction is not as the parameters describe it"
+            )
 
     def _check_observed_friction(self) -> None:
         """Warn if the compensation needs the observed friction and does not get it."""

@@ -19,9 +19,8 @@ from furuta_analysis.simulation.oscillation import Oscillation, measure_oscillat
 from furuta_model.friction.laws import analysed_law
 from furuta_sim.parameters import PlantParameters
 from furuta_studies.feedback_map import predicted_peak_to_peak
-from furuta_studies.tuning.plan import TuningPlan
-from furuta_studies.tuning.tunable_loop import SimulatedLoop
-from furuta_studies.tuning.tuning import ProgressCallback, tune
+from furuta_studies.tuning.simulated_tuning import tuned_observer
+from furuta_studies.tuning.tuning import ProgressCallback
 
 # The motor's friction differs by direction (Fig. 6). The paper does not say by how much.
 ASYMMETRY = 0.05
@@ -91,9 +90,7 @@ def _configure_loop(experiment: Experiment, loop: Loop, report: ProgressCallback
         plant = _with_asymmetry(plant, ASYMMETRY)
     configured = loop._replace(plant=plant, observer=observer)
     if experiment.tuned:
-        rig = SimulatedLoop(configured)
-        result = tune(rig, observer, configured.estimator, TuningPlan(), report)
-        configured = configured._replace(observer=result.after.observer)
+        configured = configured._replace(observer=tuned_observer(configured, report))
     return configured
 
 

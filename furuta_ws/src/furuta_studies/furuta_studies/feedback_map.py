@@ -58,11 +58,7 @@ def map_feedbacks(
 
 
 def predicted_peak_to_peak(loop: IdealLoop) -> float:
-    """The arm's peak-to-peak angle [rad] that the describing function predicts, 0 for none.
-
-    For LuGre the prediction uses its steady curve, which is the Stribeck law.
-    """
-    law = loop.law.named("stribeck") if loop.law.bristle else loop.law
+    """The arm's peak-to-peak angle [rad] that the describing function of the law predicts, or 0."""
     g = transfer(loop.body, loop.gains)
-    stable = (c.phi_peak_to_peak_rad for c in predict_cycles(g, law).cycles if c.stable)
+    stable = (c.phi_peak_to_peak_rad for c in predict_cycles(g, loop.law).cycles if c.stable)
     return max(stable, default=0.0)

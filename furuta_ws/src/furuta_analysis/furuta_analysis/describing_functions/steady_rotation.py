@@ -62,13 +62,28 @@ def _speed(direction: float, excess: float, law: FrictionLaw) -> float:
 
 
 def _stable(v: float, p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) -> bool:
-    g = transfer(p._replace(delta=p.delta + p.beta * v * v), feedback)
+    return rotation_growth(v, p, feedback, law) < 0.0
+
+
+def rotation_growth(
+    v: float,
+    p: FurutaPendulum,
+    feedback: Sequence[float],
+    law: FrictionLaw,
+    linear: bool = False,
+) -> float:
+    """Growth rate [1/s] of the fastest disturbance of the steady rotation at v [rad/s].
+
+    A ``linear`` pendulum has no centrifugal torque.
+    """
+    delta = p.delta if linear else p.delta + p.beta * v * v
+    g = transfer(p._replace(delta=delta), feedback)
     numerator, denominator = g.cancelled
     friction_numerator, friction_denominator = _friction_about(v, law)
     characteristic = np.polyadd(
         np.polymul(denominator, friction_denominator), np.polymul(numerator, friction_numerator)
     )
-    return bool(np.all(np.roots(characteristic).real < 0.0))
+    return float(np.max(np.roots(characteristic).real))
 
 
 def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]:

@@ -14,15 +14,17 @@ import numpy as np
 
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
-from furuta_analysis.limit_cycles.section import Section
+from furuta_analysis.limit_cycles.section import REST_STEP, Section
+from furuta_analysis.limit_cycles.smooth_motion import CLOSEST
 from furuta_model.parameters import ParameterError
 
 FIRST_STEP = 0.02  # along the scaled curve, where the range of the parameter is 1
 LARGEST_STEP = 0.05
-SMALLEST_STEP = 1e-5
+SMALLEST_STEP = 1e-6
 AT_EDGE = 1e-3  # of the range; the parameter may not be allowed beyond its ends
 MAX_POINTS = 400
 NEWTON_STEPS = 8
+HOMOCLINIC = 0.01  # least distance of the last cycle from a rest, relative to its amplitude
 TOLERANCE = 1e-7  # scaled residual of a corrected point
 PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
 
@@ -31,7 +33,8 @@ class BranchPoint(NamedTuple):
     """A cycle on the branch.
 
     ``event``: fold (the parameter reverses: a stable and an unstable cycle meet and disappear),
-    vanishes (the amplitude goes to zero), end (of the range), lost (could not be followed).
+    vanishes (the amplitude goes to zero), homoclinic (the period grows without bound, because the
+    cycle comes ever closer to an unstable rest), end (of the range), lost (could not be followed).
     """
 
     value: float
@@ -52,7 +55,14 @@ class Branch:
         """The whole branch through ``cycle``, found at ``value``, in order along the curve."""
         if cycle.kind != "oscillation":
             raise ParameterError(f"there is no limit cycle at {value:g} to follow: {cycle.kind}")
+        if not np.isfinite(cycle.period_s):
+            raise ParameterError(
+                f"the cycle at {value:g} cannot be followed: its period is infinite, because the "
+                "arm creeps to an unstable rest"
+            )
         self._turns = cycle.turns
+        usual = Section(self._loop_at(value)).smallest
+        self._smallest = cycle.smallest_slide if cycle.smallest_slide < usual else None
         start = self._pack(value, cycle)
         backward, forward = self._one_way(start, -1.0), self._one_way(start, 1.0)
         return _with_folds([*reversed(backward), BranchPoint(value, cycle), *forward])
@@ -69,11 +79,11 @@ class Branch:
             if corrected is None or point is None:
                 step *= 0.5
                 if step < SMALLEST_STEP:
-                    at_edge = min(w[-1], 1.0 - w[-1]) < AT_EDGE
-                    return self._ended(points, "end" if at_edge else "lost")
+                    return self._ended(points, self._ending(w, points))
                 continue
             if not 0.0 <= corrected[-1] <= 1.0:
-                return self._ended(points, "end")
+                last = self._at_edge(w, corrected)
+                return self._ended([*points, last] if last else points, "end")
             next_tangent = self._tangent(corrected, tangent)
             points.append(point)
             if point.cycle.phi_peak_to_peak_rad < 10 * REST:
@@ -83,6 +93,24 @@ class Branch:
             step = min(LARGEST_STEP, step * (1.5 if cosine > 0.98 else 0.6))
         return self._ended(points, "lost")
 
+    def _at_edge(self, inside: np.ndarray, outside: np.ndarray) -> BranchPoint | None:
+        """The cycle at the end of the range between two points of the branch."""
+        edge = 0.0 if outside[-1] < 0.0 else 1.0
+        fraction = (edge - inside[-1]) / (outside[-1] - inside[-1])
+        w = inside + fraction * (outside - inside)
+        w[-1] = edge
+        return self._point(w)
+
+    @staticmethod
+    def _ending(w: np.ndarray, points: list[BranchPoint]) -> str:
+        """Why the branch cannot be followed beyond ``w``."""
+        if min(w[-1], 1.0 - w[-1]) < AT_EDGE:
+            return "end"
+        last = points[-1].cycle if points else None
+        if last and last.rest_distance < HOMOCLINIC * last.phi_peak_to_peak_rad:
+            return "homoclinic"
+        return "lost"
+
     @staticmethod
     def _ended(points: list[BranchPoint], event: str) -> list[BranchPoint]:
         if points:
@@ -91,7 +119,7 @@ class Branch:
 
     def _pack(self, value: float, cycle: LimitCycle) -> np.ndarray:
         """Scaled coordinates: section point of order 1, parameter between 0 and 1."""
-        section = Section(self._loop_at(value))
+        section = self._section(value)
         self._free = section.free
         self._scale = np.ones(len(section.free))
         if section.loop.law.bristle:
@@ -99,9 +127,18 @@ class Branch:
         s = np.array(cycle.point)[section.free] / self._scale
         return np.append(s, (value - self._low) / self._range)
 
+    def _section(self, value: float) -> Section:
+        return Section(self._loop_at(value), self._smallest)
+
+    def _closest(self, w: np.ndarray) -> float:
+        """Least distance from a rest of the motion that starts at ``w``."""
+        section = self._section(float(self._low + w[-1] * self._range))
+        end = section.follow(section.state(w[:-1] * self._scale), turns=self._turns)
+        return float(end.extent[CLOSEST])
+
     def _residual(self, w: np.ndarray) -> np.ndarray | None:
         try:
-            section = Section(self._loop_at(self._low + w[-1] * self._range))
+            section = self._section(float(self._low + w[-1] * self._range))
         except ParameterError:
             return None
         s = w[:-1] * self._scale
@@ -110,9 +147,10 @@ class Branch:
 
     def _jacobian(self, w: np.ndarray) -> np.ndarray | None:
         columns = []
+        step = min(PARAMETER_STEP, REST_STEP * self._closest(w))
         for i in range(len(w)):
             d = np.zeros_like(w)
-            d[i] = PARAMETER_STEP * (0.1 if i < len(w) - 1 else 1.0)
+            d[i] = step * (0.1 if i < len(w) - 1 else 1.0)
             ahead, behind = self._residual(w + d), self._residual(w - d)
             if ahead is None or behind is None:
                 return None
@@ -133,7 +171,7 @@ class Branch:
             residual = self._residual(w)
             if residual is None:
                 return None
-            if np.linalg.norm(residual) < TOLERANCE:
+            if np.linalg.norm(residual) < min(TOLERANCE, REST_STEP * self._closest(w)):
                 return w
             jacobian = self._jacobian(w)
             if jacobian is None:
@@ -147,7 +185,7 @@ class Branch:
 
     def _point(self, w: np.ndarray) -> BranchPoint | None:
         value = float(self._low + w[-1] * self._range)
-        section = Section(self._loop_at(value))
+        section = self._section(value)
         size = max(float(np.linalg.norm(w[:-1])), 1e-3)
         cycle = periodic_orbit(section, w[:-1] * self._scale, self._turns, size)
         return None if cycle is None else BranchPoint(value, cycle)

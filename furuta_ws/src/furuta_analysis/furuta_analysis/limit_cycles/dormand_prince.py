@@ -13,10 +13,17 @@ ABSOLUTE_TOLERANCE = 1e-11
 
 @compiled
 def step(
-    y: np.ndarray, h: float, mode: float, loop: IdealLoop, k: np.ndarray, end: np.ndarray
+    y: np.ndarray,
+    h: float,
+    mode: float,
+    loop: IdealLoop,
+    size: float,
+    k: np.ndarray,
+    end: np.ndarray,
 ) -> float:
     """One step of ``h`` [s] from ``y`` to ``end``; returns the error, at most 1 within tolerance.
 
+    ``size`` is that of a small motion, in proportion to which the absolute tolerance is reduced.
     ``k`` (7, 5) is work space. Row 0 must hold the rate at ``y``; row 6 gets the rate at ``end``.
     """
     n = len(y)
@@ -65,6 +72,6 @@ def step(
             + 22 / 525 * k[5, i]
             - 1 / 40 * k[6, i]
         )
-        scale = ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * max(abs(y[i]), abs(end[i]))
+        scale = size * ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * max(abs(y[i]), abs(end[i]))
         worst = max(worst, abs(error) / scale)
     return worst

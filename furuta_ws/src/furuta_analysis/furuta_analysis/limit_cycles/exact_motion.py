@@ -1,52 +1,26 @@
-"""Integrates the motion of the ideal loop accurately through stick and slip.
+"""Integrates the motion of the ideal loop accurately through stick, slip and rests.
 
-Each piece of motion is integrated by the Dormand–Prince pair 5(4) with error control and ends
-exactly at its event: a reversal (v = 0) or the breakaway of the stuck arm.
+The motion consists of smooth pieces (:mod:`.smooth_motion`). Where it comes close to a rest, it is
+followed in coordinates counted from that rest, with tolerances in proportion to the distance: how
+long the arm stays at an unstable rest depends on how close it comes, however close that is.
 """
 
 from __future__ import annotations
 
-from math import isfinite, pi
-from typing import NamedTuple
-
 import numpy as np
 
-from furuta_analysis.limit_cycles.dormand_prince import step
-from furuta_analysis.limit_cycles.ideal_loop import (
-    IdealLoop,
-    before_event,
-    next_mode,
-    rate,
-    smallest_slide,
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop, next_mode, rest_near
+from furuta_analysis.limit_cycles.smooth_motion import (
+    EVENT,
+    LEFT_REST,
+    NEAR_REST,
+    PHI_HIGH,
+    PHI_LOW,
+    integrate,
 )
-from furuta_analysis.simulation.oscillation import STUCK_SPEED
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import has_bristle
-from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
-
-# How a piece of motion ended.
-EVENT = 0  # at its event
-TIME_OUT = 1
-UNBOUNDED = 2  # the pendulum fell, or the state grew without bound
-TOO_STIFF = 3  # the bristle is too fast: the steps become too small
-MAX_STEPS = 1_000_000  # of one piece of motion
-MAX_SPEED = 1e3  # [rad/s]
-AT_REST = 1e-8  # sum of |θ| [rad] and |θ̇| [rad/s]
-MAX_STEP = 5e-3  # [s]
-MIN_STEP = 1e-12  # [s]
-
-
-class Extent(NamedTuple):
-    """Indices of an array (5,): extremes of φ and θ [rad], and the time stuck [s]."""
-
-    PHI_LOW: int = 0
-    PHI_HIGH: int = 1
-    THETA_LOW: int = 2
-    THETA_HIGH: int = 3
-    STUCK: int = 4
-
-
-PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK = Extent()
+from furuta_model.state import BRISTLE, PHI
 
 
 @compiled
@@ -63,97 +37,58 @@ def follow_piece(
     ``extent`` is updated. ``trace`` (n, 6) gets time and state of every step, up to n rows.
     Returns how the piece ended, its duration [s] and the number of rows written.
     """
-    k = np.empty((7, PLANT_STATES))
-    end = np.empty(PLANT_STATES)
-    t, h, rows, steps = 0.0, 1e-4, 0, 0
-    rate(y, mode, loop, k[0])
-    while t < time_limit:
-        steps += 1
-        if steps > MAX_STEPS:
-            return TOO_STIFF, t, rows
-        h = min(h, MAX_STEP, time_limit - t)
-        error = step(y, h, mode, loop, k, end)
-        if not isfinite(error):
-            return UNBOUNDED, t, rows
-        if error > 1.0 and h > MIN_STEP:
-            h *= max(0.2, 0.9 * error**-0.2)
-            continue
-        ended = before_event(end, mode, loop) < 0.0
-        used = h
-        if ended:
-            used = _locate(y, h, mode, loop, k, end)
-            if mode != 0.0:
-                end[PHI_DOT] = 0.0
-        _update_extent(y, end, used, mode, loop, extent)
-        t += used
-        y[:] = end
-        if rows < len(trace):
-            trace[rows, 0] = t
-            trace[rows, 1:] = y
-            rows += 1
-        if ended:
-            return EVENT, t, rows
-        if abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED:
-            return UNBOUNDED, t, rows
-        k[0] = k[6]
-        h *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-    return TIME_OUT, t, rows
-
-
-@compiled
-def _locate(
-    y: np.ndarray, h: float, mode: float, loop: IdealLoop, k: np.ndarray, end: np.ndarray
-) -> float:
-    """Find the step [s] from ``y`` to the event; ``end`` becomes the state there.
-
-    Uses the Illinois method on the length of the step; each trial is a full step of fifth order.
-    """
-    low, high = 0.0, h
-    at_low, at_high = max(before_event(y, mode, loop), 0.0), before_event(end, mode, loop)
-    if at_low == 0.0:  # the piece began at v = 0: start from a point inside it
-        low = 1e-3 * h
-        step(y, low, mode, loop, k, end)
-        at_low = before_event(end, mode, loop)
-        if at_low <= 0.0:
-            return low
-    middle = high
-    for _ in range(60):
-        middle = (low * at_high - high * at_low) / (at_high - at_low)
-        step(y, middle, mode, loop, k, end)
-        value = before_event(end, mode, loop)
-        if abs(value) < 1e-14 or high - low < 1e-15:
-            break
-        if value < 0.0:
-            high, at_high = middle, value
-            at_low *= 0.5
-        else:
-            low, at_low = middle, value
-            at_high *= 0.5
-    return middle
-
-
-@compiled
-def _update_extent(
-    y: np.ndarray, end: np.ndarray, h: float, mode: float, loop: IdealLoop, extent: np.ndarray
-) -> None:
-    """Include one step; an extreme of θ inside it is found on its cubic interpolation."""
-    extent[PHI_LOW] = min(extent[PHI_LOW], end[PHI])
-    extent[PHI_HIGH] = max(extent[PHI_HIGH], end[PHI])
-    theta = end[THETA]
-    w0, w1 = y[THETA_DOT], end[THETA_DOT]
-    if w0 * w1 < 0.0:
-        s = w0 / (w0 - w1)
-        theta = (
-            (1 + 2 * s) * (1 - s) ** 2 * y[THETA]
-            + s * (1 - s) ** 2 * h * w0
-            + s * s * (3 - 2 * s) * end[THETA]
-            + s * s * (s - 1) * h * w1
+    t, rows = 0.0, 0
+    while True:
+        ended, duration, more = integrate(
+            y, mode, time_limit - t, loop, False, extent, trace[rows:]
         )
-    extent[THETA_LOW] = min(extent[THETA_LOW], theta, end[THETA])
-    extent[THETA_HIGH] = max(extent[THETA_HIGH], theta, end[THETA])
-    stuck = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
-    if mode == 0.0 or (has_bristle(loop.law) and stuck):
-        extent[STUCK] += h
+        _delay(trace, rows, more, t)
+        t, rows = t + duration, rows + more
+        if ended != NEAR_REST:
+            return ended, t, rows
+        ended, duration, more = _follow_near_rest(
+            y, mode, time_limit - t, loop, extent, trace[rows:]
+        )
+        _delay(trace, rows, more, t)
+        t, rows = t + duration, rows + more
+        if ended != LEFT_REST:
+            return ended, t, rows
+
+
+@compiled
+def _delay(trace: np.ndarray, first: int, rows: int, t: float) -> None:
+    for row in range(first, first + rows):
+        trace[row, 0] += t
+
+
+@compiled
+def _follow_near_rest(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    loop: IdealLoop,
+    extent: np.ndarray,
+    trace: np.ndarray,
+) -> tuple[int, float, int]:
+    """Continue a piece of motion in coordinates counted from the rest near ``y``."""
+    phi, held = rest_near(y, mode, loop)
+    z = held / loop.law.parameters.sigma0 if has_bristle(loop.law) else 0.0
+    local = IdealLoop(loop.body, loop.law, loop.l1, loop.l2, loop.l3, loop.l4, loop.linear, held)
+    _shift(y, extent, -phi, -z)
+    ended, duration, rows = integrate(y, mode, time_limit, local, True, extent, trace)
+    _shift(y, extent, phi, z)
+    for row in range(rows):
+        trace[row, 1 + PHI] += phi
+        trace[row, 1 + BRISTLE] += z
+    return ended, duration, rows
+
+
+@compiled
+def _shift(y: np.ndarray, extent: np.ndarray, phi: float, z: float) -> None:
+    y[PHI] += phi
+    y[BRISTLE] += z
+    extent[PHI_LOW] += phi
+    extent[PHI_HIGH] += phi
 
 
 @compiled
@@ -162,28 +97,25 @@ def follow_to_upper_reversal(
     mode: float,
     time_limit: float,
     loop: IdealLoop,
+    smallest: float,
     extent: np.ndarray,
     trace: np.ndarray,
 ) -> tuple[int, float, int]:
     """Follow the motion until the arm stops moving forward (v = 0 from above).
 
-    A reversal counts only after a slide, because the stuck arm oscillates on a stiff bristle.
-    ``mode`` is the piece that begins at ``y``. Returns the same as :func:`follow_piece`; after
-    EVENT the next piece is ``next_mode(y, 1.0, loop)``.
+    A reversal counts only after a slide of ``smallest`` [rad], because the stuck arm oscillates on
+    a stiff bristle. ``mode`` is the piece that begins at ``y``. Returns the same as
+    :func:`follow_piece`; after EVENT the next piece is ``next_mode(y, 1.0, loop)``.
     """
     t, rows = 0.0, 0
-    smallest = smallest_slide(loop)
     while True:
         start = y[PHI]
         ended, duration, more = follow_piece(y, mode, time_limit - t, loop, extent, trace[rows:])
-        for row in range(rows, rows + more):
-            trace[row, 0] += t
+        _delay(trace, rows, more, t)
         t += duration
         rows += more
         if ended != EVENT:
             return ended, t, rows
         if mode == 1.0 and y[PHI] - start >= smallest:
             return EVENT, t, rows
-        if abs(y[THETA]) + abs(y[THETA_DOT]) < AT_REST:
-            return TIME_OUT, t, rows
         mode = next_mode(y, mode, loop)

@@ -9,11 +9,14 @@ v = 0. Sticking ends when the friction that holds the arm,
 
 reaches the breakaway level. Under LuGre the arm never sticks; its slides end at v = 0, where |v| is
 not smooth.
+
+Near a rest the state is counted from that rest (:func:`rest_near`), so that a motion which
+passes it at 1e-10 is not lost in the rounding of φ and of the deflection.
 """
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +30,10 @@ from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
 
 class IdealLoop(NamedTuple):
-    """Pendulum (nonlinear, or linear about upright), friction law and feedback u = l·x."""
+    """Pendulum (nonlinear, or linear about upright), friction law and feedback u = l·x.
+
+    ``held`` is the friction [V] of the rest from which φ and the deflection are counted.
+    """
 
     body: FurutaPendulum
     law: FrictionLaw
@@ -36,6 +42,7 @@ class IdealLoop(NamedTuple):
     l3: float
     l4: float
     linear: bool = False
+    held: float = 0.0
 
     @property
     def gains(self) -> tuple[float, float, float, float]:
@@ -67,7 +74,7 @@ def body_accelerations(y: np.ndarray, torque: float, loop: IdealLoop) -> tuple[f
 
 @compiled
 def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] that holds the arm at rest."""
+    """Friction [V] that holds the arm at rest, counted from ``held``."""
     p = loop.body
     theta, w = y[THETA], y[THETA_DOT]
     if loop.linear:
@@ -90,10 +97,10 @@ def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
     level = sliding_level(v, mode, loop.law)
     if has_bristle(loop.law):
         z = y[BRISTLE]
-        dy[BRISTLE] = deflection_rate(v, mode * v, z, level, p)
+        dy[BRISTLE] = deflection_rate(v, mode * v, z + loop.held / p.sigma0, level, p)
         force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
     else:
-        force = mode * level
+        force = mode * level - loop.held
     torque = feedback(y, loop) - force - p.viscous * v
     dy[PHI_DOT], dy[THETA_DOT] = body_accelerations(y, torque, loop)
 
@@ -120,7 +127,9 @@ def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
     if mode != 0.0:
         return mode * y[PHI_DOT]
     hold = holding_force(y, loop)
-    return min(breakaway_level(1.0, loop.law) - hold, breakaway_level(-1.0, loop.law) + hold)
+    forward = breakaway_level(1.0, loop.law) - loop.held
+    backward = breakaway_level(-1.0, loop.law) + loop.held
+    return min(forward - hold, backward + hold)
 
 
 @compiled
@@ -140,3 +149,35 @@ def smallest_slide(loop: IdealLoop) -> float:
     if not has_bristle(loop.law):
         return 0.0
     return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0
+
+
+@compiled
+def rest_distance(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
+    """Distance of ``y`` from the rest that it approaches in the piece of motion ``mode``.
+
+    Root of the sum of squares of v, θ, θ̇ [rad, rad/s] and of the torque on the arm [V]; a stuck
+    arm has no torque.
+    """
+    torque = loop.l1 * y[PHI]
+    if mode == 0.0:
+        torque = 0.0
+    elif has_bristle(loop.law):
+        torque -= loop.law.parameters.sigma0 * y[BRISTLE]
+    else:
+        torque -= mode * sliding_level(0.0, mode, loop.law) - loop.held
+    v, theta, w = y[PHI_DOT], y[THETA], y[THETA_DOT]
+    return sqrt(v * v + theta * theta + w * w + torque * torque)
+
+
+@compiled
+def rest_near(y: np.ndarray, mode: float, loop: IdealLoop) -> tuple[float, float]:
+    """Arm angle [rad] and friction [V] of the rest near ``y``, which was reached in ``mode``."""
+    if mode == 0.0:
+        return y[PHI], loop.l1 * y[PHI]
+    if loop.l1 == 0.0:
+        return y[PHI], 0.0
+    if has_bristle(loop.law):
+        held = loop.law.parameters.sigma0 * y[BRISTLE]
+    else:
+        held = mode * sliding_level(0.0, mode, loop.law)
+    return held / loop.l1, held

@@ -10,16 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_analysis.limit_cycles.exact_motion import (
+from furuta_analysis.limit_cycles.exact_motion import follow_to_upper_reversal
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop, feedback, friction_at, next_mode
+from furuta_analysis.limit_cycles.section import LONGEST_RETURN, Section
+from furuta_analysis.limit_cycles.smooth_motion import (
+    CLOSEST,
     PHI_HIGH,
     PHI_LOW,
     STUCK,
     THETA_HIGH,
     THETA_LOW,
-    follow_to_upper_reversal,
+    extent_at,
 )
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop, feedback, friction_at, next_mode
-from furuta_analysis.limit_cycles.section import LONGEST_RETURN, Section
+from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PLANT_STATES
 
 MAX_TRACE = 200_000  # rows between two upper reversals
@@ -32,7 +35,12 @@ class LimitCycle(NamedTuple):
     """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
 
     ``turns`` is the number of upper reversals of the arm per period, ``point`` the state (5,) at
-    the first of them.
+    the first of them; a reversal counts after a slide of ``smallest_slide`` [rad].
+    ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
+    ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative.
+
+    With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
+    however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
     """
 
     kind: str
@@ -44,13 +52,16 @@ class LimitCycle(NamedTuple):
     floquet_multipliers: tuple[complex, ...] = ()
     turns: int = 1
     point: tuple[float, ...] = ()
+    smallest_slide: float = 0.0
+    rest_distance: float = float("nan")
+    growth_rate_1_s: float = float("nan")
 
     @property
     def stable(self) -> bool:
-        """Whether all Floquet multipliers are inside the unit circle."""
-        return self.kind in ("rest", "rotation") or (
-            self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
-        )
+        """Whether disturbances decay: by all Floquet multipliers, or by the growth rate."""
+        if self.kind in ("rest", "rotation"):
+            return self.growth_rate_1_s < 0.0
+        return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
 
 
 def periodic_orbit(
@@ -100,6 +111,8 @@ def _limit_cycle_through(
         tuple(complex(m) for m in sorted(np.linalg.eigvals(jacobian), key=abs, reverse=True)),
         turns,
         tuple(section.state(s)),
+        section.smallest,
+        float(end.extent[CLOSEST]),
     )
 
 
@@ -114,13 +127,17 @@ class Trajectory(NamedTuple):
 
 def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
     """The motion of an oscillation over one period, at the steps of the integration."""
+    if not np.isfinite(cycle.period_s):
+        raise ParameterError("a motion with an infinite period cannot be traced over one period")
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
-    extent, buffer = np.zeros(5), np.empty((MAX_TRACE, PLANT_STATES + 1))
+    extent, buffer = extent_at(y), np.empty((MAX_TRACE, PLANT_STATES + 1))
     elapsed = 0.0
     for _ in range(cycle.turns):
         mode = next_mode(y, 1.0, loop)
-        _, duration, n = follow_to_upper_reversal(y, mode, LONGEST_RETURN, loop, extent, buffer)
+        _, duration, n = follow_to_upper_reversal(
+            y, mode, LONGEST_RETURN, loop, cycle.smallest_slide, extent, buffer
+        )
         part = buffer[:n].copy()
         part[:, 0] += elapsed
         rows.extend(part)

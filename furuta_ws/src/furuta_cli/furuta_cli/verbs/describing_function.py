@@ -12,6 +12,7 @@ from furuta_analysis.describing_functions.steady_rotation import steady_rotation
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_cli.file_types import FIGURE
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
+from furuta_model.friction.parameters import Friction
 from furuta_model.transfer import transfer
 from furuta_studies.analysis_options import AnalysisOptions
 from furuta_studies.loop_note import loop_note
@@ -24,12 +25,16 @@ INCOMPLETE = "The winding number does not match the cycles found; some may be mi
 @click.option(
     "--curves", type=FIGURE, metavar="FILE.png", help="Draw friction over speed for all laws."
 )
+@click.option(
+    "--presliding", type=FIGURE, metavar="FILE.png", help="Draw presliding, with Maxwell slip."
+)
 @ideal_options
 @model_options
 @json_option
 def command(
     out: Path | None,
     curves: Path | None,
+    presliding: Path | None,
     feedback: tuple[float, float, float, float] | None,
     law: str | None,
     files: tuple[Path, ...],
@@ -42,7 +47,8 @@ def command(
     """
     given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
     prediction = predict_cycles(transfer(given.body, given.gains), given.law)
-    _draw(given, prediction, out, curves)
+    _draw(given, prediction, out)
+    _draw_laws(given.law.parameters, curves, presliding)
     result = _result(given, prediction)
     if as_json:
         print_json(result)
@@ -50,15 +56,22 @@ def command(
         _print(result)
 
 
-def _draw(given: IdealLoop, prediction: Prediction, out: Path | None, curves: Path | None) -> None:
+def _draw(given: IdealLoop, prediction: Prediction, out: Path | None) -> None:
     if out is not None:
         from furuta_figures.describing_function import draw_describing_function
 
         draw_describing_function(given, prediction, out)
+
+
+def _draw_laws(p: Friction, curves: Path | None, presliding: Path | None) -> None:
     if curves is not None:
         from furuta_figures.friction_laws import draw_friction_laws
 
-        draw_friction_laws(given.law.parameters, curves)
+        draw_friction_laws(p, curves)
+    if presliding is not None:
+        from furuta_figures.presliding import draw_presliding
+
+        draw_presliding(p, presliding)
 
 
 def _result(given: IdealLoop, prediction: Prediction) -> dict[str, Any]:

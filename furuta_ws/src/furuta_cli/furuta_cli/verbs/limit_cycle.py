@@ -18,6 +18,9 @@ from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions, require_stabilising
 from furuta_studies.parameter_range import parse_range
 
+# Values of the parameter at which a cycle is looked for, if the current one is outside the range.
+BRANCH_STARTS = 9
+
 
 @click.command()
 @ideal_options
@@ -86,17 +89,28 @@ def command(
 def _follow(
     choice: AnalysisOptions, name: str, cycle: LimitCycle, low: float, high: float
 ) -> list[BranchPoint]:
-    """The branch through the cycle at the current value, or at the middle of the range."""
+    """The branch through the cycle at the current value, or at the first value that has one."""
+    branch = Branch(lambda value: choice.ideal_loop({name: value}), low, high)
     here = choice.value(name)
-    if here is None or not low <= here <= high:
-        here = 0.5 * (low + high)
-        cycle = limit_cycle(choice.ideal_loop({name: here}))
-    return Branch(lambda value: choice.ideal_loop({name: value}), low, high).follow(here, cycle)
+    if here is not None and low <= here <= high:
+        return branch.follow(here, cycle)
+    found = []
+    for value in _from_the_middle(np.linspace(low, high, BRANCH_STARTS)):
+        cycle = limit_cycle(choice.ideal_loop({name: value}))
+        if cycle.kind == "oscillation" and np.isfinite(cycle.period_s):
+            return branch.follow(value, cycle)
+        found.append(f"{cycle.kind} at {value:g}")
+    raise ParameterError(f"no limit cycle with a finite period to follow: {', '.join(found)}")
+
+
+def _from_the_middle(values: np.ndarray) -> list[float]:
+    middle = values[len(values) // 2]
+    return sorted((float(each) for each in values), key=lambda each: abs(each - middle))
 
 
 def _described(cycle: LimitCycle) -> dict[str, Any]:
     fields = cycle._asdict()
-    del fields["point"]
+    del fields["point"], fields["smallest_slide"]
     fields["floquet_multipliers"] = [[m.real, m.imag] for m in cycle.floquet_multipliers]
     return {**fields, "stable": cycle.stable}
 

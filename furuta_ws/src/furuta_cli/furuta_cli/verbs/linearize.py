@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
 
+from furuta_analysis.margins import margins
 from furuta_cli.options import json_option, model_options, print_json
 from furuta_graph.settings import load_settings, loop
 from furuta_model.linear import linearize
@@ -16,7 +18,11 @@ from furuta_model.linear import linearize
 @model_options
 @json_option
 def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
-    """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7)."""
+    """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7).
+
+    The margins are those of the loop whose friction is compensated exactly: factors of the torque,
+    phase, delay, and the disk margin.
+    """
     parameters = loop(load_settings(files, assignments)).controller
     a, b = linearize(parameters.model)
     gain = np.array(parameters.feedback_gain)
@@ -24,7 +30,7 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
     def poles(matrix: np.ndarray) -> list[list[float]]:
         return [[float(p.real), float(p.imag)] for p in np.sort_complex(np.linalg.eigvals(matrix))]
 
-    result = {
+    result: dict[str, Any] = {
         **parameters.model._asdict(),
         "A": a.tolist(),
         "B": b.tolist(),
@@ -32,6 +38,8 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
         "L": gain.tolist(),
         "closed_loop_poles": poles(a - np.outer(b, gain)),
     }
+    if np.all(np.linalg.eigvals(a - np.outer(b, gain)).real < 0.0):
+        result["margins"] = margins(parameters.model, gain)._asdict()
     if as_json:
         print_json(result)
         return
@@ -39,6 +47,8 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
     for name, value in result.items():
         if name.endswith("poles"):
             print(f"{name}: " + ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value))
+        elif isinstance(value, dict):
+            print(f"{name}: " + ", ".join(f"{key} {each:.4g}" for key, each in value.items()))
         elif isinstance(value, list):
             print(f"{name}:\n{np.array(value)}")
         else:

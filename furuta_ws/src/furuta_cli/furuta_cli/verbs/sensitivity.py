@@ -15,9 +15,7 @@ from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, pri
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.experiments import encoder_resolution
 from furuta_studies.sensitivity import SensitivityRow, run_sensitivity
-from furuta_studies.tuning.plan import TuningPlan
-from furuta_studies.tuning.tunable_loop import SimulatedLoop
-from furuta_studies.tuning.tuning import tune
+from furuta_studies.tuning.simulated_tuning import tuned_observer
 
 # Multiples of the rig's noise.
 NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
@@ -60,9 +58,9 @@ def command(
             name: nominal.observer._replace(compensation=name)
             for name in ("coulomb", "stiction", "lugre", "adaptive")
         }
-        rig = SimulatedLoop(nominal)
-        result = tune(rig, nominal.observer, nominal.estimator, TuningPlan(), lambda *_: None)
-        compensations["lugre, tuned"] = result.after.observer
+        # The tuning needs the observed friction, also if the settings choose the other estimator.
+        with_kalman = nominal._replace(estimator=nominal.estimator._replace(method="kalman"))
+        compensations["lugre, tuned"] = tuned_observer(with_kalman, lambda *_: None)
         first = nominal.plant.seed
         rows = run_sensitivity(nominal, compensations, NOISES, range(first, first + seeds), seconds)
     if out is not None:

@@ -25,7 +25,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
 from furuta_studies.tuning.observed_friction import FITTED
-from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.plan import RIVALS, TuningPlan
 from furuta_studies.tuning.result import (
     TuningResult,
     observer_parameters,
@@ -36,7 +36,8 @@ from furuta_studies.tuning.search import SEARCHABLE
 from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta_studies.tuning.tuning import ProgressCallback, tune
 
-DEFAULT = TuningPlan()
+# Each of the other compensations takes a trial of 12 s more.
+DEFAULT = TuningPlan(seconds=240.0, rivals=RIVALS)
 GUARD = FiniteRange(0, min_open=True)
 
 
@@ -104,14 +105,16 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find the LuGre compensator's parameters with the smallest remaining limit cycle.
+    """Find the compensation with the smallest remaining limit cycle.
 
     The pendulum first swings without compensation, and the friction parameters are fitted to the
-    friction that the estimator observes. Then the parameters named by --search are optimised by
-    trials. On a running graph the best parameters stay active. If the motion leaves the guard, or
-    at Ctrl-C, the initial ones are restored.
+    friction that the estimator observes. Then the parameters of the LuGre compensator named by
+    --search are optimised by trials, and the other compensations are tried with the fitted
+    friction. If the initial parameters or no compensation are better than all of them, they are the
+    result ("gain": false in the JSON); the exit status is 0 then too. On a running graph the result
+    stays active. If the motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
     """
-    plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard)
+    plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
     try:
         plan.check()
         if running:
@@ -123,7 +126,10 @@ def command(
                 raise ParameterError("--namespace needs --running")
             tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
     except GuardError as error:
-        raise UserError(f"stopped and restored the initial parameters: {error}") from None
+        raise UserError(
+            f"stopped and restored the initial parameters: {error} (options --arm-guard, "
+            "--pendulum-guard)"
+        ) from None
     except ValueError as error:
         raise UserError(str(error)) from None
     except TuningInterruptedError:
@@ -165,10 +171,19 @@ def _reporter(quiet: bool) -> ProgressCallback:
 def _print(tuned: TuningResult, out: Path | None) -> None:
     table = Table.grid(padding=(0, 3))
     table.add_row("arm, peak to peak, before", f"{tuned.before.amplitude:.4f} rad")
+    table.add_row("without compensation", f"{tuned.uncompensated.amplitude:.4f} rad")
     table.add_row("after", f"{tuned.after.amplitude:.4f} rad")
     for name, value in observer_parameters(tuned.after.observer).items():
         table.add_row(name, value if isinstance(value, str) else f"{value:.5g}")
     table.add_row("pendulum time", f"{tuned.seconds:.0f} s")
     Console().print(table)
+    if not tuned.gain:
+        print(f"no gain: nothing is better than {_unchanged(tuned)}")
     if out is not None:
         print(f"parameter file: {out}")
+
+
+def _unchanged(tuned: TuningResult) -> str:
+    if tuned.after == tuned.uncompensated:
+        return "no compensation"
+    return f"the initial parameters with compensation {tuned.after.observer.compensation}"

@@ -78,3 +78,9 @@ def _adapt(
     error = (observed - force) / (level if v > 0.0 else -level)
     factor *= 1.0 - expm1(-step) * error
     memory[direction] = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0
+
+
+def at_limit(memory: np.ndarray) -> bool:
+    """Whether a level has adapted as far as it may: the friction is not as the parameters say."""
+    factors = 1.0 + memory[[FORWARD, BACKWARD]]
+    return bool(np.any((factors <= 1.0 / LARGEST_FACTOR) | (factors >= LARGEST_FACTOR)))

@@ -6,9 +6,9 @@ The arm stretches every spring by its own motion. Spring i slips at
 
 All springs have the stiffness σ₀/N. From rest friction therefore begins with the stiffness σ₀ and
 saturates at g(v), the Stribeck curve. In between it is a polygon, within g/(4N²) of the parabola
-g(x - x²/4), x = σ₀z/g(v). A spring that holds is damped by σ₁/N:
+g(x - x²/4), x = σ₀z/g(v). There is no damping σ₁:
 
-.. math:: F = \frac{1}{N} \sum_i (σ_0 z_i + σ_1 v \, [\text{spring i holds}]) + σ_2 v
+.. math:: F = \frac{σ_0}{N} \sum_i z_i + σ_2 v
 
 The springs remember every reversal that no larger one has wiped out (non-local memory), and a
 small oscillating force does not move the arm on. F. Al-Bender, V. Lampaert, J. Swevers, *The
@@ -24,7 +24,7 @@ from furuta_model.compiled import compiled
 from furuta_model.friction import stribeck
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
-LAW = stribeck.LAW._replace(name="maxwell_slip", bristle=True, springs=True)
+LAW = stribeck.LAW._replace(name="maxwell_slip", bristle=True, damped=False, springs=True)
 # Largest number of springs.
 MAX_SPRINGS = 8
 
@@ -36,18 +36,18 @@ def slip_deflection(spring: int, springs: int, level: float, p: Friction) -> flo
 
 
 @compiled
-def stretched(z: float, path: float, slip: float) -> tuple[float, float, float]:
+def stretched(z: float, path: float, slip: float) -> tuple[float, float]:
     """Stretch a spring at deflection ``z`` [rad] by ``path`` [rad], covered at constant speed.
 
-    Returns its deflection at the end, the mean deflection over the path, and the part of the path
-    over which it held [rad]. ``slip`` is the deflection at which it slips in this direction. A
-    spring beyond it, because the level has fallen, slips at once.
+    Returns its deflection at the end and the mean deflection over the path [rad]. ``slip`` is the
+    deflection at which it slips in this direction. A spring beyond it, because the level has
+    fallen, slips at once.
     """
     if path == 0.0:
-        return z, z, 0.0
+        return z, z
     direction = 1.0 if path > 0.0 else -1.0
     length = direction * path
     start = min(direction * z, slip)
     held = min(length, slip - start)
     mean = start + held * (1.0 - 0.5 * held / length)
-    return direction * (start + held), direction * mean, direction * held
+    return direction * (start + held), direction * mean

@@ -21,14 +21,13 @@ def springs_force(
     """
     p = law.parameters
     level = sliding_level(v, v, law)
-    end = mean = held = 0.0
+    end = mean = 0.0
     for i in range(springs):
         slip = slip_deflection(i, springs, level, p)
-        x[NEXT_SPRINGS + i], mean_deflection, held_path = stretched(x[SPRINGS + i], v * h, slip)
+        x[NEXT_SPRINGS + i], mean_deflection = stretched(x[SPRINGS + i], v * h, slip)
         end += x[NEXT_SPRINGS + i]
         mean += mean_deflection
-        held += held_path
-    return (p.sigma0 * mean + p.sigma1 / h * held) / springs, end / springs
+    return p.sigma0 * mean / springs, end / springs
 
 
 @inlined
@@ -47,9 +46,8 @@ def springs_friction(x: np.ndarray, v: float, springs: int, law: FrictionLaw) ->
     for i in range(springs):
         z, slip = x[SPRINGS + i], slip_deflection(i, springs, level, p)
         if v > 0.0:
-            force += p.sigma0 * min(z, slip) + (p.sigma1 * v if z < slip else 0.0)
+            z = min(z, slip)
         elif v < 0.0:
-            force += p.sigma0 * max(z, -slip) + (p.sigma1 * v if z > -slip else 0.0)
-        else:
-            force += p.sigma0 * z
+            z = max(z, -slip)
+        force += p.sigma0 * z
     return force / springs

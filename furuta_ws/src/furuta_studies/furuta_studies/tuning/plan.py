@@ -15,6 +15,8 @@ FRICTION_SETTLING_TIME = 3.0
 FRICTION_RECORDING_TIME = 12.0
 # Pendulum time without guard after a candidate that left the guard [s].
 RECOVERY_TIME = 3.0
+# Compensations that are tried with the fitted friction, besides the LuGre observer.
+RIVALS = ("coulomb", "stiction", "adaptive")
 # Number of best candidates that are measured once more, and the least time [s] for each.
 FINALISTS = 3
 FINAL_MEASURING_TIME = 12.0
@@ -23,9 +25,10 @@ FINAL_MEASURING_TIME = 12.0
 class TuningPlan(NamedTuple):
     """Which parameters are tuned, for how long, and within which guard.
 
-    ``fit`` are fitted to the observed friction, ``search`` are then found by trials. ``seconds``
-    [s] is the total pendulum time, ``arm_guard`` [rad] the largest allowed peak-to-peak angle of
-    the arm and ``pendulum_guard`` [rad] the largest allowed angle of the pendulum.
+    ``fit`` are fitted to the observed friction, ``search`` are then found by trials of the LuGre
+    compensator; ``rivals`` are other compensations that are tried once. ``seconds`` [s] is the
+    total pendulum time, ``arm_guard`` [rad] the largest allowed peak-to-peak angle of the arm and
+    ``pendulum_guard`` [rad] the largest allowed angle of the pendulum.
     """
 
     fit: tuple[str, ...] = FITTED
@@ -33,10 +36,15 @@ class TuningPlan(NamedTuple):
     seconds: float = 200.0
     arm_guard: float = 1.0
     pendulum_guard: float = 0.4
+    rivals: tuple[str, ...] = ()
 
     def check(self) -> None:
         """Raise :class:`ValueError` for names that cannot be tuned or too short a time."""
-        for names, allowed in ((self.fit, FITTED), (self.search, SEARCHABLE)):
+        for names, allowed in (
+            (self.fit, FITTED),
+            (self.search, SEARCHABLE),
+            (self.rivals, RIVALS),
+        ):
             unknown = [name for name in names if name not in allowed]
             if unknown:
                 raise ValueError(f"cannot tune {unknown[0]}; possible are {', '.join(allowed)}")
@@ -62,4 +70,5 @@ class TuningPlan(NamedTuple):
     def _seconds_besides_search(self) -> float:
         friction = FRICTION_SETTLING_TIME + FRICTION_RECORDING_TIME
         final = FINALISTS * (SETTLING_TIME + FINAL_MEASURING_TIME)
-        return friction + SETTLING_TIME + MEASURING_TIME + final
+        single = (1 + len(self.rivals)) * (SETTLING_TIME + MEASURING_TIME)
+        return friction + single + final

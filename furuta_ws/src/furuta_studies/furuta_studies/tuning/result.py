@@ -20,13 +20,25 @@ class Trial(NamedTuple):
 
 
 class TuningResult(NamedTuple):
-    """Start and result with their amplitudes, the friction fit, all trials, pendulum time [s]."""
+    """Start and result with their amplitudes, the friction fit, all trials, pendulum time [s].
+
+    ``before`` is the LuGre compensator with the initial parameters, ``uncompensated`` the motion
+    without compensation, and ``given`` that with the initial compensation. ``fitted`` is None if no
+    friction was observed.
+    """
 
     before: Trial
-    fitted: Friction
+    uncompensated: Trial
+    given: Trial
+    fitted: Friction | None
     after: Trial
     trials: list[Trial]
     seconds: float
+
+    @property
+    def gain(self) -> bool:
+        """Whether tuning found something better than the initial parameters and than none."""
+        return self.after not in (self.before, self.uncompensated, self.given)
 
 
 def result_as_json(result: TuningResult) -> dict[str, Any]:
@@ -34,8 +46,11 @@ def result_as_json(result: TuningResult) -> dict[str, Any]:
     return {
         "parameters": observer_parameters(result.after.observer),
         "before": _trial(result.before),
+        "uncompensated": _trial(result.uncompensated),
+        "given": _trial(result.given),
         "after": _trial(result.after),
-        "fitted": dict(result.fitted._asdict()),
+        "gain": result.gain,
+        "fitted": result.fitted and dict(result.fitted._asdict()),
         "trials": [_trial(trial) for trial in result.trials],
         "pendulum_seconds": result.seconds,
     }

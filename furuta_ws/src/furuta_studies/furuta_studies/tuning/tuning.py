@@ -1,12 +1,14 @@
-"""Automatic tuning of the LuGre compensator on a pendulum in motion, simulated or real.
+"""Automatic tuning of the compensation on a pendulum in motion, simulated or real.
 
 1. The limit cycle is measured with the initial parameters.
 2. The pendulum swings without compensation, and the friction parameters are fitted to the friction
    that the estimator observes (:mod:`.observed_friction`).
 3. A trust-region search (:mod:`.search`) varies the few parameters that this fit determines worst
    and minimises the limit cycle that remains with compensation.
-4. The best candidates are measured once more with the time that is left, because the minimum of
-   noisy trials is biased low.
+4. Other compensations that the plan names are tried with the fitted friction.
+5. The best candidates are measured once more with the time that is left, because the minimum of
+   noisy trials is biased low. The initial parameters and no compensation are candidates too: if
+   nothing is better, one of them is the result.
 
 The criterion is the peak-to-peak value of the estimated arm angle, which a real rig provides too.
 
@@ -59,9 +61,9 @@ def tune(
 ) -> TuningResult:
     """Tune the LuGre compensator of ``rig`` and leave it with the best parameters found.
 
-    Raises :class:`GuardError` if the motion leaves the guard even with the initial parameters and
-    :class:`ValueError` if no friction is observed. The initial parameters are then restored, as
-    after any interruption.
+    Raises :class:`GuardError` if the motion leaves the guard with the initial parameters or without
+    compensation, and :class:`ValueError` if no friction is observed although the initial parameters
+    are better than none. The initial parameters are then restored, as after any interruption.
     """
     plan.check()
     if not estimator.chosen.observes_friction:
@@ -70,7 +72,7 @@ def tune(
             f"{estimator.method} does not"
         )
     try:
-        return _Tuner(rig, start._replace(compensation="lugre"), plan, report).run(estimator)
+        return _Tuner(rig, start, plan, report).run(estimator)
     except BaseException:
         rig.apply(start)
         raise
@@ -80,12 +82,13 @@ class _Tuner:
     def __init__(
         self,
         rig: TunableLoop,
-        start: ObserverParameters,
+        given: ObserverParameters,
         plan: TuningPlan,
         report: ProgressCallback,
     ) -> None:
         self._rig = GuardedLoop(rig, plan.arm_guard, plan.pendulum_guard)
-        self._start = start
+        self._given = given
+        self._start = given._replace(compensation="lugre")
         self._plan = plan
         self._report_progress = report
         self._trials: list[Trial] = []
@@ -93,27 +96,58 @@ class _Tuner:
     def run(self, estimator: EstimatorParameters) -> TuningResult:
         before = self._measure(self._start, MEASURING_TIME)
         self._report(f"before: {before.amplitude:.4f} rad")
-        fitted = self._identify_friction(estimator)
-        start = self._start._replace(friction=fitted)
-        minimise_amplitude(self._try, start, self._plan.search, self._plan.max_trials)
-        after = self._confirm_best()
+        uncompensated, estimates = self._without_compensation()
+        unchanged = [before, uncompensated]
+        given = self._given_trial(unchanged)
+        fitted = None
+        try:
+            fitted = self._fit(estimates, estimator)
+        except ValueError as error:
+            if before.amplitude < uncompensated.amplitude:
+                raise
+            self._report(f"nothing to tune: {error}")
+        if fitted is not None:
+            self._search(self._start._replace(friction=fitted))
+        after = self._confirm_best([*unchanged, given])
         self._rig.apply(after.observer)
-        return TuningResult(before, fitted, after, self._trials, self._rig.elapsed)
+        return TuningResult(
+            before, uncompensated, given, fitted, after, self._trials, self._rig.elapsed
+        )
 
-    def _identify_friction(self, estimator: EstimatorParameters) -> Friction:
-        """The friction parameters, from the limit cycle without compensation."""
+    def _given_trial(self, unchanged: list[Trial]) -> Trial:
+        """The motion with the initial compensation, measured only if it is not known yet."""
+        for trial in unchanged:
+            if trial.observer == self._given:
+                return trial
+        trial = self._measure(self._given, MEASURING_TIME)
+        self._report(f"{self._given.compensation}, initial: {trial.amplitude:.4f} rad")
+        return trial
+
+    def _search(self, start: ObserverParameters) -> None:
+        minimise_amplitude(self._try, start, self._plan.search, self._plan.max_trials)
+        for rival in self._plan.rivals:
+            self._try(start._replace(compensation=rival))
+
+    def _without_compensation(self) -> tuple[Trial, np.ndarray]:
+        """The motion without compensation, and its estimates (n, 5)."""
         self._report("recording the friction without compensation")
-        self._rig.apply(self._start._replace(compensation="none"))
+        observer = self._start._replace(compensation="none")
+        self._rig.apply(observer)
         self._rig.watch(FRICTION_SETTLING_TIME)
         estimates = self._rig.watch(FRICTION_RECORDING_TIME)
-        fit = fit_friction(
+        trial = Trial(observer, float(np.ptp(estimates[:, PHI])))
+        self._report(f"without compensation: {trial.amplitude:.4f} rad")
+        return trial, estimates
+
+    def _fit(self, estimates: np.ndarray, estimator: EstimatorParameters) -> Friction:
+        """The friction parameters, from the limit cycle without compensation."""
+        return fit_friction(
             estimates,
             sample_kalman(estimator.rig, estimator.kalman),
             estimator.sample_time,
             self._start.friction,
             self._plan.fit,
-        )
-        return fit.friction
+        ).friction
 
     def _try(self, observer: ObserverParameters) -> float:
         """The amplitude [rad] with a candidate, ``arm_guard`` if the motion leaves the guard."""
@@ -125,7 +159,7 @@ class _Tuner:
         self._trials.append(trial)
         given = values(observer)
         tried = ", ".join(f"{name} {given[name]:.4g}" for name in self._plan.search)
-        self._report(f"{tried}: {trial.amplitude:.4f} rad")
+        self._report(f"{observer.compensation}, {tried}: {trial.amplitude:.4f} rad")
         return trial.amplitude
 
     def _retreat(self) -> None:
@@ -137,14 +171,21 @@ class _Tuner:
         self._rig.watch_unguarded(RECOVERY_TIME)
         self._rig.watch(GUARD_INTERVAL)
 
-    def _confirm_best(self) -> Trial:
-        """The best of the best candidates after a second measurement in the time that is left."""
+    def _confirm_best(self, unchanged: list[Trial]) -> Trial:
+        """The best of the best candidates after a second measurement in the time that is left.
+
+        One of ``unchanged``, the motions without tuning, if that is not worse.
+        """
         best = sorted(self._trials, key=lambda trial: trial.amplitude)[:FINALISTS]
-        seconds = (self._plan.seconds - self._rig.elapsed) / len(best) - SETTLING_TIME
-        confirmed = []
+        seconds = (self._plan.seconds - self._rig.elapsed) / max(1, len(best)) - SETTLING_TIME
+        confirmed = list(unchanged)
         for number, first in enumerate(best, start=1):
             self._report(f"second measurement of candidate {number} of {len(best)}")
-            second = self._measure(first.observer, seconds)
+            try:
+                second = self._measure(first.observer, seconds)
+            except GuardError:
+                self._retreat()
+                continue
             confirmed.append(second._replace(amplitude=max(first.amplitude, second.amplitude)))
         return min(confirmed, key=lambda trial: trial.amplitude)
 

@@ -1,0 +1,22 @@
+"""Tunes the LuGre compensator of a simulated loop, where no guard has to protect a rig."""
+
+from __future__ import annotations
+
+from furuta_analysis.simulation.closed_loop import Loop
+from furuta_friction.compensation import ObserverParameters
+from furuta_ros.errors import UserError
+from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta_studies.tuning.tuning import ProgressCallback, tune
+
+# A simulated arm may move far; a pendulum beyond 1.5 rad has fallen.
+PLAN = TuningPlan(arm_guard=100.0, pendulum_guard=1.5)
+
+
+def tuned_observer(loop: Loop, report: ProgressCallback) -> ObserverParameters:
+    """The tuned friction observer of ``loop``; :class:`UserError` if it cannot be tuned."""
+    try:
+        result = tune(SimulatedLoop(loop), loop.observer, loop.estimator, PLAN, report)
+    except (GuardError, ValueError) as error:
+        raise UserError(f"cannot tune the compensator of this loop: {error}") from None
+    return result.after.observer

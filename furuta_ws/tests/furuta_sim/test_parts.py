@@ -1,0 +1,251 @@
+"""Parts of the plant beyond the model: drive, friction, sensors, pushes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import reference
+from scipy.integrate import solve_ivp
+
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, build
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.parts.sensor_faults import uniform
+from furuta_sim.plant import design_plant, initial_state, move, read, true_friction
+from furuta_sim.plant_memory import HEAT, TORQUE
+
+# Pendulum hanging at rest, so that nothing moves unless it is pushed.
+HANGING = {"initial.theta": np.pi}
+NO_FRICTION = {"friction.alpha0": 0.0, "friction.alpha1": 0.0}
+FINE_DRIVE = {"actuator.bits": 0}
+
+
+def rig(**given: Any) -> PlantParameters:
+    """A rig with some parameters; ``__`` in a name stands for a dot."""
+    return build(PlantParameters, {name.replace("__", "."): each for name, each in given.items()})
+
+
+def run(
+    parameters: PlantParameters, commands: np.ndarray, start: np.ndarray | None = None
+) -> np.ndarray:
+    """The plant's memory after every sample (n, m)."""
+    plant, x = design_plant(parameters), initial_state(parameters)
+    if start is not None:
+        x[: len(start)] = start
+    rows = []
+    for u in commands:
+        move(x, float(u), plant)
+        rows.append(x.copy())
+    return np.array(rows)
+
+
+def readings(parameters: PlantParameters, samples: int) -> np.ndarray:
+    """Readings (n, 5) while the rig moves freely, with the same noise for any parameters."""
+    plant, x = design_plant(parameters), initial_state(parameters)
+    noise, measurement, rows = np.random.default_rng(1), np.zeros(5), []
+    for _ in range(samples):
+        read(x, noise.standard_normal(2), plant, measurement)
+        rows.append(measurement.copy())
+        move(x, 0.1, plant)
+    return np.array(rows)
+
+
+def test_drive_delay_and_dead_band() -> None:
+    """A voltage acts some samples later, without the dead band; 0 V before."""
+    commands = np.array([1.0, -2.0, 0.05, -0.05, 3.0, 0.0, 0.0])
+    torque = run(rig(drive__delay=2, drive__dead_band=0.1, **FINE_DRIVE), commands)[:, TORQUE]
+    assert torque == pytest.approx([0.0, 0.0, 0.9, -1.9, 0.0, 0.0, 2.9])
+
+
+def test_drive_lag_is_exact() -> None:
+    """The torque approaches the voltage exponentially, and its integral is exact."""
+    lag, dt = 0.003, 1e-3
+    parameters = rig(drive__lag=lag, **FINE_DRIVE, **NO_FRICTION)
+    memory = run(parameters, np.ones(5), np.array([0.0, 0.0, 0.0, 0.0]))
+    time = dt * np.arange(1, 6)
+    assert memory[:, TORQUE] == pytest.approx(1.0 - np.exp(-time / lag), rel=1e-12)
+    speed = memory[:, PHI_DOT] * (parameters.model.determinant / parameters.model.beta)
+    assert speed == pytest.approx(time - lag * (1.0 - np.exp(-time / lag)), rel=2e-3)
+
+
+def test_pendulum_friction_truly_sticks() -> None:
+    """A hanging pendulum stays at an angle whose gravity torque is below its Coulomb level."""
+    given = rig(pendulum_friction__coulomb=0.01, friction__law="coulomb")
+    delta = given.model.delta
+    held, released = 0.9 * 0.01 / delta, 1.1 * 0.01 / delta
+    for angle, moves in ((held, False), (released, True)):
+        states = run(given, np.zeros(500), np.array([0.3, 0.0, np.pi - angle, 0.0]))
+        assert (abs(states[-1, THETA] - (np.pi - angle)) > 1e-6) == moves
+        assert states[-1, PHI] == pytest.approx(0.3, abs=1e-12)
+
+
+def test_pendulum_damping_and_base_motion() -> None:
+    """They agree with an independent integration of the equations."""
+    given = rig(
+        pendulum_friction__damping=0.002,
+        pushes__durations=[10.0],
+        pushes__base_x=[0.3],
+        pushes__base_y=[-0.2],
+        sample_time=1e-4,
+        **NO_FRICTION,
+    )
+    body = given.model
+
+    def rate(_: float, x: np.ndarray) -> list[float]:
+        phi, v, theta, w = x
+        s, c = np.sin(theta), np.cos(theta)
+        mass = [[body.alpha + body.beta * s**2, body.gamma * c], [body.gamma * c, body.beta]]
+        # Gravity is tilted by -a/g: V = δ (cosθ + ax X + ay Y), with the pendulum's tip at X, Y.
+        arm = -body.delta * (0.3 * (-s * np.cos(phi)) - 0.2 * (-s * np.sin(phi)))
+        joint = -body.delta * (0.3 * (-c * np.sin(phi)) - 0.2 * (c * np.cos(phi)))
+        arm += -2 * body.beta * c * s * v * w + body.gamma * s * w**2
+        joint += body.beta * c * s * v**2 + body.delta * s - 0.002 * w
+        return [
+            v,
+            *np.linalg.solve(mass, [arm, joint])[:1],
+            w,
+            np.linalg.solve(mass, [arm, joint])[1],
+        ]
+
+    start = np.array([0.4, 0.0, 2.0, 0.0])
+    expected = solve_ivp(rate, (0, 1.0), start, rtol=1e-10, atol=1e-12).y[:, -1]
+    assert run(given, np.zeros(10_000), start)[-1, :4] == pytest.approx(expected, abs=1e-5)
+
+
+def test_push_is_exact_to_a_sample() -> None:
+    """Torque acts in the samples from its begin to its end, and pushes add up."""
+    given = rig(
+        pushes__times=[0.003, 0.004],
+        pushes__durations=[0.002],
+        pushes__arm=[1.0, 0.5],
+        **NO_FRICTION,
+        **HANGING,
+    )
+    speed = run(given, np.zeros(8))[:, PHI_DOT]
+    pushed = np.diff(speed, prepend=0.0) * given.model.determinant / given.model.beta / 1e-3
+    assert pushed == pytest.approx([0, 0, 0, 1.0, 1.5, 0.5, 0, 0], abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({"pushes.times": [1.0, 2.0, 3.0], "pushes.arm": [1.0, 2.0]}, "times 3, arm 2"),
+        ({"pushes.times": [1.0] * 17}, "at most 16"),
+        ({"drive.delay": 101}, "drive.delay"),
+        ({"sensor_faults.stuck": "camera"}, "encoder, tachometer, potentiometer"),
+    ],
+)
+def test_impossible_parts_are_rejected(given: dict[str, Any], reason: str) -> None:
+    """In one line that says what is allowed."""
+    with pytest.raises(ParameterError, match=reason):
+        build(PlantParameters, given)
+
+
+@pytest.mark.parametrize("law", ["stribeck", "lugre", "maxwell_slip"])
+def test_level_over_angle_time_and_load(law: str) -> None:
+    """In a steady slide friction has the level of the law times the factor."""
+    friction = Friction(alpha1=0.0, viscous=0.3)
+    given = rig(
+        friction__law=law,
+        friction__variation__angle=0.3,
+        friction__variation__angle_periods=3,
+        friction__variation__angle_phase=0.5,
+        friction__variation__drift=0.2,
+        friction__variation__drift_time=0.5,
+        friction__variation__load=0.1,
+        friction__alpha1=0.0,
+        friction__viscous=0.3,
+        **FINE_DRIVE,
+    )
+    plant, x = design_plant(given), initial_state(given)
+    x[THETA] = np.pi
+    for _ in range(2000):
+        move(x, 0.6, plant)
+    factor = 1.0 + 0.3 * np.sin(3 * x[PHI] + 0.5) + 0.2 * (1.0 - np.exp(-1.999 / 0.5)) + 0.06
+    expected = friction.alpha0 * factor + 0.3 * x[PHI_DOT]
+    assert x[PHI_DOT] > 0.1
+    assert true_friction(x, plant) == pytest.approx(expected, rel=5e-3)
+
+
+def test_heat_is_the_work_of_the_friction() -> None:
+    """Without cooling: the energy that a free arm loses."""
+    given = rig(
+        friction__law="coulomb", friction__variation__cooling_time=1e6, cogging__torque=1e-9
+    )
+    start = np.array([0.0, 8.0, np.pi, 0.0])
+    states = run(given, np.zeros(300), start)
+    before, after = (reference_energy(x, given) for x in (start, states[-1]))
+    assert before - after > 0.1
+    assert states[-1, HEAT] == pytest.approx(before - after, rel=2e-2)
+
+
+def reference_energy(x: np.ndarray, given: PlantParameters) -> float:
+    """Energy [V rad] of a state."""
+    p = given.model
+    s, c = np.sin(x[THETA]), np.cos(x[THETA])
+    v, w = x[PHI_DOT], x[THETA_DOT]
+    kinetic = 0.5 * p.alpha * v**2 + 0.5 * p.beta * (w**2 + (s * v) ** 2) + p.gamma * c * v * w
+    return float(kinetic + p.delta * c)
+
+
+def test_cogging_has_its_torque() -> None:
+    """The arm starts with the acceleration of the cogging torque."""
+    given = rig(cogging__torque=0.5, cogging__periods=7, cogging__phase=0.2, **NO_FRICTION)
+    start = np.array([0.3, 0.0, np.pi, 0.0])
+    states = run(given, np.zeros(1), start)
+    expected = reference.accelerations(0.0, np.pi, 0.0, -0.5 * np.sin(2.3), given.model)[0]
+    assert states[0, PHI_DOT] / 1e-3 == pytest.approx(expected, rel=1e-2)
+
+
+def test_late_readings() -> None:
+    """A reading shows the state some samples ago, the first state before that."""
+    late, sound = (
+        readings(rig(sensor_faults__reading_delay=k, sensors__ideal=True), 20) for k in (3, 0)
+    )
+    assert np.array_equal(late[3:, :4], sound[:-3, :4])
+    assert np.array_equal(late[:3, :4], np.tile(sound[0, :4], (3, 1)))
+
+
+def test_missing_readings_leave_the_others_as_they_are() -> None:
+    """NaN at the given rate, for every sensor on its own; all other readings are the same."""
+    spoilt, sound = (readings(rig(sensor_faults__missing=p), 20_000)[:, :3] for p in (0.1, 0.0))
+    missing = np.isnan(spoilt)
+    assert missing.mean(axis=0) == pytest.approx([0.1] * 3, abs=0.01)
+    assert missing.all(axis=1).mean() == pytest.approx(1e-3, abs=1e-3)
+    assert np.array_equal(spoilt[~missing], sound[~missing])
+    again = readings(rig(sensor_faults__missing=0.1), 20_000)[:, :3]
+    assert np.array_equal(np.isnan(again), missing)
+    other = readings(rig(sensor_faults__missing=0.1, seed=1), 20_000)[:, :3]
+    assert not np.array_equal(np.isnan(other), missing)
+
+
+def test_numbers_of_the_stream_are_uniform() -> None:
+    """Mean and variance of a uniform distribution, and no correlation of neighbours."""
+    drawn = np.array([[uniform(0, k, i) for i in range(3)] for k in range(5000)])
+    assert drawn.mean() == pytest.approx(0.5, abs=0.01)
+    assert drawn.var() == pytest.approx(1.0 / 12.0, abs=2e-3)
+    assert abs(np.corrcoef(drawn[:-1, 0], drawn[1:, 0])[0, 1]) < 0.05
+    assert np.abs(np.corrcoef(drawn.T) - np.eye(3)).max() < 0.05
+
+
+def test_stuck_and_biased_sensors() -> None:
+    """A stuck sensor repeats the reading before; a bias adds to the true value."""
+    stuck = readings(rig(sensor_faults__stuck="potentiometer", sensor_faults__stuck_from=0.01), 200)
+    sound = readings(rig(), 200)
+    assert np.array_equal(stuck[:10], sound[:10], equal_nan=True)
+    assert set(stuck[10:, THETA]) == {sound[9, THETA]}
+    assert np.array_equal(stuck[:, PHI_DOT], sound[:, PHI_DOT])
+    biased = readings(
+        rig(
+            sensors__ideal=True,
+            sensor_faults__arm_bias=0.1,
+            sensor_faults__arm_speed_bias=-0.2,
+            sensor_faults__pendulum_bias=0.05,
+        ),
+        20,
+    )
+    ideal = readings(rig(sensors__ideal=True), 20)
+    assert biased - ideal == pytest.approx(np.tile([0.1, -0.2, 0.05, 0.0, 0.0], (20, 1)))
