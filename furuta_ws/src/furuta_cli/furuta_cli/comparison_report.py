@@ -64,9 +64,9 @@ def _rig_table(table: Table, chosen: slice, encoder_count: float) -> Grid:
 def _sizes(scores: list[Score], encoder_count: float) -> Grid:
     rigs = scores[0].rigs
     grid = _grid(
-        f"arm, peak to peak [mrad], over {rigs} rigs, with a 95 % confidence interval; "
+        f"arm, peak to peak [mrad], over {rigs} rigs, with a 95 % confidence interval, rms u [V]; "
         f"one count is {1e3 * encoder_count:.1f}",
-        *("candidate", "median", "95 %", "worst", "fell", "rms u [V]"),
+        *("candidate", "median", "95 %", "worst", "fell", "rms u"),
     )
     for score in scores:
         grid.add_row(
