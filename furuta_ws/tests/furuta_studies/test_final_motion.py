@@ -218,8 +218,8 @@ def check_agreement(given: list[str], name: str) -> None:
 
 
 def _same_size(motion: LimitCycle, run: Outcome) -> bool:
-    if motion.kind != "oscillation":
-        return True
-    # Without a period, or close to a rest, disturbances by the sampling decide the motion.
+    if motion.kind != "oscillation" or not np.isfinite(motion.period_s):
+        return True  # without a period, the disturbance decides where the arm pauses
+    # Close to a rest, disturbances by the sampling decide the motion.
     tolerance = 0.02 if motion.rest_distance > 1e-4 else 0.3
     return abs(run.phi_peak_to_peak_rad / motion.phi_peak_to_peak_rad - 1.0) < tolerance

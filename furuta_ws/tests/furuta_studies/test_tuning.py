@@ -17,7 +17,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import values
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_studies.tuning.observed_friction import fit_friction
-from furuta_studies.tuning.plan import TuningPlan
+from furuta_studies.tuning.plan import RIVALS, TuningPlan
 from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta_studies.tuning.tuning import tune
 
@@ -223,3 +223,17 @@ def test_search_of_several_parameters_stays_in_range() -> None:
     tried = [values(trial.observer) for trial in tuned.trials]
     assert all(len({each[name] for each in tried}) > 1 for name in search)
     assert max(each["asymmetry"] for each in tried) <= 1.0
+
+
+def test_no_gain_is_an_answer() -> None:
+    """Where there is no friction, every compensator is worse than none, and none is the result."""
+    rig = SimulatedLoop(Loop(plant(Friction(alpha0=0.0, alpha1=0.0), 37)))
+    plan = TuningPlan(seconds=240.0, rivals=RIVALS)
+    start = ObserverParameters("lugre")
+    tuned = tune(rig, start, EstimatorParameters(), plan, silent)
+    assert tuned.after == tuned.uncompensated
+    assert not tuned.gain
+    assert tuned.seconds <= 240.0
+    tried = {trial.observer.compensation for trial in tuned.trials}
+    assert tried == {"lugre", *RIVALS}
+    assert min(trial.amplitude for trial in tuned.trials) > 10.0 * tuned.after.amplitude

@@ -80,7 +80,7 @@ def _gain_margins(loop_gain: np.ndarray, pendulum: np.ndarray) -> tuple[float, f
 
 def _phase_and_delay(loop_gain: np.ndarray, pendulum: np.ndarray) -> tuple[float, float]:
     """The least phase lag [rad] and the least delay [s] that destabilise the loop."""
-    difference = np.polysub(
+    difference: np.ndarray = np.polysub(
         np.polymul(loop_gain, loop_gain.conj()), np.polymul(pendulum, pendulum.conj())
     ).real
     omega = _real_roots(difference)

@@ -12,7 +12,12 @@ import numpy as np
 
 from furuta_analysis.describing_functions.steady_rotation import rotation_growth
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop, next_mode, rate, rest_near
-from furuta_analysis.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
+from furuta_analysis.limit_cycles.periodic_orbit import (
+    REST,
+    LimitCycle,
+    limit_cycle_through,
+    periodic_orbit,
+)
 from furuta_analysis.limit_cycles.rest_stability import rest_stability
 from furuta_analysis.limit_cycles.section import LONGEST_RETURN, Return, Section
 from furuta_analysis.limit_cycles.smooth_motion import (
@@ -35,6 +40,8 @@ MIN_RETURNS = 60  # followed however long they take
 WINDOWS = 20  # times without a reversal that the motion is followed on
 MAX_TURNS = 4  # largest number of upper reversals per period
 NEARBY = 0.05  # relative change of the section point below which Newton's method is started
+REPEATED = 1e-7  # relative change of the section point that is no change
+MUCH_CLOSER = 0.1  # ratio of such changes from which another period than the failed one is tried
 STEADY = 0.01  # relative change of speed over the longest return of a steady rotation
 STILL = 1e-6  # largest speed [rad/s] and angle [rad] of the pendulum in a steady rotation
 FRICTIONLESS = 1e-9  # [V]
@@ -117,16 +124,27 @@ class _Search:
         After failures it is tried less and less often: the motion may pass slowly where a cycle has
         just disappeared.
         """
-        for turns in _recurrences(self._points):
-            cycle = periodic_orbit(self._section, self._points[-1], turns, self._largest)
+        failed = np.inf  # closeness of a recurrence from which Newton's method failed
+        for turns, closeness in _recurrences(self._points):
+            if closeness > MUCH_CLOSER * failed:
+                continue  # a multiple of that period, which would fail too
+            cycle = self._cycle_near_last(turns, closeness)
             # The motion ends in a stable cycle. Newton's method may find an unstable one nearby.
             if cycle is not None and cycle.stable:
                 return cycle
             self._failures += 1
             self._next_attempt = number + 1 + self._failures // 3
             if cycle is None:
-                break  # multiples of this period would fail too
+                failed = closeness
         return None
+
+    def _cycle_near_last(self, turns: int, closeness: float) -> LimitCycle | None:
+        point = self._points[-1]
+        cycle = periodic_orbit(self._section, point, turns, self._largest)
+        if cycle is None and closeness < REPEATED:
+            # Newton's method needs a smooth map; beside an unstable rest it may not be.
+            return limit_cycle_through(self._section, point, turns, self._largest)
+        return cycle
 
     def _without_return(self, end: Return) -> LimitCycle | None:
         """A steady rotation, or None: then the motion is followed on."""
@@ -224,14 +242,14 @@ def _size(end: Return) -> float:
     return float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
 
 
-def _recurrences(points: list[np.ndarray]) -> list[int]:
-    """Numbers of reversals after which the motion nearly repeats; empty if it does not yet."""
-    near = NEARBY * np.linalg.norm(points[-1])
-    return [
-        turns
+def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
+    """Numbers of reversals after which the motion nearly repeats, and the relative change then."""
+    size = float(np.linalg.norm(points[-1]))
+    changes = [
+        (turns, float(np.linalg.norm(points[-1] - points[-1 - turns])))
         for turns in range(1, min(MAX_TURNS, len(points) - 1) + 1)
-        if np.linalg.norm(points[-1] - points[-1 - turns]) < near
     ]
+    return [(turns, change / size) for turns, change in changes if change < NEARBY * size]
 
 
 def _is_steady(y: np.ndarray, loop: IdealLoop) -> bool:

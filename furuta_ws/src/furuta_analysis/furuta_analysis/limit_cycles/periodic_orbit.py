@@ -86,13 +86,13 @@ def periodic_orbit(
             return None
         s = s + correction
         if np.linalg.norm(correction) < TOLERANCE * size:
-            return _limit_cycle_through(section, s, turns, size)
+            return limit_cycle_through(section, s, turns, size)
         if np.linalg.norm(correction) > 10.0 * max(size, float(np.linalg.norm(guess))):
             return None
     return None
 
 
-def _limit_cycle_through(
+def limit_cycle_through(
     section: Section, s: np.ndarray, turns: int, size: float
 ) -> LimitCycle | None:
     """The periodic motion through the fixed point ``s``; None if the arm is at rest."""

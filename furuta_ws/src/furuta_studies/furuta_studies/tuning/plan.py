@@ -26,9 +26,9 @@ class TuningPlan(NamedTuple):
     """Which parameters are tuned, for how long, and within which guard.
 
     ``fit`` are fitted to the observed friction, ``search`` are then found by trials of the LuGre
-    compensator; ``rivals`` are other compensations that are tried once. ``seconds`` [s] is the
-    total pendulum time, ``arm_guard`` [rad] the largest allowed peak-to-peak angle of the arm and
-    ``pendulum_guard`` [rad] the largest allowed angle of the pendulum.
+    compensator; ``rivals`` are other compensations, tried once if there is time. ``seconds`` [s] is
+    the total pendulum time, ``arm_guard`` [rad] the largest allowed peak-to-peak angle of the arm
+    and ``pendulum_guard`` [rad] the largest allowed angle of the pendulum.
     """
 
     fit: tuple[str, ...] = FITTED
@@ -56,9 +56,8 @@ class TuningPlan(NamedTuple):
     @property
     def max_trials(self) -> int:
         """Number of candidates for which the search has time."""
-        return int(
-            (self.seconds - self._seconds_besides_search) // (SETTLING_TIME + MEASURING_TIME)
-        )
+        left = self.seconds - self._seconds_besides_search - self.seconds_for_rivals
+        return int(left // (SETTLING_TIME + MEASURING_TIME))
 
     @property
     def min_seconds(self) -> float:
@@ -70,5 +69,10 @@ class TuningPlan(NamedTuple):
     def _seconds_besides_search(self) -> float:
         friction = FRICTION_SETTLING_TIME + FRICTION_RECORDING_TIME
         final = FINALISTS * (SETTLING_TIME + FINAL_MEASURING_TIME)
-        single = (1 + len(self.rivals)) * (SETTLING_TIME + MEASURING_TIME)
-        return friction + single + final
+        return friction + SETTLING_TIME + MEASURING_TIME + final
+
+    @property
+    def seconds_for_rivals(self) -> float:
+        """Pendulum time [s] for one trial of each of the rivals; 0 if there is not enough."""
+        needed = len(self.rivals) * (SETTLING_TIME + MEASURING_TIME)
+        return needed if self.seconds >= self.min_seconds + needed else 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_friction.compensation import ObserverParameters
-from furuta_ros.errors import UserError
+from furuta_model.parameters import ParameterError
 from furuta_studies.tuning.plan import TuningPlan
 from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta_studies.tuning.tuning import ProgressCallback, tune
@@ -14,9 +14,9 @@ PLAN = TuningPlan(arm_guard=100.0, pendulum_guard=1.5)
 
 
 def tuned_observer(loop: Loop, report: ProgressCallback) -> ObserverParameters:
-    """The tuned friction observer of ``loop``; :class:`UserError` if it cannot be tuned."""
+    """The tuned friction observer of ``loop``; :class:`ParameterError` if it cannot be tuned."""
     try:
         result = tune(SimulatedLoop(loop), loop.observer, loop.estimator, PLAN, report)
     except (GuardError, ValueError) as error:
-        raise UserError(f"cannot tune the compensator of this loop: {error}") from None
+        raise ParameterError(f"cannot tune the compensator of this loop: {error}") from None
     return result.after.observer

@@ -125,6 +125,9 @@ class _Tuner:
 
     def _search(self, start: ObserverParameters) -> None:
         minimise_amplitude(self._try, start, self._plan.search, self._plan.max_trials)
+        if self._plan.rivals and not self._plan.seconds_for_rivals:
+            self._report("no time left to try the other compensations")
+            return
         for rival in self._plan.rivals:
             self._try(start._replace(compensation=rival))
 
