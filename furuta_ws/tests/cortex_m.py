@@ -1,0 +1,150 @@
+"""Runs firmware as machine code of a Cortex-M processor, in the emulator unicorn."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from unicorn import UC_ARCH_ARM, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
+from unicorn.arm_const import (
+    UC_ARM_REG_LR,
+    UC_ARM_REG_PC,
+    UC_ARM_REG_R0,
+    UC_ARM_REG_R1,
+    UC_ARM_REG_R2,
+    UC_ARM_REG_SP,
+    UC_CPU_ARM_CORTEX_M0,
+    UC_CPU_ARM_CORTEX_M4,
+)
+
+from furuta_rig.emulator.compiled_firmware import LOG_FACTOR
+from furuta_rig.emulator.firmware_compiler import compile_firmware, emulated_sources
+
+# Processor name of the compiler, and model of the emulator. The RP2040 has the first.
+PROCESSORS = {"cortex_m0plus": UC_CPU_ARM_CORTEX_M0, "cortex_m4": UC_CPU_ARM_CORTEX_M4}
+MACHINE = "-target", "thumb-freestanding-eabi", "-fno-unwind-tables"
+ARGUMENTS = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2)
+
+# Memory map: the program is linked below 1 MiB.
+PROGRAM, PROGRAM_SIZE = 0, 0x100000
+RETURN = 0x200000  # where the outermost function returns to
+SCRIPT, LOG, BLOCK = 0x10000000, 0x20000000, 0x1000000
+STACK, STACK_SIZE = 0x40000000, 0x10000
+UNTOUCHED = b"\xa5"
+SYMBOL_TABLE, ALLOCATED, NO_BITS, WRITABLE = 2, 2, 8, 1
+
+
+class Section(NamedTuple):
+    """A section header of a 32-bit ELF file."""
+
+    name: int
+    kind: int
+    flags: int
+    address: int
+    offset: int
+    size: int
+    link: int
+    info: int
+    alignment: int
+    entry: int
+
+
+class Elf:
+    """A 32-bit little-endian ELF file: what is loaded, sizes, and addresses of functions."""
+
+    def __init__(self, path: Path) -> None:
+        self._data = path.read_bytes()
+        (offset,) = struct.unpack_from("<I", self._data, 32)
+        size, count = struct.unpack_from("<HH", self._data, 46)
+        self.sections = [
+            Section(*struct.unpack_from("<10I", self._data, offset + k * size))
+            for k in range(count)
+        ]
+
+    def loaded(self) -> list[tuple[int, bytes]]:
+        """Address and content of what is in memory at the start, without zeros."""
+        parts = (each for each in self.sections if each.flags & ALLOCATED)
+        return [(s.address, self._content(s)) for s in parts if s.kind != NO_BITS]
+
+    def code_size(self) -> int:
+        """Code and constants [bytes]."""
+        return sum(s.size for s in self._allocated() if s.kind != NO_BITS)
+
+    def memory_size(self) -> int:
+        """Static memory [bytes]."""
+        return sum(s.size for s in self._allocated() if s.flags & WRITABLE)
+
+    def functions(self) -> dict[str, int]:
+        """Addresses of all symbols by name."""
+        (table,) = (each for each in self.sections if each.kind == SYMBOL_TABLE)
+        names = self._content(self.sections[table.link])
+        symbols = struct.iter_unpack("<IIIBBH", self._content(table))
+        return {names[at : names.index(b"\0", at)].decode(): value for at, value, *_ in symbols}
+
+    def _allocated(self) -> list[Section]:
+        return [each for each in self.sections if each.flags & ALLOCATED]
+
+    def _content(self, section: Section) -> bytes:
+        return self._data[section.offset : section.offset + section.size]
+
+
+class CortexM:
+    """A processor with the firmware on the emulated board in its memory."""
+
+    def __init__(self, processor: str, directory: Path) -> None:
+        file = directory / f"{processor}.elf"
+        options = *MACHINE, f"-mcpu={processor}", "-g", "-Wl,-e,emulated_replay"
+        compile_firmware(emulated_sources(), file, *options)
+        elf = Elf(file)
+        self.functions = elf.functions()
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self.uc.ctl_set_cpu_model(PROCESSORS[processor])
+        blocks = (PROGRAM, PROGRAM_SIZE), (RETURN, 0x1000), (SCRIPT, BLOCK), (LOG, BLOCK)
+        for address, size in (*blocks, (STACK, STACK_SIZE)):
+            self.uc.mem_map(address, size)
+        for address, content in elf.loaded():
+            self.uc.mem_write(address, content)
+
+    def call(self, function: str, *arguments: int) -> int:
+        """Call a C function to its end; returns its result."""
+        self.begin(function, *arguments)
+        self.uc.emu_start(self.functions[function] | 1, RETURN)
+        assert self.uc.reg_read(UC_ARM_REG_PC) == RETURN
+        return int(self.uc.reg_read(UC_ARM_REG_R0))
+
+    def begin(self, function: str, *arguments: int, stack: int = STACK + STACK_SIZE) -> None:
+        """Prepare a call."""
+        for register, value in zip(ARGUMENTS, arguments, strict=False):
+            self.uc.reg_write(register, value)
+        self.uc.reg_write(UC_ARM_REG_SP, stack)
+        self.uc.reg_write(UC_ARM_REG_LR, RETURN | 1)
+        self.uc.reg_write(UC_ARM_REG_PC, self.functions[function] | 1)
+
+    def replay(self, script: bytes) -> bytes:
+        """Replay a script; returns the log."""
+        assert LOG_FACTOR * len(script) < BLOCK
+        self.uc.mem_write(SCRIPT, script)
+        size = self.call("emulated_replay", SCRIPT, len(script), LOG)
+        return bytes(self.uc.mem_read(LOG, size))
+
+    def count(self, function: str, *arguments: int) -> int:
+        """Call a function and return the number of instructions that it executes."""
+        executed = 0
+
+        def on_instruction(*_: object) -> None:
+            nonlocal executed
+            executed += 1
+
+        hook = self.uc.hook_add(UC_HOOK_CODE, on_instruction)
+        self.call(function, *arguments)
+        self.uc.hook_del(hook)
+        return executed
+
+    def stack_use(self, run: Callable[[], object]) -> int:
+        """Return how many bytes of stack ``run`` uses."""
+        self.uc.mem_write(STACK, UNTOUCHED * STACK_SIZE)
+        run()
+        content = bytes(self.uc.mem_read(STACK, STACK_SIZE))
+        return len(content.lstrip(UNTOUCHED))
