@@ -27,11 +27,13 @@ PROCESSORS = {"cortex_m0plus": UC_CPU_ARM_CORTEX_M0, "cortex_m4": UC_CPU_ARM_COR
 MACHINE = "-target", "thumb-freestanding-eabi", "-fno-unwind-tables"
 ARGUMENTS = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2)
 
-# Memory map: the program is linked below 1 MiB.
-PROGRAM, PROGRAM_SIZE = 0, 0x100000
-RETURN = 0x200000  # where the outermost function returns to
+# Memory map: the program is linked below 256 KiB.
+PROGRAM, PROGRAM_SIZE = 0, 0x40000
+RETURN = 0x100000  # where the outermost function returns to
 SCRIPT, LOG, BLOCK = 0x10000000, 0x20000000, 0x1000000
 STACK, STACK_SIZE = 0x40000000, 0x10000
+# What a processor saves on the stack before an interrupt [bytes].
+FRAME = 32
 UNTOUCHED = b"\xa5"
 SYMBOL_TABLE, ALLOCATED, NO_BITS, WRITABLE = 2, 2, 8, 1
 
@@ -93,7 +95,9 @@ class Elf:
 class CortexM:
     """A processor with the firmware on the emulated board in its memory."""
 
-    def __init__(self, processor: str, directory: Path) -> None:
+    def __init__(self, processor: str, directory: Path, stepping: bool = False) -> None:
+        # unicorn stops after a number of instructions only in code that it has translated for this.
+        self._limit = 2**40 if stepping else 0
         file = directory / f"{processor}.elf"
         options = *MACHINE, f"-mcpu={processor}", "-g", "-Wl,-e,emulated_replay"
         compile_firmware(emulated_sources(), file, *options)
@@ -109,12 +113,12 @@ class CortexM:
 
     def call(self, function: str, *arguments: int) -> int:
         """Call a C function to its end; returns its result."""
-        self.begin(function, *arguments)
-        self.uc.emu_start(self.functions[function] | 1, RETURN)
+        self._begin(function, *arguments)
+        self._run()
         assert self.uc.reg_read(UC_ARM_REG_PC) == RETURN
         return int(self.uc.reg_read(UC_ARM_REG_R0))
 
-    def begin(self, function: str, *arguments: int, stack: int = STACK + STACK_SIZE) -> None:
+    def _begin(self, function: str, *arguments: int, stack: int = STACK + STACK_SIZE) -> None:
         """Prepare a call."""
         for register, value in zip(ARGUMENTS, arguments, strict=False):
             self.uc.reg_write(register, value)
@@ -129,16 +133,30 @@ class CortexM:
         size = self.call("emulated_replay", SCRIPT, len(script), LOG)
         return bytes(self.uc.mem_read(LOG, size))
 
-    def count(self, function: str, *arguments: int) -> int:
-        """Call a function and return the number of instructions that it executes."""
+    def count(self, script: bytes) -> int:
+        """Replay a script; return how many instructions the firmware executes for it.
+
+        Those of the script's interpreter are not counted, because a board has none.
+        """
+        return self._count(lambda: self.replay(script), without="emulated_replay")
+
+    def count_function(self, function: str) -> int:
+        """Call a function; return how many instructions it executes."""
+        return self._count(lambda: self.call(function))
+
+    def _count(self, run: Callable[[], object], without: str = "") -> int:
         executed = 0
+        begin = self.functions[without] & ~1
+        later = [each for each in self.functions.values() if each > begin + 1]
+        end = min(later, default=PROGRAM_SIZE) if without else begin
 
-        def on_instruction(*_: object) -> None:
+        def on_instruction(_: object, address: int, *__: object) -> None:
             nonlocal executed
-            executed += 1
+            executed += not begin <= address < end
 
+        self.uc.ctl_flush_tb()  # code that was translated before would not be counted
         hook = self.uc.hook_add(UC_HOOK_CODE, on_instruction)
-        self.call(function, *arguments)
+        run()
         self.uc.hook_del(hook)
         return executed
 
@@ -148,3 +166,48 @@ class CortexM:
         run()
         content = bytes(self.uc.mem_read(STACK, STACK_SIZE))
         return len(content.lstrip(UNTOUCHED))
+
+    def state(self) -> bytes:
+        """The program's memory."""
+        return bytes(self.uc.mem_read(PROGRAM, PROGRAM_SIZE))
+
+    def restore(self, state: bytes) -> None:
+        """Go back to the state of an earlier time."""
+        self.uc.mem_write(PROGRAM, state)
+
+    def replay_interrupted(self, after: int, script: bytes) -> tuple[bool, bytes]:
+        """Replay a script, with ``furuta_tick`` as an interrupt after so many instructions.
+
+        While the firmware holds off the interrupt, it waits. Returns whether it came before the
+        end, and the log. Needs ``stepping``.
+        """
+        self.uc.mem_write(SCRIPT, script)
+        self._begin("emulated_replay", SCRIPT, len(script), LOG)
+        interrupted = self._interrupt(after)
+        size = self.uc.reg_read(UC_ARM_REG_R0)
+        return interrupted, bytes(self.uc.mem_read(LOG, size))
+
+    def _interrupt(self, after: int) -> bool:
+        self._run(after)
+        while not self._ended() and self._locked():
+            self._run(1)
+        if self._ended():
+            return False
+        registers = self.uc.context_save()
+        stack = self.uc.reg_read(UC_ARM_REG_SP) - FRAME & ~7
+        self._begin("furuta_tick", stack=stack)
+        self._run()
+        self.uc.context_restore(registers)
+        self._run()
+        return True
+
+    def _run(self, instructions: int | None = None) -> None:
+        """Continue for so many instructions, or to the end."""
+        start = self.uc.reg_read(UC_ARM_REG_PC) | 1
+        self.uc.emu_start(start, RETURN, count=instructions or self._limit)
+
+    def _ended(self) -> bool:
+        return bool(self.uc.reg_read(UC_ARM_REG_PC) == RETURN)
+
+    def _locked(self) -> bool:
+        return self.uc.mem_read(self.functions["locks"], 1) != b"\0"

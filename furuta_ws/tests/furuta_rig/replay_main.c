@@ -6,7 +6,7 @@
 
 uint32_t emulated_replay(const uint8_t *begin, uint32_t size, uint8_t *log);
 
-enum { SCRIPT_SIZE = 1 << 24, LOG_FACTOR = 64 };
+enum { SCRIPT_SIZE = 1 << 18, LOG_FACTOR = 64 };
 
 int main(void) {
     uint8_t *script = malloc(SCRIPT_SIZE);
