@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from random import Random
 from typing import NamedTuple
+from zlib import crc32
 
 from furuta_rig.emulator.compiled_firmware import (
     ANY_TIMING,
@@ -15,7 +16,7 @@ from furuta_rig.emulator.compiled_firmware import (
 )
 from furuta_rig.emulator.firmware import Firmware
 from furuta_rig.protocol import frames
-from furuta_rig.protocol.frames import encode
+from furuta_rig.protocol.frames import encode, stuff
 
 # Sample numbers near these are where arithmetic on 32 bits could go wrong.
 WRAP_AROUNDS = (0, 2**31, 2**32)
@@ -104,7 +105,8 @@ class Schedule:
     def _jump(self) -> None:
         random = self._random
         number = (random.choice(WRAP_AROUNDS) + random.randrange(-5, 5)) % 2**32
-        self.set_numbers(number, (number - random.choice((0, 1, 2, 2**31))) % 2**32)
+        age = random.choice((0, 1, 2, 2**31, random.randrange(2**32)))
+        self.set_numbers(number, (number - age) % 2**32)
 
     def _add_bytes(self) -> None:
         random = self._random
@@ -121,6 +123,8 @@ class Schedule:
         self.frames += 1
         if self._sent and random.random() < 0.1:
             return random.choice(self._sent[-20:])  # repeated or late
+        if random.random() < 0.03:
+            return self._of_another_length()
         frame = encode(self._new_frame())
         self._sent.append(frame)
         return frame
@@ -141,6 +145,15 @@ class Schedule:
         if kind < 0.97:
             return self._hello()
         return random.choice((frames.WelcomeFrame(1, session, 1000, 5), sensors(session)))
+
+    def _of_another_length(self) -> bytes:
+        """A frame with a right CRC, whose type has another length."""
+        random = self._random
+        body = bytes((random.choice((1, 2, 3, 4, random.randrange(256))),))
+        body += (self.firmware.session or 0).to_bytes(2, "little")
+        body += self.firmware.number.to_bytes(4, "little") + bytes(random.randrange(57))
+        body = body[: random.randrange(len(body) + 1)] if random.random() < 0.5 else body
+        return stuff(body + crc32(body).to_bytes(4, "little")) + b"\0"
 
     def _age(self) -> int:
         random, watchdog = self._random, self.firmware.watchdog
@@ -171,7 +184,8 @@ class Schedule:
         if kind < 0.7:
             return frame
         if kind < 0.8:
-            return frame[:at] + bytes((random.randrange(256),)) + frame[at + 1 :]
+            byte = random.choice((random.randrange(256), (frame[at] + 1) % 256))
+            return frame[:at] + bytes((byte,)) + frame[at + 1 :]
         if kind < 0.85:
             return frame[at:]
         if kind < 0.9:
@@ -180,8 +194,9 @@ class Schedule:
             return frame[:-1]  # the next frame is joined to it
         if kind < 0.96:
             return frame + b"\0" * random.randrange(1, 4)
-        garbage = random.randbytes(random.randrange(90))
-        return (garbage if kind < 0.98 else garbage.replace(b"\0", b"\1")) + frame
+        if kind < 0.98:
+            return random.randbytes(random.randrange(90)) + frame
+        return b"\1" * random.randrange(60, 70) + random.choice((b"\0", b"")) + frame
 
 
 def sensors(session: int) -> frames.SensorsFrame:
