@@ -20,7 +20,10 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/firmware/core", glob("firmware/core/*")),
-        (f"share/{NAME}/firmware/boards/emulated", glob("firmware/boards/emulated/*")),
+        *(
+            (f"share/{NAME}/firmware/boards/{board}", glob(f"firmware/boards/{board}/*"))
+            for board in ("avr", "emulated", "rp2040", "teensy4")
+        ),
     ],
     extras_require={"firmware": ["ziglang"], "test": ["pytest", "unicorn"]},
     zip_safe=False,

@@ -16,12 +16,10 @@ try:
 except ImportError:  # only this needs it
     ziglang = None
 
-# C99 and all warnings as errors. Nothing is linked to it: neither a C library nor a run-time.
-OPTIONS = (
-    *("-std=c99", "-ffreestanding", "-nostdlib", "-Os", "-ffunction-sections"),
-    *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes"),
-    *("-Wmissing-prototypes", "-Wfloat-conversion", "-Wdouble-promotion", "-Werror"),
-)
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
+# Nothing is linked to the firmware: neither a C library nor a run-time.
+ALONE = ("-Os", "-ffreestanding", "-nostdlib")
+OPTIONS = ("-std=c99", *ALONE, *WARNINGS, "-Wstrict-prototypes", "-Wmissing-prototypes")
 
 
 def firmware_directory() -> Path:
@@ -51,11 +49,16 @@ def compiler() -> Path:
 def compile_firmware(sources: list[Path], out: Path, *options: str) -> None:
     """Compile C files into ``out``. Raises :class:`ParameterError` with what the compiler says."""
     core = firmware_directory() / "core"
-    command = [compiler(), "cc", *OPTIONS, *options, f"-I{core}", "-o", out, *sources]
+    run_compiler("cc", *OPTIONS, *options, f"-I{core}", "-o", out, *sources)
+
+
+def run_compiler(*arguments: str | Path) -> None:
+    """Run the compiler. Raises :class:`ParameterError` with what it says."""
     with tempfile.TemporaryDirectory() as cache:
         environment = os.environ | dict.fromkeys(
             ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"), cache
         )
+        command = [compiler(), *arguments]
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if done.returncode != 0:
         raise ParameterError(f"the C firmware cannot be compiled: {done.stderr.strip()}")
