@@ -173,30 +173,24 @@ class Schedule:
         random = self._random
         version = frames.VERSION if random.random() < 0.9 else random.randrange(256)
         session = random.randrange(2**16)
-        return frames.HelloFrame(
-            version, session, random.choice(PERIODS), random.choice(WATCHDOGS)
-        )
+        return frames.HelloFrame(version, session, random.choice(PERIODS), random.choice(WATCHDOGS))
 
     def _damaged(self, frame: bytes) -> bytes:
         random = self._random
-        kind = random.random()
         at = random.randrange(len(frame))
-        if kind < 0.7:
-            return frame
-        if kind < 0.8:
-            byte = random.choice((random.randrange(256), (frame[at] + 1) % 256))
-            return frame[:at] + bytes((byte,)) + frame[at + 1 :]
-        if kind < 0.85:
-            return frame[at:]
-        if kind < 0.9:
-            return frame[:at] + random.randbytes(random.randrange(1, 4)) + frame[at:]
-        if kind < 0.93:
-            return frame[:-1]  # the next frame is joined to it
-        if kind < 0.96:
-            return frame + b"\0" * random.randrange(1, 4)
-        if kind < 0.98:
-            return random.randbytes(random.randrange(90)) + frame
-        return b"\1" * random.randrange(60, 70) + random.choice((b"\0", b"")) + frame
+        byte = random.choice((random.randrange(256), (frame[at] + 1) % 256))
+        damages = {
+            frame: 70,
+            frame[:at] + bytes((byte,)) + frame[at + 1 :]: 10,
+            frame[at:]: 5,
+            frame[:at] + random.randbytes(random.randrange(1, 4)) + frame[at:]: 5,
+            frame[:-1]: 3,  # the next frame is joined to it
+            frame + b"\0\0": 3,
+            random.randbytes(random.randrange(90)) + frame: 2,
+            b"\1" * random.randrange(60, 70) + random.choice((b"\0", b"")) + frame: 2,
+        }
+        (damaged,) = random.choices([*damages], [*damages.values()])
+        return damaged
 
 
 def sensors(session: int) -> frames.SensorsFrame:

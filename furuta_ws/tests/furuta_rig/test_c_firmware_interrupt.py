@@ -59,21 +59,13 @@ def outcome(log: bytes) -> tuple[State, bytes]:
     return entries[-1][1], b"".join(out for out, _ in entries)
 
 
-@pytest.fixture(scope="module")
-def machine(zig: None, tmp_path_factory: pytest.TempPathFactory) -> CortexM:
-    """A processor that can be stopped at any instruction."""
-    pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
-    from cortex_m import CortexM
-
-    return CortexM("cortex_m4", tmp_path_factory.mktemp("firmware"), stepping=True)
-
-
 @pytest.mark.parametrize("name", CASES)
-def test_interrupt_at_every_instruction(machine: CortexM, name: str) -> None:
+def test_interrupt_at_every_instruction(stepping: CortexM, name: str) -> None:
     """State and bytes are those of the sample before the frame or of the sample after it.
 
     A sample that Hello overtakes belongs to no session any more and is not sent.
     """
+    machine = stepping
     machine.replay(script_before(*CASES[name]))
     state = machine.state()
     allowed = []
