@@ -23,7 +23,7 @@ from furuta_rig.emulator.firmware_compiler import compile_firmware, emulated_sou
 
 # Processor name of the compiler, and model of the emulator. The RP2040 has the first.
 PROCESSORS = {"cortex_m0plus": UC_CPU_ARM_CORTEX_M0, "cortex_m4": UC_CPU_ARM_CORTEX_M4}
-MACHINE = "-target", "thumb-freestanding-eabi", "-fno-unwind-tables"
+MACHINE = "-target", "thumb-freestanding-eabi", "-fno-unwind-tables", "-Werror"
 ARGUMENTS = (UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2)
 
 # Memory map: the program is linked below 256 KiB.

@@ -15,6 +15,8 @@ from random import Random
 import pytest
 from firmware_schedules import Schedule, assert_same, random_schedule
 
+from furuta_model.parameters import ParameterError
+from furuta_rig.emulator import firmware_compiler
 from furuta_rig.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
 from furuta_rig.emulator.emulated_rig import EmulatedRig
 from furuta_rig.emulator.faults import Faults
@@ -208,3 +210,10 @@ def test_two_rigs_do_not_share_memory(zig: None) -> None:
     first, second = CompiledFirmware(-100, 100, 0), CompiledFirmware(-100, 100, 0)
     first.receive(encode(frames.HelloFrame(1, 9, 1000, 5)))
     assert (first.session, second.session) == (9, None)
+
+
+def test_without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One line says what is missing."""
+    monkeypatch.setattr(firmware_compiler, "ziglang", None)
+    with pytest.raises(ParameterError, match="install the Python package ziglang"):
+        CompiledFirmware(-100, 100, 0)

@@ -34,7 +34,7 @@ def test_boards_compile(zig: None, board: str, tmp_path: Path) -> None:
     includes = (f"-I{folder}" for folder in folders)
     source = firmware / "boards" / board / f"{board}.ino"
     out = tmp_path / "board.o"
-    options = *TARGETS[board], *ALONE, *WARNINGS, *includes
+    options = *TARGETS[board], *ALONE, *WARNINGS, "-Werror", *includes
     run_compiler("c++", "-c", *options, *language, "-o", out, source)
     assert out.stat().st_size > 0
 

@@ -50,7 +50,7 @@ def sizes(target: str, directory: Path) -> tuple[int, int]:
     code = memory = 0
     for source in core_sources():
         out = directory / f"{source.stem}.o"
-        compile_firmware([source], out, *TARGETS[target], "-fno-unwind-tables", "-c")
+        compile_firmware([source], out, *TARGETS[target], "-fno-unwind-tables", "-Werror", "-c")
         elf = Elf(out)
         code, memory = code + elf.code_size(), memory + elf.memory_size()
     return code, memory

@@ -52,6 +52,7 @@ class CompiledFirmware:
         self._codes = (low, high, zero)
         self.fault = False
         self._driven_before = 0  # a reboot
+        self._outbox = b""
         self._power_on()
 
     def reboot(self) -> None:

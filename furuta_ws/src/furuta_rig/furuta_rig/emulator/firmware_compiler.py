@@ -16,7 +16,7 @@ try:
 except ImportError:  # only this needs it
     ziglang = None
 
-WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow")
 # Nothing is linked to the firmware: neither a C library nor a run-time.
 ALONE = ("-Os", "-ffreestanding", "-nostdlib")
 OPTIONS = ("-std=c99", *ALONE, *WARNINGS, "-Wstrict-prototypes", "-Wmissing-prototypes")
