@@ -72,7 +72,8 @@ def kill(rig: Any, random: Random, session: int) -> tuple[int, int]:
         os.kill(host, signal.SIGKILL)
         os.waitpid(host, 0)
     dead = monotonic_ns()
-    wait_for(rig, "sample", WATCHDOG + 10)
+    while monotonic_ns() < dead + (WATCHDOG + 10) * PERIOD:
+        wait_for(rig, "sample", 1)
     return dead, monotonic_ns()
 
 
@@ -86,9 +87,11 @@ def test_killed_host(emulate: Any, tmp_path: Path) -> None:
     time, volts = log["time_ns"], log["volts"]
     driven = 0
     for dead, end in kills:
-        after = (time > dead + WATCHDOG * PERIOD) & (time < end)
-        assert np.any(after)
-        assert np.all(volts[after] == 0.0)
-        # On a loaded machine the host may have been late, and the rig stopped, before the kill.
-        driven += np.any(volts[(time > dead - 2 * PERIOD) & (time < dead)] != 0.0)
+        after = volts[(time > dead + WATCHDOG * PERIOD) & (time < end)]
+        assert np.all(after == 0.0)
+        # On a loaded machine the host may be late, and the rig stopped before the kill, or the rig
+        # is late and has no sample yet.
+        before = volts[(time > dead - 2 * PERIOD) & (time < dead)]
+        driven += bool(np.any(before != 0.0) and len(after) > 0)
+    print(f"\n{driven} of {KILLS} kills while driven")
     assert driven > KILLS // 2
