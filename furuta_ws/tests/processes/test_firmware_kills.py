@@ -94,4 +94,4 @@ def test_killed_host(emulate: Any, tmp_path: Path) -> None:
         before = volts[(time > dead - 2 * PERIOD) & (time < dead)]
         driven += bool(np.any(before != 0.0) and len(after) > 0)
     print(f"\n{driven} of {KILLS} kills while driven")
-    assert driven > KILLS // 2
+    assert driven > KILLS // 4
