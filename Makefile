@@ -4,6 +4,8 @@ demo:
 	./furuta demo
 
 test:
+	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
+		--requirement firmware/requirements.lock
 	tools/in_environment python -m pytest furuta_ws/tests -m "not realtime" --numprocesses auto
 	tools/in_environment python -m pytest furuta_ws/tests -m realtime
 

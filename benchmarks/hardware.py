@@ -1,11 +1,11 @@
 """Compares the graph on an emulated rig behind a pseudo-terminal with the simulated plant.
 
-    tools/in_environment python benchmarks/hardware.py [SECONDS] [--lockstep]
+    tools/in_environment python benchmarks/hardware.py [SECONDS] [--lockstep] [--firmware]
 
 Prints one JSON object with, for each compensation: the arm's peak-to-peak angle in windows of 5 s
 (median) and its RMS on the rig and in simulation, their ratios, the fraction of samples answered
 before the next one, and the reasons of stops. A delay of the machine beyond the limits is such a
-reason; the run continues after it.
+reason; the run continues after it. With --firmware the rig runs the C firmware for boards.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def spin(graph: HardwareGraph, seconds: float) -> None:
         graph.executor.spin_once(timeout_sec=0.05)
 
 
-def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
+def run(compensation: str, seconds: float, options: list[str]) -> dict[str, Any]:
     """Drive the rig for ``seconds``, armed again after every stop.
 
     In lock-step the rig waits for every answer, so delays of the machine do not change the result.
@@ -51,14 +51,14 @@ def run(compensation: str, seconds: float, lockstep: bool) -> dict[str, Any]:
             [
                 executable("furuta_hw", "rig_emulator"),
                 *("--link", port, "--monitor", monitor),
-                *(("--lockstep",) if lockstep else ()),
+                *options,
             ],
             stdout=subprocess.PIPE,
         )
         assert rig.stdout is not None
         rig.stdout.readline()
         file = Path(directory) / "rig.yaml"
-        file.write_text(f"limits: {PATIENT if lockstep else {}}")
+        file.write_text(f"limits: {PATIENT if '--lockstep' in options else {}}")
         settings = load_settings(
             [],
             [
@@ -123,13 +123,13 @@ def simulated(compensation: str, seconds: float) -> dict[str, Any]:
 
 def main() -> None:
     """Measure with and without compensation."""
-    lockstep = "--lockstep" in sys.argv
+    options = [each for each in sys.argv[1:] if each.startswith("--")]
     given = [each for each in sys.argv[1:] if not each.startswith("--")]
     seconds = float(given[0]) if given else SECONDS
     result = {}
     for compensation in ("none", "lugre"):
         rclpy.init(args=[])
-        rig = run(compensation, seconds, lockstep)
+        rig = run(compensation, seconds, options)
         rclpy.shutdown()
         expected = simulated(compensation, 505.0)
         ratios = {

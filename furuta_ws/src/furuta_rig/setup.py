@@ -1,3 +1,5 @@
+from glob import glob
+
 from setuptools import find_packages, setup
 
 NAME = "furuta_rig"
@@ -17,7 +19,12 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/firmware/core", glob("firmware/core/*")),
+        *(
+            (f"share/{NAME}/firmware/boards/{board}", glob(f"firmware/boards/{board}/*"))
+            for board in ("avr", "emulated", "rp2040", "teensy4")
+        ),
     ],
-    extras_require={"test": ["pytest"]},
+    extras_require={"firmware": ["ziglang"], "test": ["pytest", "unicorn"]},
     zip_safe=False,
 )

@@ -119,6 +119,12 @@ def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float
     return bridge
 
 
+def needs_compiler(options: tuple[str, ...]) -> None:
+    """The C firmware needs ziglang, which make test installs."""
+    if "--firmware" in options:
+        pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
+
+
 # Wide enough that a delay of the machine does not end a run in lock-step.
 PATIENT = {"command_age": 5.0, "measurement_age": 5.0, "estimate_age": 5.0}
 
@@ -149,16 +155,20 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     assert any(np.array_equal(quantised[k : k + tail], volts) for k in range(len(quantised) - tail))
 
 
-@pytest.mark.parametrize("compensation", ["none", "lugre"])
+@pytest.mark.parametrize(
+    ("compensation", "options"), [("none", ()), ("lugre", ()), ("none", ("--firmware",))]
+)
 def test_limit_cycle_is_the_simulated_one(
-    bench: Bench, emulate: Any, tmp_path: Path, compensation: str
+    bench: Bench, emulate: Any, tmp_path: Path, compensation: str, options: tuple[str, ...]
 ) -> None:
     """The arm's peak-to-peak angle over 5 s is within those of the simulation, to 10 %.
 
-    Without compensation all windows of 5 s agree. With LuGre compensation the motion is below one
-    count of the encoder and varies by half between windows. benchmarks/hardware.py runs longer.
+    Without compensation all windows of 5 s agree, also with the C firmware. With LuGre compensation
+    the motion is below one count of the encoder and varies by half between windows.
+    benchmarks/hardware.py runs longer.
     """
-    rig = emulate("--lockstep")
+    needs_compiler(options)
+    rig = emulate("--lockstep", *options)
     bridge = composed(bench, rig, compensation, **PATIENT)
     Experimenter(bench, rig).balance(100)
     begun = rig.status["sample"]
@@ -171,9 +181,11 @@ def test_limit_cycle_is_the_simulated_one(
     assert 0.9 * min(expected) < got < 1.1 * max(expected)
 
 
-def test_real_time_stabilises(bench: Bench, emulate: Any) -> None:
-    """At 1 kHz the pendulum is balanced for two seconds."""
-    rig = emulate()
+@pytest.mark.parametrize("options", [(), ("--firmware",)], ids=("reference", "C"))
+def test_real_time_stabilises(bench: Bench, emulate: Any, options: tuple[str, ...]) -> None:
+    """At 1 kHz the pendulum is balanced for two seconds, with either firmware."""
+    needs_compiler(options)
+    rig = emulate(*options)
     composed(bench, rig)
     Experimenter(bench, rig).balance(2000)
     assert abs(rig.status["state"][2]) < 0.2

@@ -34,8 +34,9 @@ PIP = {
     "python3-rosbags-pip": "rosbags",
     "python3-ruff-pip": "ruff",
 }
-# rosdep has no key for it: setup.py declares it as an extra, and README says how to install it.
-WITHOUT_KEY = {"distributed"}
+# rosdep has no key for these: setup.py declares them as extras, and README says how to install
+# them.
+WITHOUT_KEY = {"distributed", "unicorn", "ziglang"}
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {
@@ -134,7 +135,7 @@ def test_readme_allows_pip_where_rosdep_needs_it() -> None:
 
 def test_imports_are_required() -> None:
     """``requirements.in`` names directly whatever is imported, not what happens to come along."""
-    files = (ROOT / "requirements.in", ROOT / "benchmarks" / "requirements.in")
+    files = (ROOT / folder / "requirements.in" for folder in (".", "benchmarks", "firmware"))
     required = set(re.findall(r"^[\w-]+", "\n".join(f.read_text() for f in files), re.MULTILINE))
     scripts = {*(ROOT / "benchmarks").glob("*.py"), *(ROOT / "examples").glob("*.py")}
     tests = [TESTS.parent / "conftest.py", *TESTS.rglob("*.py")]

@@ -213,5 +213,6 @@ def test_lint_and_types(command: list[str]) -> None:
 
 def test_no_machine_of_ours_is_named() -> None:
     """Pinned requirements carry versions and no addresses."""
-    for name in ("requirements.in", "requirements.lock"):
-        assert "://" not in (ROOT / name).read_text()
+    for folder in (".", "benchmarks", "firmware"):
+        for name in ("requirements.in", "requirements.lock"):
+            assert "://" not in (ROOT / folder / name).read_text()

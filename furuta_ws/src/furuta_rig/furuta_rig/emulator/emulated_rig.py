@@ -1,4 +1,4 @@
-"""An emulated rig: the reference firmware on the simulated pendulum, with faults to inject.
+"""An emulated rig: firmware on the simulated pendulum, with faults to inject.
 
 It has no clock: ``step`` is one sample. The pendulum is held in its initial state until the rig is
 first driven, and again after ``hold``.
@@ -6,13 +6,19 @@ first driven, and again after ``hold``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_rig.channels import wrapped
+from furuta_rig.emulator.compiled_firmware import CompiledFirmware
 from furuta_rig.emulator.faults import Faults, FaultyLine
 from furuta_rig.emulator.firmware import Firmware
 from furuta_rig.rig import Rig
 from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
 from furuta_sim.plant import Noise, design_plant, initial_state, move
+
+# Both execute the same rules.
+AnyFirmware = Firmware | CompiledFirmware
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
@@ -32,14 +38,18 @@ class EmulatedRig:
     """Call ``receive`` with bytes at any time, and ``step`` once a sample."""
 
     def __init__(
-        self, rig: Rig, plant: PlantParameters | None = None, faults: Faults | None = None
+        self,
+        rig: Rig,
+        plant: PlantParameters | None = None,
+        faults: Faults | None = None,
+        make_firmware: Callable[[int, int, int], AnyFirmware] = Firmware,
     ) -> None:
         self.plant = plant or plant_of(rig)
         self._rig = rig
         self._arm, self._speed = rig.arm.channel, rig.speed.channel
         self._pendulum, self._drive = rig.pendulum.channel, rig.drive.channel
         drive = self._drive
-        self.firmware = Firmware(drive.low, drive.high, drive.to_code(0.0))
+        self.firmware = make_firmware(drive.low, drive.high, drive.to_code(0.0))
         self._noise = Noise(self.plant.seed)
         self._plant = design_plant(self.plant)
         self.faults = faults or Faults()

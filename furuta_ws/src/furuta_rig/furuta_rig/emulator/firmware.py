@@ -24,18 +24,9 @@ class Firmware:
 
     def __init__(self, low: int, high: int, zero: int) -> None:
         self._low, self._high, self._zero = low, high, zero
-        self._reader = FrameReader()
-        self._outbox = b""
-        self._status = 0
-        self._rejected = 0
-        self.session: int | None = None  # without a session the rig sends no samples
-        self.period_us = 1000
-        self.watchdog = 0
-        self.number = 0
-        self.answered = 0
-        self.code = zero
         self.fault = False
-        self.driven = 0  # Drive frames applied
+        self.driven = 0  # Drive frames applied, also before a reboot
+        self.reboot()
 
     @property
     def armed(self) -> bool:
@@ -54,12 +45,20 @@ class Firmware:
 
     def reboot(self) -> None:
         """Return to the state after power-on: no session, 0 V."""
-        self._disarm()
-        self.session, self._status = None, 0
+        self._reader = FrameReader()
+        self._outbox = b""
+        self._status = 0
+        self._rejected = 0
+        self.session: int | None = None  # without a session the rig sends no samples
+        self.period_us = 1000
+        self.watchdog = 0
+        self.number = 0
+        self.answered = 0
+        self.code = self._zero
 
     def receive(self, data: bytes) -> None:
         """Execute the frames that these bytes complete."""
-        for frame in self._reader.feed(data):
+        for frame in self._reader.read(data):
             if not self._execute(frame):
                 self._rejected += 1
 

@@ -20,8 +20,10 @@ from typing import Any, NoReturn
 from furuta_model.parameters import ParameterError, build, declared
 from furuta_model.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
 from furuta_model.yaml_files import parse_yaml
+from furuta_rig.emulator.compiled_firmware import CompiledFirmware
 from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_rig.emulator.faults import Faults, with_faults
+from furuta_rig.emulator.firmware import Firmware
 from furuta_rig.emulator.monitor import serve
 from furuta_rig.emulator.running_rig import RunningRig
 from furuta_rig.rig import Rig
@@ -67,6 +69,9 @@ def _parse_arguments() -> argparse.Namespace:
     parser.add_argument("--link", type=Path, help="make a link to the port's name here")
     parser.add_argument("--monitor", type=Path, help="Unix socket to observe it and inject faults")
     parser.add_argument("--lockstep", action="store_true", help="wait for each answer when driven")
+    parser.add_argument(
+        "--firmware", action="store_true", help="run the C firmware for boards, not the reference"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the sensors' noise")
     parser.add_argument("--initial", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME=VALUE")
@@ -85,7 +90,8 @@ def _make_rig(options: argparse.Namespace) -> RunningRig:
     rig = load_rig(options.rig) if options.rig else Rig()
     plant = plant_of(rig, _initial_state(options.initial), options.seed)
     faults = with_faults(Faults(), _values(options.fault))
-    return RunningRig(EmulatedRig(rig, plant, faults), rig.line.sample_time)
+    make_firmware = CompiledFirmware if options.firmware else Firmware
+    return RunningRig(EmulatedRig(rig, plant, faults, make_firmware), rig.line.sample_time)
 
 
 def _values(assignments: list[str]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ zero byte inside a frame, so a reader that lost bytes is synchronised again at t
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from typing import NamedTuple
 from zlib import crc32
 
@@ -146,21 +147,25 @@ class FrameReader:
 
     def feed(self, data: bytes) -> list[Frame]:
         """Return the frames that ``data`` completes."""
+        return list(self.read(data))
+
+    def read(self, data: bytes) -> Iterator[Frame]:
+        """Yield the frames that ``data`` completes; ``corrupt`` counts up to the frame yielded."""
         *pieces, rest = (self._rest + data).split(b"\0")
-        frames = []
         for piece in pieces:
             if self._overlong:
                 self._overlong = False  # the end of the bytes that were discarded
             elif piece:
                 try:
-                    frames.append(decode(piece))
+                    frame = decode(piece)
                 except FrameError:
                     self.corrupt += 1
+                else:
+                    yield frame
         if len(rest) > LONGEST_FRAME:
             self.corrupt += not self._overlong
             self._overlong, rest = True, b""
         self._rest = rest
-        return frames
 
 
 def is_newer(sample: int, than: int) -> bool:

@@ -1,0 +1,4 @@
+#define ISR_NOBLOCK
+#define ISR(vector, attributes) \
+    extern "C" void vector(); \
+    extern "C" void vector() attributes

@@ -1,0 +1,3 @@
+#include <stdint.h>
+void watchdog_enable(uint32_t delay_ms, bool pause_on_debug);
+void watchdog_update();
