@@ -63,11 +63,6 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
         (("tune", "--set", "method=lowpass"), 1, "must observe the friction"),
         (("tune", "--set", "enabled=false"), 1, "restored the initial parameters"),
         (("tune", "--running", "--set", "seed=1"), 1, "--running cannot be combined"),
-        (
-            ("tune", "--set", "sensors.ideal=true", "--set", "alpha0=0", "--set", "alpha1=0"),
-            1,
-            "hardly moved",
-        ),
         (("experiment", "fig4"), 2, "fig4"),
         (("experiment",), 2, "Missing argument"),
         (("experiment", "fig6", "--seconds", "1"), 2, "range 5<=x<=3600"),

@@ -72,7 +72,9 @@ def tune(
             f"{estimator.method} does not"
         )
     try:
-        return _Tuner(rig, start, plan, report).run(estimator)
+        result = _Tuner(rig, start, plan, report).run(estimator)
+        rig.apply(result.after.observer)
+        return result
     except BaseException:
         rig.apply(start)
         raise
@@ -109,7 +111,6 @@ class _Tuner:
         if fitted is not None:
             self._search(self._start._replace(friction=fitted))
         after = self._confirm_best([*unchanged, given])
-        self._rig.apply(after.observer)
         return TuningResult(
             before, uncompensated, given, fitted, after, self._trials, self._rig.elapsed
         )
