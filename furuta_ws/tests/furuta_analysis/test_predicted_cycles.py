@@ -12,7 +12,7 @@ from furuta_analysis.describing_functions.predicted_cycles import Prediction, pr
 from furuta_analysis.describing_functions.residual import residual
 from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
 from furuta_model.friction.parameters import Friction
-from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.transfer import FIGURE_4, Transfer, transfer
 
@@ -186,3 +186,15 @@ def test_winding_number_counts_zeros() -> None:
         )
         assert inside.any()
     assert len(cells) < 100
+
+
+def test_no_state_feedback_avoids_a_solution() -> None:
+    """Coulomb friction acts as a viscous one of any size, and a large one always destabilises."""
+    random = np.random.default_rng(8)
+    a, b = linearize(FurutaPendulum())
+    for _ in range(200):
+        omega, zeta = random.uniform(1.0, 30.0, 2), random.uniform(0.2, 2.0, 2)
+        gain = place_poles(FurutaPendulum(), DesiredPoles(omega[0], zeta[0], omega[1], zeta[1]))
+        damped = gain + np.array([0.0, 1e6, 0.0, 0.0])
+        assert np.max(np.linalg.eigvals(a - np.outer(b, gain)).real) < 0.0
+        assert np.max(np.linalg.eigvals(a - np.outer(b, damped)).real) > 0.0
