@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import nan
-from time import time_ns
 from typing import Any
 
 import numpy as np
@@ -173,14 +172,3 @@ def test_estimates_for_repetitions_are_not_matched_to_the_next_state(loop: Loop)
     loop.expect()
     loop.estimate(0.3)
     loop.expect(FEEDBACK + 0.3)
-
-
-def test_an_old_state_is_answered_by_zero(bench: Bench) -> None:
-    """In real time; a stamp that is not of the system's time says nothing about the age."""
-    loop = Loop(bench)
-    loop.node.set_parameters([Parameter("state_timeout", value=10.0)])
-    now = time_ns() // MS
-    for stamp, expected in ((now - 60_000, 0.0), (now, FEEDBACK), (5, FEEDBACK)):
-        loop.state(stamp)
-        loop.estimate(0.0)
-        loop.expect(expected)

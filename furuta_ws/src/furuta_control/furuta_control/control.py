@@ -105,9 +105,6 @@ class ControllerParameters(NamedTuple):
         float,
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
-    state_timeout: Annotated[
-        float, About("in real time: age beyond which a state is answered by 0 V", "s", 0.001, 10)
-    ] = 0.05
     excitation: ExcitationParameters = ExcitationParameters()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from time import time_ns
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -27,9 +26,6 @@ from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
 
-# A stamp further [s] from the system's time is not of this clock: that of a plant in lock-step,
-# or of a recording.
-SAME_CLOCK = 3600.0
 # Largest number of estimates in transit: the depth of the topic's queue.
 MAX_IN_TRANSIT = QOS.depth
 
@@ -49,9 +45,6 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     A state may be repeated (same stamp) because its estimate seems lost. If the estimate was only
     late, the estimates for the repetitions are surplus and are ignored. If a state that has been
     answered is repeated, its command is published again without a new step.
-
-    In real time a state older than ``state_timeout`` is answered by 0 V: what a stalled node or
-    machine delivers late says nothing about the rig now.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -132,21 +125,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _publish(self, friction: float) -> None:
         if not self._is_repeat:
-            command = _control(self._memory, self._x, friction, self._design)
-            self._command.data = 0.0 if self._is_stale() else command
+            self._command.data = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
         self._publisher.publish(self._command)
-
-    def _is_stale(self) -> bool:
-        """Whether the state is too old to be answered; the warning says so."""
-        age = (time_ns() - self._stamp) / NANOSECONDS
-        stale = self.parameters.state_timeout < age < SAME_CLOCK
-        if stale:
-            self.get_logger().warning(
-                f"a state is {age:.3g} s old, answered by 0 V",
-                throttle_duration_sec=WARNING_PERIOD,
-            )
-        return stale
 
 
 @compiled
