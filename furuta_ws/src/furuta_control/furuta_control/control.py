@@ -189,6 +189,22 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDes
 
 
 @inlined
+def continues(memory: np.ndarray, x: np.ndarray, p: ControllerDesign) -> bool:
+    """Whether the pendulum was balanced and still is, without excitation: the usual sample."""
+    plain = p.enabled and p.mode == BALANCE and p.excitation.kind == NONE
+    return plain and balance.goes_on(memory, BALANCE_MEMORY, x, p.balance)
+
+
+@inlined
+def continue_control(
+    memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
+) -> float:
+    """:func:`control` for a sample in which it :func:`continues`."""
+    u = balance.command(memory, BALANCE_MEMORY, x, friction, p.balance)
+    return min(max(u, -p.voltage_limit), p.voltage_limit)
+
+
+@inlined
 def start_anew(memory: np.ndarray) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
     balance.start_anew(memory, BALANCE_MEMORY)

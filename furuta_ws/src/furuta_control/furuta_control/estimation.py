@@ -145,17 +145,63 @@ def estimate_state(
     change of method the new one starts from the estimate of the previous one. Ideal measurements
     are not filtered; the method is then used only to observe the friction, if it can.
     """
+    if continues(memory, measurement, p):
+        continue_estimate(memory, measurement, p, estimate)
+        return
     if memory[RUNNING] != 0.0 and readings.all_usable(memory, READINGS, measurement, p.readings):
         readings.forget_unusable(memory, READINGS)
     elif not _repair(memory, measurement, p, estimate):
         return
     _filter(memory, measurement, p)
+    _finish(memory, measurement, p, estimate)
+
+
+@inlined
+def continues(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> bool:
+    """Whether the estimate runs with this method and every reading is usable: the usual sample."""
+    running = UNFILTERED if _unfiltered(p) else p.method + 1.0
+    return (memory[RUNNING] == running) & readings.all_usable(
+        memory, READINGS, measurement, p.readings
+    )
+
+
+@inlined
+def continue_estimate(
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+) -> None:
+    """:func:`estimate_state` for a sample in which the estimate :func:`continues`."""
+    readings.forget_unusable(memory, READINGS)
+    if _unfiltered(p):
+        _take_measurement(memory, measurement)
+    else:
+        _update(memory, measurement, p)
+    _finish(memory, measurement, p, estimate)
+
+
+@inlined
+def _finish(
+    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+) -> None:
+    """Remember the readings and write the estimate."""
     readings.remember(memory, READINGS, measurement)
     for i in range(SIGNALS):
         estimate[i] = memory[i]
     if p.ideal:
         for i in range(RIGID_STATES):
             estimate[i] = measurement[i]
+
+
+@inlined
+def _unfiltered(p: EstimatorDesign) -> bool:
+    """Whether the ideal measurements are the estimate."""
+    return p.ideal and not _OBSERVES_FRICTION[p.method]
+
+
+@inlined
+def _take_measurement(memory: np.ndarray, measurement: np.ndarray) -> None:
+    for i in range(RIGID_STATES):
+        memory[i] = measurement[i]
+    memory[OBSERVED_FRICTION] = nan
 
 
 @compiled
@@ -203,10 +249,8 @@ def restart(memory: np.ndarray) -> None:
 @inlined
 def _filter(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
     """Start the estimate or move it by one sample."""
-    if p.ideal and not _OBSERVES_FRICTION[p.method]:
-        for i in range(RIGID_STATES):
-            memory[i] = measurement[i]
-        memory[OBSERVED_FRICTION] = nan
+    if _unfiltered(p):
+        _take_measurement(memory, measurement)
         memory[RUNNING] = UNFILTERED
         return
     if memory[RUNNING] == 0.0:

@@ -109,10 +109,10 @@ def _largest_changes(sensors: Sensors, dt: float) -> tuple[float, float, float]:
 @inlined
 def all_usable(memory: np.ndarray, at: int, measurement: np.ndarray, p: ReadingLimits) -> bool:
     """Whether every reading is usable; the memory of the check begins at ``at``."""
+    usable = True
     for i in range(SIGNALS):
-        if p.measured[i] and not _usable(measurement[i], memory[at + i], i, p):
-            return False
-    return True
+        usable &= p.measured[i] == 0 or _usable(measurement[i], memory[at + i], i, p)
+    return usable
 
 
 @inlined

@@ -51,7 +51,7 @@ def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
     """
     first, *others = functions
     if not others:
-        return compiled(lambda kind, *arguments: first(*arguments), cached=False)
+        return inlined(lambda kind, *arguments: first(*arguments), cached=False)
     rest = by_kind(others)
 
     def dispatch(kind: int, *arguments: Any) -> Any:
@@ -59,7 +59,7 @@ def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
             return first(*arguments)
         return rest(kind - 1, *arguments)
 
-    return compiled(dispatch, cached=False)
+    return inlined(dispatch, cached=False)
 
 
 def inlined(function: Function, **options: Any) -> Function:

@@ -17,12 +17,13 @@ identification, one on a tilted base.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil, cos, sin, sqrt
+from math import ceil, sqrt
 from typing import Any
 
 import numpy as np
 
-from furuta_model.compiled import compiled, inlined
+from furuta_model.compiled import inlined
+from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import (
     HAS_BRISTLE,
     FrictionLaw,
@@ -30,7 +31,7 @@ from furuta_model.friction.laws import (
     sticking_force,
 )
 from furuta_model.friction.parameters import Friction
-from furuta_model.pendulum import FurutaPendulum, accelerations_at, rotate
+from furuta_model.pendulum import FurutaPendulum, accelerations_at, rotate_slightly
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Largest rate times substep of the arm stuck on its bristle. The midpoint rule is stable below 2.
@@ -68,38 +69,57 @@ def integrator(
     function has the arguments of :func:`advance`. It is inlined into its callers.
     """
 
+    substep = substep_rule(stage, after_substep)
+
     def advance(
         x: np.ndarray, u: float, dt: float, substeps: int, body: Any, law: FrictionLaw
     ) -> None:
-        # The angle by which the body rotates in a substep must be small too.
-        angle = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
-        if angle > LARGEST_STEP * substeps:
-            substeps = ceil(min(angle / LARGEST_STEP, MAX_SUBSTEPS))
+        substeps = sufficient_substeps(x, dt, substeps)
         h = dt / substeps
-        half = 0.5 * h
         for _ in range(substeps):
-            phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
-
-            sine, cosine = sin(theta), cos(theta)
-            v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
-            phi_mid, theta_mid = phi + half * v, theta + half * w
-            v_mid, w_mid = v + half * v_dot, w + half * w_dot
-            sine, cosine = rotate(sine, cosine, half * w)
-
-            v_dot, w_dot, end = stage(
-                phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, memory, h, body, law
-            )
-            x[PHI] = phi + h * v_mid
-            x[PHI_DOT] = v + h * v_dot
-            x[THETA] = theta + h * w_mid
-            x[THETA_DOT] = w + h * w_dot
-            x[BRISTLE] = end
-            after_substep(x, body)
+            substep(x, u, h, body, law)
 
     return inlined(advance, cached=False)
 
 
-@compiled
+@inlined
+def sufficient_substeps(x: np.ndarray, dt: float, substeps: int) -> int:
+    """Number of substeps: ``substeps``, or more if the body would rotate far in one of them."""
+    angle = dt * (abs(x[PHI_DOT]) + abs(x[THETA_DOT]))
+    if angle > LARGEST_STEP * substeps:
+        substeps = ceil(min(angle / LARGEST_STEP, MAX_SUBSTEPS))
+    return substeps
+
+
+def substep_rule(
+    stage: Stage, after_substep: Callable[[np.ndarray, Any], None] = _nothing
+) -> Callable[..., None]:
+    """Make one substep of the rule: state, torque [V], length [s], body and friction law."""
+
+    def substep(x: np.ndarray, u: float, h: float, body: Any, law: FrictionLaw) -> None:
+        half = 0.5 * h
+        phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
+
+        sine, cosine = sin_cos(theta)
+        v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
+        phi_mid, theta_mid = phi + half * v, theta + half * w
+        v_mid, w_mid = v + half * v_dot, w + half * w_dot
+        sine, cosine = rotate_slightly(sine, cosine, half * w)
+
+        v_dot, w_dot, end = stage(
+            phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, memory, h, body, law
+        )
+        x[PHI] = phi + h * v_mid
+        x[PHI_DOT] = v + h * v_dot
+        x[THETA] = theta + h * w_mid
+        x[THETA_DOT] = w + h * w_dot
+        x[BRISTLE] = end
+        after_substep(x, body)
+
+    return inlined(substep, cached=False)
+
+
+@inlined
 def _pendulum_stage(
     phi: float,
     v: float,
@@ -129,6 +149,7 @@ def _pendulum_stage(
 
 
 _advance = integrator(_pendulum_stage)
+_substep = substep_rule(_pendulum_stage)
 
 
 @inlined
@@ -137,3 +158,11 @@ def advance(
 ) -> None:
     """Integrate plant state ``x`` (5,) in place over ``dt`` [s] at constant torque ``u`` [V]."""
     _advance(x, u, dt, substeps, body, law)
+
+
+@inlined
+def advance_substep(
+    x: np.ndarray, u: float, h: float, body: FurutaPendulum, law: FrictionLaw
+) -> None:
+    """One substep of ``h`` [s] of :func:`advance`, for loops that run side by side."""
+    _substep(x, u, h, body, law)

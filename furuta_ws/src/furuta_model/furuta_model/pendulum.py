@@ -17,12 +17,13 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import sin_cos
 from furuta_model.parameters import About, ParameterError
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
-# Angle [rad] below which the series in :func:`rotate` are exact to rounding.
-SMALL_ANGLE = 0.02
+# Angle [rad] up to which the series of :func:`rotate_slightly` are exact to rounding.
+LARGEST_ROTATION = 0.125
 
 
 class FurutaPendulum(NamedTuple):
@@ -59,7 +60,7 @@ def accelerations(
     return accelerations_at(phi_dot, sin(theta), cos(theta), theta_dot, torque, p)
 
 
-@compiled
+@inlined
 def accelerations_at(
     phi_dot: float, s: float, c: float, theta_dot: float, torque: float, p: FurutaPendulum
 ) -> tuple[float, float]:
@@ -81,15 +82,20 @@ def accelerations_at(
 def rotate(s: float, c: float, angle: float) -> tuple[float, float]:
     """Rotate an angle with sine ``s`` and cosine ``c`` by ``angle`` [rad]; its sine and cosine.
 
-    Exact to rounding. Within a step ``angle`` is usually small; then its sine and cosine are
-    computed by series, which is faster.
+    Exact to rounding.
     """
-    if abs(angle) < SMALL_ANGLE:
-        a = angle * angle
-        sine = angle * (1.0 - a * (1.0 / 6.0 - a * (1.0 / 120.0 - a / 5040.0)))
-        cosine = 1.0 - a * (0.5 - a * (1.0 / 24.0 - a / 720.0))
-    else:
-        sine, cosine = sin(angle), cos(angle)
+    if abs(angle) <= LARGEST_ROTATION:
+        return rotate_slightly(s, c, angle)
+    sine, cosine = sin_cos(angle)
+    return s * cosine + c * sine, c * cosine - s * sine
+
+
+@inlined
+def rotate_slightly(s: float, c: float, angle: float) -> tuple[float, float]:
+    """The same for an ``angle`` up to :data:`LARGEST_ROTATION`, by series without a branch."""
+    a = angle * angle
+    sine = angle * (1.0 - a * (1 / 6 - a * (1 / 120 - a * (1 / 5040 - a * (1 / 362880)))))
+    cosine = 1 - a * (0.5 - a * (1 / 24 - a * (1 / 720 - a * (1 / 40320 - a * (1 / 3628800)))))
     return s * cosine + c * sine, c * cosine - s * sine
 
 

@@ -7,7 +7,7 @@ parts that are on (:mod:`furuta_sim.plant_memory`). A rig without them needs onl
 
 from __future__ import annotations
 
-from math import floor, nan, pi
+from math import nan, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -88,18 +88,18 @@ def _design_parts(p: PlantParameters) -> Parts:
     )
 
 
-@compiled
+@inlined
 def convert(value: float, full_scale: float, bits: int) -> float:
     """Clip and round ``value`` like a converter of ±``full_scale`` with ``bits``."""
     value = min(max(value, -full_scale), full_scale)
     if bits == 0:
         return value
     half = float(1 << (bits - 1))
-    code = floor(value / full_scale * half + 0.5)
+    code = np.floor(value / full_scale * half + 0.5)
     return min(code, half - 1.0) * full_scale / half
 
 
-@compiled
+@inlined
 def drive(command: float, actuator: Actuator) -> float:
     """Torque [V] that the drive applies for a command [V]."""
     return convert(command, actuator.voltage_range, actuator.bits)
@@ -150,14 +150,14 @@ def _measure(
         return
     if sensors.encoder_counts > 0:
         count = 2.0 * pi / sensors.encoder_counts
-        phi = floor(phi / count + 0.5) * count
+        phi = np.floor(phi / count + 0.5) * count
     measurement[PHI] = phi
     measurement[PHI_DOT] = convert(
         v + sensors.tachometer_noise * noise[0],
         sensors.tachometer_range,
         sensors.tachometer_bits,
     )
-    theta -= 2.0 * pi * floor(theta / (2.0 * pi) + 0.5)
+    theta -= 2.0 * pi * np.floor(theta / (2.0 * pi) + 0.5)
     measurement[THETA] = convert(
         theta + sensors.potentiometer_noise * noise[1],
         sensors.potentiometer_range,

@@ -27,7 +27,7 @@ from furuta_analysis.simulation.oscillation import (
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters, allow, switched_off
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.state import APPLIED_TORQUE, PHI, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import (
@@ -48,7 +48,7 @@ _PHI_SQUARED = 0
 _COMMAND_SQUARED = 1
 _ERROR_SQUARED = 2
 _FELL = 3
-_SUMS = 4
+SUMS = 4
 
 
 class Loop(NamedTuple):
@@ -148,7 +148,7 @@ class Simulation:
         """Continue for ``seconds``; write the series into ``record`` unless it has no rows."""
         samples = self._samples(seconds)
         measured = max(1, round(settled * samples))
-        accumulator, sums = np.zeros(ACCUMULATOR_SIZE), np.zeros(_SUMS)
+        accumulator, sums = np.zeros(ACCUMULATOR_SIZE), np.zeros(SUMS)
         _run(
             self._state,
             self._noise,
@@ -162,9 +162,16 @@ class Simulation:
             accumulator,
             sums,
         )
-        phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
-        motion = oscillation(accumulator, self.loop.plant.sample_time)
-        return Outcome(*motion, phi, command, error, bool(sums[_FELL]), samples)
+        return summary(accumulator, sums, self.loop.plant.sample_time, samples, measured)
+
+
+def summary(
+    accumulator: np.ndarray, sums: np.ndarray, sample_time: float, samples: int, measured: int
+) -> Outcome:
+    """The outcome of a run of ``samples`` samples, of which the last ``measured`` count."""
+    phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
+    motion = oscillation(accumulator, sample_time)
+    return Outcome(*motion, phi, command, error, bool(sums[_FELL]), samples)
 
 
 def simulate(loop: Loop, seconds: float) -> Record:
@@ -187,6 +194,29 @@ def _empty_record(sample_time: float, samples: int) -> Record:
         np.empty(samples),
         np.empty(samples),
     )
+
+
+@inlined
+def measure_sample(
+    accumulator: np.ndarray,
+    sums: np.ndarray,
+    x: np.ndarray,
+    u: float,
+    friction: float,
+    estimated: float,
+) -> None:
+    """Include a sample in what is measured: true state, u, F and F̂ [V]."""
+    accumulate(accumulator, x)
+    sums[_PHI_SQUARED] += x[PHI] * x[PHI]
+    sums[_COMMAND_SQUARED] += u * u
+    sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)
+
+
+@inlined
+def note_fall(sums: np.ndarray, x: np.ndarray) -> None:
+    """Remember whether the pendulum has been below the horizontal."""
+    if abs(x[THETA]) > 0.5 * np.pi:
+        sums[_FELL] = 1.0
 
 
 @compiled
@@ -239,11 +269,7 @@ def _run(
         if transient // 2 <= k < transient:
             accumulate_midpoint(accumulator, x)
         if k >= transient:
-            accumulate(accumulator, x)
-            sums[_PHI_SQUARED] += x[PHI] * x[PHI]
-            sums[_COMMAND_SQUARED] += u * u
-            sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)
-        if abs(x[THETA]) > 0.5 * np.pi:
-            sums[_FELL] = 1.0
+            measure_sample(accumulator, sums, x, u, friction, estimated)
+        note_fall(sums, x)
         torque = move(x, u, plant)
     applied[0] = torque

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
 
 # Fraction of the peak-to-peak value by which φ must go below the midpoint between crossings.
@@ -49,7 +49,7 @@ class Oscillation(NamedTuple):
     stuck_fraction: float
 
 
-@compiled
+@inlined
 def accumulate_midpoint(accumulator: np.ndarray, x: np.ndarray) -> None:
     """Include one sample in the midpoint of the arm's motion; the accumulator starts with zeros."""
     if accumulator[_MIDPOINT_SAMPLES] == 0.0:
@@ -59,7 +59,7 @@ def accumulate_midpoint(accumulator: np.ndarray, x: np.ndarray) -> None:
     accumulator[_MIDPOINT_SAMPLES] += 1.0
 
 
-@compiled
+@inlined
 def accumulate(accumulator: np.ndarray, x: np.ndarray) -> None:
     """Include the true state ``x`` (4 or more) of one sample, once the midpoint is known."""
     phi, theta = x[PHI], x[THETA]
@@ -77,7 +77,7 @@ def accumulate(accumulator: np.ndarray, x: np.ndarray) -> None:
     accumulator[_SAMPLES] += 1.0
 
 
-@compiled
+@inlined
 def _count_crossing(accumulator: np.ndarray, phi: float) -> None:
     """Count an upward crossing of the midpoint if φ was well below it before."""
     midpoint = 0.5 * (accumulator[_MIDPOINT_LOW] + accumulator[_MIDPOINT_HIGH])

@@ -67,13 +67,7 @@ def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
     At the start it begins within the catch angle. After a fall the pendulum must also have been
     slow for the catch time, so that a pendulum on its way through upright is not caught.
     """
-    # A comparison with NaN is false.
-    allowed = (
-        abs(x[THETA]) <= p.fall_angle
-        and abs(x[PHI]) <= p.arm_angle_limit
-        and abs(x[PHI_DOT]) <= p.arm_speed_limit
-    )
-    if not allowed or np.isnan(x[THETA_DOT]):
+    if not _allowed(x, p):
         leave(memory, at)
         return False
     if memory[at + BALANCING] == 0.0 and abs(x[THETA]) <= p.catch_angle:
@@ -85,6 +79,24 @@ def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
     elif memory[at + BALANCING] == 0.0:
         memory[at + READY] = 0.0
     return memory[at + BALANCING] != 0.0
+
+
+@inlined
+def goes_on(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
+    """Whether the pendulum was balanced and still is: the usual sample."""
+    return (memory[at + BALANCING] != 0.0) & _allowed(x, p)
+
+
+@inlined
+def _allowed(x: np.ndarray, p: Balance) -> bool:
+    """Whether the state is known and within the limits."""
+    # A comparison with NaN is false.
+    return (
+        (abs(x[THETA]) <= p.fall_angle)
+        & (abs(x[PHI]) <= p.arm_angle_limit)
+        & (abs(x[PHI_DOT]) <= p.arm_speed_limit)
+        & (not np.isnan(x[THETA_DOT]))
+    )
 
 
 @inlined

@@ -5,12 +5,13 @@ A factor on the levels, one for each direction of motion, is adapted at the rate
 
 from __future__ import annotations
 
-from math import expm1, isnan
+from math import isnan
 
 import numpy as np
 
 from furuta_friction.compensators.bristle_observer import BRISTLE, observe
 from furuta_model.compiled import inlined
+from furuta_model.elementary import expm1
 from furuta_model.friction.lugre import stribeck_level
 from furuta_model.friction.parameters import Friction
 
@@ -70,14 +71,19 @@ def _adapt(
     """
     if v == 0.0 or isnan(observed):
         return
-    direction = FORWARD if v > 0.0 else BACKWARD
-    factor = 1.0 + memory[direction]
+    forward = v > 0.0
+    factor = 1.0 + (memory[FORWARD] if forward else memory[BACKWARD])
     level = factor * stribeck_level(v, p)
     if p.sigma0 * memory[BRISTLE] * v < SLIDING * level * abs(v):
         return
     error = (observed - force) / (level if v > 0.0 else -level)
     factor *= 1.0 - expm1(-step) * error
-    memory[direction] = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0
+    adapted_to = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0
+    # An index that depends on the speed could not be vectorised.
+    if forward:
+        memory[FORWARD] = adapted_to
+    else:
+        memory[BACKWARD] = adapted_to
 
 
 def at_limit(memory: np.ndarray) -> bool:

@@ -13,12 +13,13 @@ IEEE Trans. Industrial Electronics 63, 2016). The levels start at zero and no fr
 
 from __future__ import annotations
 
-from math import expm1, tanh
+from math import expm1
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
+from furuta_model.elementary import tanh
 from furuta_model.parameters import About
 
 # Indices in the compensators' memory: learned level [V] for v > 0 and for v < 0, and the rest [V].
@@ -60,12 +61,18 @@ def estimate(
     memory: np.ndarray, v: float, observed: float, limit: float, viscous: float, p: Combined
 ) -> float:
     """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; |F̂ − σ₂v| ≤ ``limit`` [V]."""
-    direction = FORWARD if v >= 0.0 else BACKWARD
+    forward = v >= 0.0
+    learned = memory[FORWARD] if forward else memory[BACKWARD]
     dry = observed - viscous * v
     if abs(v) > SLIDING * p.reversal_speed:
         level = min(max(dry if v > 0.0 else -dry, 0.0), limit)
-        memory[direction] += p.level_share * (level - memory[direction])
-    model = memory[direction] * tanh(v / p.reversal_speed)
+        learned += p.level_share * (level - learned)
+    # An index that depends on the speed could not be vectorised.
+    if forward:
+        memory[FORWARD] = learned
+    else:
+        memory[BACKWARD] = learned
+    model = learned * tanh(v / p.reversal_speed)
     rest = memory[REST] + p.filter_share * (dry - model - memory[REST])
     memory[REST] = min(max(rest, -limit), limit)
     return min(max(model + memory[REST], -limit), limit) + viscous * v

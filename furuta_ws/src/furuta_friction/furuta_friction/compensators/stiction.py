@@ -9,14 +9,14 @@ from __future__ import annotations
 from math import isnan
 
 from furuta_friction.compensators import coulomb
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
 from furuta_model.friction.parameters import Friction
 
 _STICTION = LAWS.index("stiction")
 
 
-@compiled
+@inlined
 def estimate(v: float, observed: float, p: Friction) -> float:
     """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; 0 at rest if that is NaN."""
     if abs(v) > p.stribeck_velocity:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 
 
-@compiled
+@inlined
 def level(v: float, p: Friction) -> float:
     """α₀ [V] at any speed v [rad/s]."""
     return p.alpha0
 
 
-@compiled
+@inlined
 def breakaway(p: Friction) -> float:
     """α₀ [V]."""
     return p.alpha0

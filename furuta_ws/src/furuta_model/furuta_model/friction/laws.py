@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from furuta_model.compiled import by_kind, compiled
+from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
 from furuta_model.friction.bristle import deflection_after, deflection_rate
 from furuta_model.friction.law import Law
@@ -92,19 +92,19 @@ def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
     return friction_law(name, parameters)
 
 
-@compiled
+@inlined
 def has_bristle(law: FrictionLaw) -> bool:
     """Whether the arm moves a bristle before it slides."""
     return HAS_BRISTLE[law.kind]
 
 
-@compiled
+@inlined
 def symmetric_level(v: float, law: FrictionLaw) -> float:
     """Level [V] at sliding speed v [rad/s], without asymmetry and viscous part."""
     return _level(law.kind, v, law.parameters)
 
 
-@compiled
+@inlined
 def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
     """Friction [V] that opposes a slide at speed v [rad/s], without viscous part.
 
@@ -114,20 +114,20 @@ def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
     return symmetric_level(v, law) * _factor(direction, law)
 
 
-@compiled
+@inlined
 def breakaway_level(direction: float, law: FrictionLaw) -> float:
     """Torque [V] up to which a stuck arm is held against motion in ``direction`` (±1)."""
     return _breakaway(law.kind, law.parameters) * _factor(direction, law)
 
 
-@compiled
+@inlined
 def _factor(direction: float, law: FrictionLaw) -> float:
     """1 ± asymmetry. Selecting a constant is faster than arithmetic with the direction."""
     asymmetry = law.parameters.asymmetry
     return 1.0 + asymmetry if direction >= 0.0 else 1.0 - asymmetry
 
 
-@compiled
+@inlined
 def steady_friction(v: float, law: FrictionLaw) -> float:
     """F [V] at steady speed v [rad/s], with viscous part; 0 at v = 0."""
     if v == 0.0:
@@ -136,7 +136,7 @@ def steady_friction(v: float, law: FrictionLaw) -> float:
     return direction * sliding_level(v, direction, law) + law.parameters.viscous * v
 
 
-@compiled
+@inlined
 def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
     """F [V] of the simulated arm at speed v [rad/s], with viscous part.
 
@@ -154,7 +154,7 @@ def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
     )
 
 
-@compiled
+@inlined
 def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float, float]:
     """Mean friction [V] of the bristle over ``h`` [s] at speed v [rad/s], without viscous part.
 
@@ -166,7 +166,7 @@ def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float
     return p.sigma0 * mean + p.sigma1 / h * (end - z), end
 
 
-@compiled
+@inlined
 def sticking_force(v: float, start_speed: float, holding: float, law: FrictionLaw) -> float:
     """Mean friction [V] over a step under a law that truly sticks, without viscous part.
 

@@ -10,7 +10,7 @@ level at steady speed is that of Stribeck friction.
 
 from __future__ import annotations
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.friction import stribeck
 from furuta_model.friction.bristle import deflection_after, deflection_rate
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
@@ -19,7 +19,7 @@ LAW = stribeck.LAW._replace(name="lugre", bristle=True)
 _symmetric_level = stribeck.level
 
 
-@compiled
+@inlined
 def stribeck_level(v: float, p: Friction) -> float:
     """g(v) [V]: the friction level at steady speed v [rad/s], without viscous part."""
     level = _symmetric_level(v, p)
@@ -30,25 +30,25 @@ def stribeck_level(v: float, p: Friction) -> float:
     return max(level, SMALLEST_LEVEL)
 
 
-@compiled
+@inlined
 def highest_level(p: Friction) -> float:
     """The largest g(v) [V]. If σ₀|z| is below it at the start, it stays below it."""
     return max((p.alpha0 + p.alpha1) * (1.0 + abs(p.asymmetry)), SMALLEST_LEVEL)
 
 
-@compiled
+@inlined
 def bristle_rate(v: float, z: float, p: Friction) -> float:
     """ż [rad/s] of (5) at speed v [rad/s] and deflection z [rad]."""
     return deflection_rate(v, abs(v), z, stribeck_level(v, p), p)
 
 
-@compiled
+@inlined
 def friction(v: float, z: float, p: Friction) -> float:
     """F [V] of (5) at speed v [rad/s] and deflection z [rad]."""
     return p.sigma0 * z + p.sigma1 * bristle_rate(v, z, p) + p.viscous * v
 
 
-@compiled
+@inlined
 def bristle_after(
     v: float, correction: float, z: float, dt: float, p: Friction
 ) -> tuple[float, float]:

@@ -5,13 +5,13 @@ At a sinusoidal speed it equals Coulomb friction, because the speed is zero only
 
 from __future__ import annotations
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
 from furuta_model.friction.coulomb import level
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 
 
-@compiled
+@inlined
 def breakaway(p: Friction) -> float:
     """α₀ + α₁ [V]."""
     return p.alpha0 + p.alpha1

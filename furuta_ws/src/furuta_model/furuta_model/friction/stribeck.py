@@ -5,11 +5,10 @@ r"""Stribeck friction: the level falls from α₀ + α₁ at rest to α₀ above
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import inlined
+from furuta_model.elementary import exp
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 from furuta_model.friction.stiction import breakaway
@@ -18,7 +17,7 @@ from furuta_model.friction.stiction import breakaway
 LARGE_RATIO = 50.0
 
 
-@compiled
+@inlined
 def level(v: float, p: Friction) -> float:
     """α₀ + α₁ exp(−(v/vs)²) [V] at speed v [rad/s]."""
     ratio = v / p.stribeck_velocity

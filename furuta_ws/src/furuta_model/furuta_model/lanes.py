@@ -1,0 +1,260 @@
+"""Lanes: many samples of the same compiled functions side by side, in one block of memory.
+
+A block has a row for every number of a named tuple and a column for every lane. Compiled code gets
+a :class:`Lanes`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be read and
+written. The functions of a sample are therefore used in lanes as they are. Neighbouring lanes are
+neighbours in memory, so the compiler turns a loop over the lanes into vector instructions. It does
+so only if the loop has no call and no index that depends on a value.
+
+Numbers that are equal in all lanes and select what is computed, such as the kind of a friction law,
+are constants of the block's type. Each combination of them is compiled for itself.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.imputils import lower_builtin, lower_getattr_generic
+from numba.core.typing.templates import (
+    AbstractTemplate,
+    AttributeTemplate,
+    infer_global,
+    signature,
+)
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    models,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+
+# Kinds of numbers; all take eight bytes.
+REAL, INTEGER, TRUTH = "f", "i", "b"
+_NUMBA = {REAL: types.float64, INTEGER: types.int64, TRUTH: types.boolean}
+_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
+
+# A layout is (kind, ...): ("record", ((name, row, layout), ...)), ("array", shape, kind of number),
+# ("number", kind) or ("constant", kind, value). Rows count from the record that holds the field.
+Layout = tuple[Any, ...]
+# Whether the number with this name and value is a constant of the block.
+IsConstant = Callable[[str, Any], bool]
+
+
+class Lanes:
+    """A block of ``width`` lanes, all laid out like ``example``, a named tuple.
+
+    ``data`` (rows, width) holds the numbers. Fields that are constants are taken from ``example``.
+    """
+
+    def __init__(self, layout: Layout, rows: int, width: int) -> None:
+        self.layout = layout
+        self.width = width
+        self.data = np.zeros((rows, width))
+
+    @property
+    def address(self) -> int:
+        """Address of the first number."""
+        return int(self.data.ctypes.data)
+
+    def fill(self, lane: int, values: Any) -> None:
+        """Write a named tuple into a lane."""
+        self.data[:, lane] = list(_numbers(values))
+
+    def rows(self, name: str) -> np.ndarray:
+        """The numbers of an array that is a field of the named tuple, (size, width)."""
+        row, (_, shape, _) = _field(self.layout, name)
+        return self.data[row : row + int(np.prod(shape))]
+
+    def type(self, names: tuple[str, ...]) -> LanesType:
+        """The block's type for a function that uses only the fields ``names``."""
+        return _part_type(self.layout, self.width, names)
+
+
+@lru_cache(maxsize=256)
+def _part_type(layout: Layout, width: int, names: tuple[str, ...]) -> LanesType:
+    return LanesType(("record", tuple(each for each in layout[1] if each[0] in names)), width)
+
+
+def layout_of(value: Any, is_constant: IsConstant, name: str = "") -> tuple[Layout, int]:
+    """The layout of a named tuple, an array or a number, and the rows that it takes."""
+    if hasattr(value, "_fields"):
+        fields, rows = [], 0
+        for inner_name, each in zip(value._fields, value, strict=True):
+            layout, size = layout_of(each, is_constant, inner_name)
+            fields.append((inner_name, rows, layout))
+            rows += size
+        return ("record", tuple(fields)), rows
+    if isinstance(value, np.ndarray):
+        return ("array", value.shape, _kind(value.flat[0])), value.size
+    constant = is_constant(name, value)
+    return ("constant", _kind(value), value) if constant else ("number", _kind(value)), 1
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return TRUTH
+    return INTEGER if isinstance(value, (int, np.integer)) else REAL
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    """All numbers of a named tuple as doubles; the bits of an integer stay."""
+    if isinstance(value, tuple):
+        for each in value:
+            yield from _numbers(each)
+    elif isinstance(value, np.ndarray):
+        flat = value.ravel()
+        yield from (flat if flat.dtype.kind == "f" else flat.astype(np.int64).view(float)).tolist()
+    elif isinstance(value, (int, np.integer, np.bool_)):
+        yield float(np.int64(value).view(np.float64))
+    else:
+        yield value
+
+
+def _field(layout: Layout, name: str) -> tuple[int, Layout]:
+    for field, row, inner in layout[1]:
+        if field == name:
+            return row, inner
+    raise AttributeError(name)
+
+
+class _BlockType(types.Type):  # type: ignore[misc]
+    """Numba's type of a block or of a lane of it, named by a hash, because names end in symbols."""
+
+    def __init__(self, layout: Layout, width: int) -> None:
+        self.layout = layout
+        self.width = width
+        digest = sha256(repr((layout, width)).encode()).hexdigest()[:16]
+        super().__init__(f"{type(self).__name__}_{digest}")
+
+
+class LanesType(_BlockType):
+    """Numba's type of a block."""
+
+
+class LaneType(_BlockType):
+    """Numba's type of a lane, of a record in it, or of an array in it."""
+
+
+@register_model(LanesType)
+@register_model(LaneType)
+class _AddressModel(models.PrimitiveModel):  # type: ignore[misc]
+    """A block, lane, record or array is the address of its first number."""
+
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _DOUBLE.as_pointer())
+
+
+@typeof_impl.register(Lanes)
+def _type_of(block: Lanes, context: Any) -> LanesType:
+    return LanesType(block.layout, block.width)
+
+
+@unbox(LanesType)
+def _unbox(numba_type: Any, block: Any, c: Any) -> NativeValue:
+    number = c.pyapi.object_getattr_string(block, "address")
+    address = c.pyapi.long_as_longlong(number)
+    c.pyapi.decref(number)
+    return NativeValue(c.builder.inttoptr(address, _DOUBLE.as_pointer()))
+
+
+def _index_type(index: Any) -> Any:
+    return types.UniTuple(types.intp, len(index)) if len_of(index) else types.intp
+
+
+def len_of(index: Any) -> int:
+    """Number of indices of a tuple of them, 0 for a single one."""
+    return len(index) if isinstance(index, types.BaseTuple) else 0
+
+
+@infer_global(operator.getitem)
+class _GetItem(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, arguments: Any, _: Any) -> Any:
+        block, index = arguments
+        if isinstance(block, LanesType):
+            return signature(LaneType(block.layout, block.width), block, types.intp)
+        if isinstance(block, LaneType) and block.layout[0] == "array":
+            return signature(_NUMBA[block.layout[2]], block, _index_type(index))
+        return None
+
+
+@infer_global(operator.setitem)
+class _SetItem(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, arguments: Any, _: Any) -> Any:
+        block, index, _value = arguments
+        if isinstance(block, LaneType) and block.layout[:1] == ("array",):
+            return signature(types.none, block, _index_type(index), _NUMBA[block.layout[2]])
+        return None
+
+
+@lower_builtin(operator.getitem, LanesType, types.intp)
+def _lower_lane(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    return builder.gep(arguments[0], [arguments[1]], inbounds=True)
+
+
+@lower_builtin(operator.getitem, LaneType, types.intp)
+def _lower_get(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    block, index = arguments
+    return _load(builder, sig.args[0].layout[2], _element(builder, sig.args[0], block, [index]))
+
+
+@lower_builtin(operator.getitem, LaneType, types.UniTuple)
+def _lower_get_many(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    indices = cgutils.unpack_tuple(builder, arguments[1])
+    return _load(
+        builder, sig.args[0].layout[2], _element(builder, sig.args[0], arguments[0], indices)
+    )
+
+
+@lower_builtin(operator.setitem, LaneType, types.intp, types.Float)
+def _lower_set(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+    block, index, value = arguments
+    builder.store(value, _element(builder, sig.args[0], block, [index]))
+    return context.get_dummy_value()
+
+
+def _element(builder: Any, block: LaneType, address: Any, indices: list[Any]) -> Any:
+    """Address of an array's element."""
+    flat, *others = indices
+    for index, size in zip(others, block.layout[1][1:], strict=True):
+        flat = builder.add(builder.mul(flat, _INTEGER(size), flags=("nsw",)), index, flags=("nsw",))
+    return builder.gep(
+        address, [builder.mul(flat, _INTEGER(block.width), flags=("nsw",))], inbounds=True
+    )
+
+
+def _load(builder: Any, kind: str, address: Any) -> Any:
+    if kind == REAL:
+        return builder.load(address)
+    bits = builder.load(builder.bitcast(address, _INTEGER.as_pointer()))
+    return bits if kind == INTEGER else builder.icmp_signed("!=", bits, _INTEGER(0))
+
+
+@infer_getattr
+class _Attributes(AttributeTemplate):  # type: ignore[misc]
+    key = LaneType
+
+    def generic_resolve(self, lane: LaneType, name: str) -> Any:
+        if lane.layout[0] != "record" or name not in [each[0] for each in lane.layout[1]]:
+            return None
+        _, inner = _field(lane.layout, name)
+        single = inner[0] in ("number", "constant")
+        return _NUMBA[inner[1]] if single else LaneType(inner, lane.width)
+
+
+@lower_getattr_generic(LaneType)
+def _lower_attribute(context: Any, builder: Any, lane: LaneType, address: Any, name: str) -> Any:
+    row, inner = _field(lane.layout, name)
+    if inner[0] == "constant":
+        return context.get_constant(_NUMBA[inner[1]], inner[2])
+    inner_address = builder.gep(address, [_INTEGER(row * lane.width)], inbounds=True)
+    return _load(builder, inner[1], inner_address) if inner[0] == "number" else inner_address
