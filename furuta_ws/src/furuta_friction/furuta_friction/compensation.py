@@ -152,22 +152,38 @@ def estimate_friction(memory: np.ndarray, estimate: np.ndarray, p: Compensator) 
     """
     if isnan(estimate[PHI_DOT] + estimate[PHI]):
         return 0.0
+    if p.kind not in (LUGRE, ADAPTIVE):
+        _observe(memory, estimate, p)
+    return estimate_without_switch(memory, estimate, p)
+
+
+@inlined
+def estimate_without_switch(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
+    """:func:`estimate_friction` if the compensation never changes: no idle observer runs."""
+    if isnan(estimate[PHI_DOT] + estimate[PHI]):
+        return 0.0
     friction = _estimate(memory, estimate, p)
     return guarded(memory, GUARD, estimate, friction, p.guard) if p.kind != NONE else friction
+
+
+@inlined
+def _observe(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
+    """F̂ [V] of the observer (9)."""
+    correction = -p.observer_gain * estimate[PHI]
+    return observe(memory, estimate[PHI_DOT], correction, p.sample_time, p.friction)
 
 
 @inlined
 def _estimate(memory: np.ndarray, estimate: np.ndarray, p: Compensator) -> float:
     """F̂ [V] of the chosen compensation."""
     v, observed = estimate[PHI_DOT], estimate[OBSERVED_FRICTION]
-    correction = -p.observer_gain * estimate[PHI]
     if p.kind == ADAPTIVE:
+        correction = -p.observer_gain * estimate[PHI]
         return adaptive.estimate(
             memory, v, observed, correction, p.adaptation_gain, p.sample_time, p.friction
         )
-    bristle = observe(memory, v, correction, p.sample_time, p.friction)
     if p.kind == LUGRE:
-        return bristle
+        return _observe(memory, estimate, p)
     if p.kind == STICTION:
         return stiction.estimate(v, observed, p.friction)
     if p.kind == COULOMB:

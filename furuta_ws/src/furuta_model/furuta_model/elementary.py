@@ -73,8 +73,8 @@ def _double(_: Any, bits: Any) -> Any:
 
 
 @inlined
-def _reduced_exponential(x: float) -> tuple[float, float]:
-    """(eʳ − 1, 2ᵏ) with x = k ln 2 + r, |r| ≤ ln 2 / 2."""
+def reduced_exponential(x: float) -> tuple[float, float, float]:
+    """(r, (eʳ − 1 − r)/r², 2ᵏ) with x = k ln 2 + r, |r| ≤ ln 2 / 2; −708 ≤ x ≤ 709."""
     rounded = fma(x, PER_LN2, ROUND)
     k = rounded - ROUND
     r = fma(-k, LN2_REST, fma(-k, LN2, x))
@@ -92,11 +92,11 @@ def _reduced_exponential(x: float) -> tuple[float, float]:
     odd = fma(s, odd, 1.0 / 120.0)
     odd = fma(s, odd, 1.0 / 6.0)
     scale = _double((_bits(rounded) + 1023) << 52)
-    return fma(s, fma(r, odd, even), r), scale
+    return r, fma(r, odd, even), scale
 
 
 @inlined
-def _within(x: float) -> float:
+def within(x: float) -> float:
     """``x`` limited to where exp is a normal number; a NaN stays."""
     x = LOWEST if x < LOWEST else x
     return HIGHEST if x > HIGHEST else x
@@ -105,15 +105,15 @@ def _within(x: float) -> float:
 @inlined
 def exp(x: float) -> float:
     """eˣ; 0 below −708, and e⁷⁰⁹ above 709."""
-    fraction, scale = _reduced_exponential(_within(x))
-    return 0.0 if x < LOWEST else fma(scale, fraction, scale)
+    r, curvature, scale = reduced_exponential(within(x))
+    return 0.0 if x < LOWEST else fma(scale, fma(r * r, curvature, r), scale)
 
 
 @inlined
 def expm1(x: float) -> float:
     """eˣ − 1, accurate for small x too; e⁷⁰⁹ − 1 above 709."""
-    fraction, scale = _reduced_exponential(_within(x))
-    return fma(scale, fraction, scale - 1.0)
+    r, curvature, scale = reduced_exponential(within(x))
+    return fma(scale, fma(r * r, curvature, r), scale - 1.0)
 
 
 @inlined

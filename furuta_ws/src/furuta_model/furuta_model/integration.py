@@ -96,27 +96,59 @@ def substep_rule(
 ) -> Callable[..., None]:
     """Make one substep of the rule: state, torque [V], length [s], body and friction law."""
 
+    first_half, whole = first_half_rule(stage), whole_rule(stage)
+
     def substep(x: np.ndarray, u: float, h: float, body: Any, law: FrictionLaw) -> None:
+        sine, cosine = sin_cos(x[THETA])
+        v_mid, w_mid = first_half(x, u, h, sine, cosine, body, law)
+        whole(x, u, h, sine, cosine, v_mid, w_mid, body, law)
+        after_substep(x, body)
+
+    return inlined(substep, cached=False)
+
+
+def first_half_rule(stage: Stage) -> Callable[..., tuple[float, float]]:
+    """Make the first half of a substep of ``h`` [s]: the speeds in its middle [rad/s]."""
+
+    def first_half(
+        x: np.ndarray, u: float, h: float, sine: float, cosine: float, body: Any, law: FrictionLaw
+    ) -> tuple[float, float]:
         half = 0.5 * h
-        phi, v, theta, w, memory = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[BRISTLE]
+        phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
+        v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, x[BRISTLE], half, body, law)
+        return v + half * v_dot, w + half * w_dot
 
-        sine, cosine = sin_cos(theta)
-        v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, memory, half, body, law)
+    return inlined(first_half, cached=False)
+
+
+def whole_rule(stage: Stage) -> Callable[..., None]:
+    """Make the whole substep from its start and the speeds in its middle."""
+
+    def whole(
+        x: np.ndarray,
+        u: float,
+        h: float,
+        sine: float,
+        cosine: float,
+        v_mid: float,
+        w_mid: float,
+        body: Any,
+        law: FrictionLaw,
+    ) -> None:
+        half = 0.5 * h
+        phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
         phi_mid, theta_mid = phi + half * v, theta + half * w
-        v_mid, w_mid = v + half * v_dot, w + half * w_dot
         sine, cosine = rotate_slightly(sine, cosine, half * w)
-
         v_dot, w_dot, end = stage(
-            phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, memory, h, body, law
+            phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, x[BRISTLE], h, body, law
         )
         x[PHI] = phi + h * v_mid
         x[PHI_DOT] = v + h * v_dot
         x[THETA] = theta + h * w_mid
         x[THETA_DOT] = w + h * w_dot
         x[BRISTLE] = end
-        after_substep(x, body)
 
-    return inlined(substep, cached=False)
+    return inlined(whole, cached=False)
 
 
 @inlined
@@ -149,7 +181,7 @@ def _pendulum_stage(
 
 
 _advance = integrator(_pendulum_stage)
-_substep = substep_rule(_pendulum_stage)
+_first_half, _whole = first_half_rule(_pendulum_stage), whole_rule(_pendulum_stage)
 
 
 @inlined
@@ -161,8 +193,30 @@ def advance(
 
 
 @inlined
-def advance_substep(
-    x: np.ndarray, u: float, h: float, body: FurutaPendulum, law: FrictionLaw
+def advance_half(
+    x: np.ndarray,
+    u: float,
+    h: float,
+    sine: float,
+    cosine: float,
+    body: FurutaPendulum,
+    law: FrictionLaw,
+) -> tuple[float, float]:
+    """Speeds [rad/s] in the middle of a substep of :func:`advance`, for loops side by side."""
+    return _first_half(x, u, h, sine, cosine, body, law)
+
+
+@inlined
+def advance_whole(
+    x: np.ndarray,
+    u: float,
+    h: float,
+    sine: float,
+    cosine: float,
+    v_mid: float,
+    w_mid: float,
+    body: FurutaPendulum,
+    law: FrictionLaw,
 ) -> None:
-    """One substep of ``h`` [s] of :func:`advance`, for loops that run side by side."""
-    _substep(x, u, h, body, law)
+    """The substep from its start and the speeds of :func:`advance_half`."""
+    _whole(x, u, h, sine, cosine, v_mid, w_mid, body, law)

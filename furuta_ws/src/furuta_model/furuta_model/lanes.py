@@ -1,7 +1,7 @@
 """Lanes: many samples of the same compiled functions side by side, in one block of memory.
 
-A block has a row for every number of a named tuple and a column for every lane. Compiled code gets
-a :class:`Lanes`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be read and
+A block has a row for every number of a named tuple and a column for every lane. In compiled code it
+has the type :class:`LanesType`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be read and
 written. The functions of a sample are therefore used in lanes as they are. Neighbouring lanes are
 neighbours in memory, so the compiler turns a loop over the lanes into vector instructions. It does
 so only if the loop has no call and no index that depends on a value.
@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from functools import lru_cache
 from hashlib import sha256
 from typing import Any
 
@@ -32,12 +31,15 @@ from numba.core.typing.templates import (
 from numba.extending import (
     NativeValue,
     infer_getattr,
+    intrinsic,
     models,
     register_model,
     typeof_impl,
     unbox,
 )
 
+# Numbers in a line of the cache.
+CACHE_LINE = 8
 # Kinds of numbers; all take eight bytes.
 REAL, INTEGER, TRUTH = "f", "i", "b"
 _NUMBA = {REAL: types.float64, INTEGER: types.int64, TRUTH: types.boolean}
@@ -51,38 +53,34 @@ IsConstant = Callable[[str, Any], bool]
 
 
 class Lanes:
-    """A block of ``width`` lanes, all laid out like ``example``, a named tuple.
-
-    ``data`` (rows, width) holds the numbers. Fields that are constants are taken from ``example``.
-    """
+    """A block of ``width`` lanes of one layout; ``data`` (rows, width) holds the numbers."""
 
     def __init__(self, layout: Layout, rows: int, width: int) -> None:
         self.layout = layout
         self.width = width
-        self.data = np.zeros((rows, width))
+        self.data = _aligned(rows * width).reshape(rows, width)
 
     @property
     def address(self) -> int:
         """Address of the first number."""
         return int(self.data.ctypes.data)
 
-    def fill(self, lane: int, values: Any) -> None:
-        """Write a named tuple into a lane."""
-        self.data[:, lane] = list(_numbers(values))
-
     def rows(self, name: str) -> np.ndarray:
         """The numbers of an array that is a field of the named tuple, (size, width)."""
-        row, (_, shape, _) = _field(self.layout, name)
-        return self.data[row : row + int(np.prod(shape))]
+        row, layout = _field(self.layout, name)
+        return self.data[row : row + rows_of(layout)]
 
-    def type(self, names: tuple[str, ...]) -> LanesType:
-        """The block's type for a function that uses only the fields ``names``."""
-        return _part_type(self.layout, self.width, names)
+    def constant(self, record: str, name: str) -> Any:
+        """The value of a field that is a constant of the block."""
+        _, layout = _field(self.layout, record)
+        return _field(layout, name)[1][2]
 
 
-@lru_cache(maxsize=256)
-def _part_type(layout: Layout, width: int, names: tuple[str, ...]) -> LanesType:
-    return LanesType(("record", tuple(each for each in layout[1] if each[0] in names)), width)
+def _aligned(size: int) -> np.ndarray:
+    """Zeros that begin at a cache line: a vector that crosses two of them costs two accesses."""
+    memory = np.zeros(size + CACHE_LINE)
+    first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
+    return memory[first : first + size]
 
 
 def layout_of(value: Any, is_constant: IsConstant, name: str = "") -> tuple[Layout, int]:
@@ -96,8 +94,21 @@ def layout_of(value: Any, is_constant: IsConstant, name: str = "") -> tuple[Layo
         return ("record", tuple(fields)), rows
     if isinstance(value, np.ndarray):
         return ("array", value.shape, _kind(value.flat[0])), value.size
-    constant = is_constant(name, value)
-    return ("constant", _kind(value), value) if constant else ("number", _kind(value)), 1
+    if is_constant(name, value):
+        return ("constant", _kind(value), value), 1
+    return ("number", _kind(value)), 1
+
+
+def rows_of(layout: Layout) -> int:
+    """The rows that a layout takes; a constant keeps its row, so that all groups are alike."""
+    if layout[0] == "record":
+        return sum(rows_of(inner) for _, _, inner in layout[1])
+    return int(np.prod(layout[1])) if layout[0] == "array" else 1
+
+
+def numbers_of(value: Any) -> np.ndarray:
+    """All numbers of a named tuple as doubles; the bits of an integer stay."""
+    return np.array(list(_numbers(value)))
 
 
 def _kind(value: Any) -> str:
@@ -107,7 +118,6 @@ def _kind(value: Any) -> str:
 
 
 def _numbers(value: Any) -> Iterator[float]:
-    """All numbers of a named tuple as doubles; the bits of an integer stay."""
     if isinstance(value, tuple):
         for each in value:
             yield from _numbers(each)
@@ -168,12 +178,24 @@ def _unbox(numba_type: Any, block: Any, c: Any) -> NativeValue:
 
 
 def _index_type(index: Any) -> Any:
-    return types.UniTuple(types.intp, len(index)) if len_of(index) else types.intp
+    several = isinstance(index, types.BaseTuple)
+    return types.UniTuple(types.intp, len(index)) if several else types.intp
 
 
-def len_of(index: Any) -> int:
-    """Number of indices of a tuple of them, 0 for a single one."""
-    return len(index) if isinstance(index, types.BaseTuple) else 0
+@intrinsic
+def widest_vectors(_: Any) -> Any:
+    """Let the function that calls this use vectors as wide as the processor has them.
+
+    For some processors the compiler prefers half the width, because wide vectors would slow down
+    the code around them. A loop over lanes has none.
+    """
+
+    def generate(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+        # llvmlite adds only attributes that it knows by name.
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return context.get_dummy_value()
+
+    return types.none(), generate
 
 
 @infer_global(operator.getitem)

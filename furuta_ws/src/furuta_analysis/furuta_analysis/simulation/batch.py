@@ -1,8 +1,9 @@
-"""Simulates many closed loops on all cores.
+"""Simulates many closed loops on all cores, side by side where they compute alike.
 
-A run is one call of compiled code that releases the interpreter lock, so threads share the work
+Loops of one kind run together in lanes (:mod:`furuta_analysis.simulation.lanes`), the others
+singly. Both are calls of compiled code that release the interpreter lock, so threads share the work
 without copies or processes. A run depends on its own parameters and seed alone: its outcome is the
-same to the last bit for any other runs, any order and any number of workers.
+same to the last bit for any other runs, any order, any number of workers, in a lane or alone.
 """
 
 from __future__ import annotations
@@ -10,12 +11,22 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from itertools import islice
+from typing import Any
 
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
+from furuta_analysis.simulation.lanes import WIDTH, Group, PreparedLoop, is_compiled, prepare, run_block
 
-# Pending runs per worker: enough to keep it busy, few enough to need little memory.
-PENDING_PER_WORKER = 4
+# Blocks per worker that are taken from the loops together. More loops find more of their kind;
+# fewer need less memory.
+BLOCKS_PER_WORKER = 2
+# Fewer loops of a group run singly: that is faster than a block with so many lanes to spare.
+FEWEST_IN_BLOCK = 8
+# Samples after which compiling the stages of a group takes less time than running singly.
+WORTH_COMPILING = 50_000_000
+
+_samples_run_singly: dict[Group, int] = {}
 
 
 def batch(
@@ -23,25 +34,93 @@ def batch(
 ) -> Iterator[Outcome]:
     """Yield the outcomes of ``loops`` in order, each run for ``seconds`` from its initial state.
 
-    The last fraction ``settled`` of every run is measured. ``loops`` is consumed step by step, so
-    memory does not grow with their number. ``workers`` defaults to the number of available cores.
+    The last fraction ``settled`` of every run is measured. ``loops`` is consumed step by step, in
+    chunks that grow, so memory does not grow with their number. ``workers`` defaults to the number
+    of available cores.
     """
     workers = workers or available_cores()
-    pending: deque[Future[Outcome]] = deque()
+    pending: deque[_Chunk] = deque()
     with ThreadPoolExecutor(workers) as pool:
-        for loop in loops:
-            pending.append(pool.submit(outcome, loop, seconds, settled))
-            if len(pending) > workers * PENDING_PER_WORKER:
-                yield pending.popleft().result()
+        for chunk in _chunks(loops, workers, workers * BLOCKS_PER_WORKER * WIDTH):
+            pending.append(_Chunk(pool, chunk, seconds, settled))
+            if len(pending) > 1:
+                yield from pending.popleft().outcomes()
         while pending:
-            yield pending.popleft().result()
+            yield from pending.popleft().outcomes()
 
 
 def outcomes(loops: Iterable[Loop], seconds: float, settled: float = SETTLED) -> list[Outcome]:
-    """Outcomes of a few loops, one after the other: the unit of work on a cluster."""
-    return [outcome(loop, seconds, settled) for loop in loops]
+    """Outcomes of a few loops on one core: the unit of work on a cluster."""
+    return list(batch(loops, seconds, settled, workers=1))
 
 
 def available_cores() -> int:
     """Cores that this process may run on."""
     return len(os.sched_getaffinity(0))
+
+
+def _chunks(loops: Iterable[Loop], smallest: int, largest: int) -> Iterator[list[Loop]]:
+    """Take loops in chunks: small ones at first, so that the first outcomes come soon."""
+    iterator, size = iter(loops), smallest
+    while chunk := list(islice(iterator, size)):
+        yield chunk
+        size = min(2 * size, largest)
+
+
+class _Chunk:
+    """Some loops that are submitted together."""
+
+    def __init__(
+        self, pool: Executor, loops: list[Loop], seconds: float, settled: float
+    ) -> None:
+        self._size = len(loops)
+        self._futures: list[tuple[list[int], Future[Any]]] = []
+        groups: dict[Group, list[tuple[int, PreparedLoop]]] = {}
+        alone = []
+        for number, loop in enumerate(loops):
+            prepared = prepare(loop, seconds)
+            if prepared is None:
+                alone.append(number)
+            else:
+                groups.setdefault(prepared.group, []).append((number, prepared))
+        for group, members in groups.items():
+            blocks, rest = _split(group, members)
+            alone += [number for number, _ in rest]
+            for block in blocks:
+                ready = [each for _, each in block]
+                future = pool.submit(run_block, ready, settled)
+                self._futures.append(([number for number, _ in block], future))
+        for number in alone:
+            future = pool.submit(outcome, loops[number], seconds, settled)
+            self._futures.append(([number], future))
+
+    def outcomes(self) -> list[Outcome]:
+        """The outcomes in the order of the loops."""
+        found: dict[int, Outcome] = {}
+        for numbers, future in self._futures:
+            result = future.result()
+            found |= {numbers[0]: result} if isinstance(result, Outcome) else dict(
+                zip(numbers, result, strict=True)
+            )
+        return [found[number] for number in range(self._size)]
+
+
+Members = list[tuple[int, PreparedLoop]]
+
+
+def _split(group: Group, members: Members) -> tuple[list[Members], Members]:
+    """Blocks of loops that run in lanes, and the loops that run singly."""
+    if len(members) < FEWEST_IN_BLOCK or not _use_lanes(group, len(members)):
+        return [], members
+    blocks = [members[first : first + WIDTH] for first in range(0, len(members), WIDTH)]
+    rest = blocks.pop() if len(blocks[-1]) < FEWEST_IN_BLOCK else []
+    return blocks, rest
+
+
+def _use_lanes(group: Group, runs: int) -> bool:
+    """Whether the group's stages are compiled, or compiling them is worth it by now."""
+    so_far = _samples_run_singly.get(group, 0)
+    if so_far > WORTH_COMPILING or is_compiled(group):
+        return True
+    _samples_run_singly[group] = so_far + runs * group.samples
+    return False

@@ -1,18 +1,17 @@
 """Simulates many closed loops side by side in the lanes of the processor's vector instructions.
 
-Every stage of a sample is a loop over the lanes of a block, made from the functions that a single
-run calls: sensors, estimator, friction observer, controller, measurement and plant. An outcome is
-the same to the last bit as that of a single run.
+Loops that compute alike form a group: the same kinds of law, compensation, estimator and sensors,
+and as many samples. Up to :data:`WIDTH` loops of a group run in one block
+(:mod:`furuta_analysis.simulation.lane_stages`); each has its own parameters, seed and initial state.
 
-What is rare would spoil the loops: an estimate that starts or has to replace a reading, a
-controller that catches or drops the pendulum. Such a lane calls the function of a single run in
-that sample. Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and
-others) or springs, and controllers with another mode or an excitation run singly.
+Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and others) or
+springs, and controllers with another mode or an excitation run singly. So do loops whose stages
+are not compiled yet, until their runs would have taken longer than the compilation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -21,31 +20,27 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from furuta_analysis.simulation.closed_loop import (
-    SETTLED,
-    SUMS,
-    Loop,
-    Outcome,
-    measure_sample,
-    note_fall,
-    summary,
+from furuta_analysis.simulation.closed_loop import SUMS, Loop, Outcome, summary
+from furuta_analysis.simulation.lane_stages import (
+    LANE_SIGNALS,
+    MOST_STAGES,
+    PARTS,
+    Lane,
+    LanePlant,
+    Stage,
 )
-from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE, accumulate_midpoint
+from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE
 from furuta_control import control as controller
 from furuta_control import estimation as estimator
-from furuta_control.control import ControllerDesign, design_controller
-from furuta_control.estimation import EstimatorDesign, design_estimator
+from furuta_control.control import ControllerParameters, design_controller
+from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_friction import compensation
-from furuta_friction.compensation import Compensator, design_compensator, estimate_friction
+from furuta_friction.compensation import ObserverParameters, design_compensator
 from furuta_model.compiled import compiled
-from furuta_model.friction.laws import FrictionLaw, friction_force
-from furuta_model.integration import advance_substep, sufficient_substeps
-from furuta_model.lanes import Lanes, LanesType, layout_of
-from furuta_model.pendulum import FurutaPendulum
+from furuta_model.lanes import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
 from furuta_model.sensors import Sensors
-from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS
-from furuta_sim.parameters import Actuator
-from furuta_sim.plant import NOISE_CHANNELS, design_plant, drive, measure
+from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
+from furuta_sim.plant import NOISE_CHANNELS, design_plant
 
 # Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
 # processor's first cache.
@@ -59,72 +54,15 @@ OFF_AT_ZERO = frozenset(
     {"bits", "encoder_counts", "tachometer_bits", "potentiometer_bits", "patience"}
     | {"integral_share", "rate_bound"}
 )
-# Indices of the signals between the stages.
-FRICTION_ESTIMATE, COMMAND, TORQUE, SUBSTEPS, USUAL = range(5)
-
-
-class LanePlant(NamedTuple):
-    """What the plant of a lane computes with: a rig without faults and parts."""
-
-    model: FurutaPendulum
-    friction: FrictionLaw
-    actuator: Actuator
-    sample_time: float
-    substeps: int
-
-
-class Lane(NamedTuple):
-    """A closed loop in a lane."""
-
-    plant: LanePlant
-    sensors: Sensors
-    estimator_design: EstimatorDesign
-    compensator: Compensator
-    controller_design: ControllerDesign
-    x: np.ndarray
-    noise: np.ndarray
-    measurement: np.ndarray
-    estimate: np.ndarray
-    estimator: np.ndarray
-    observer: np.ndarray
-    controller: np.ndarray
-    signals: np.ndarray
-    accumulator: np.ndarray
-    sums: np.ndarray
-
-
-def suits_lanes(loop: Loop) -> bool:
-    """Whether the loop can run in a lane."""
-    plant = design_plant(loop.plant)
-    control = loop.controller
-    usual = control.enabled and control.mode == "balance" and control.excitation.kind == "none"
-    return usual and not plant.parts.any and not plant.faults.any
-
-
-def lane_of(loop: Loop) -> Lane:
-    """The loop in its initial state."""
-    plant = design_plant(loop.plant)
-    x = np.zeros(PLANT_STATES)
-    x[:BRISTLE] = loop.plant.initial
-    return Lane(
-        LanePlant(plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps),
-        plant.sensors,
-        design_estimator(loop.estimator),
-        design_compensator(loop.observer),
-        design_controller(loop.controller),
-        x,
-        *(np.zeros(size) for size in _SIZES),
-    )
-
-
-_SIZES = (
+# The fields of a lane that are zero at the start, and their sizes.
+_START = (
     NOISE_CHANNELS,
     SIGNALS,
     SIGNALS,
     estimator.MEMORY,
     compensation.MEMORY,
     controller.MEMORY,
-    USUAL + 1,
+    LANE_SIGNALS,
     ACCUMULATOR_SIZE,
     SUMS,
 )
@@ -135,186 +73,169 @@ def is_constant(name: str, value: Any) -> bool:
     return isinstance(value, bool) or name in SELECTORS or (name in OFF_AT_ZERO and value == 0)
 
 
-@compiled
-def read_lanes(lanes: LanesType, count: int) -> None:
-    """Read the sensors."""
-    for i in range(count):
-        lane = lanes[i]
-        measure(lane.x, lane.noise, lane.sensors, lane.measurement)
-        lane.measurement[APPLIED_TORQUE] = lane.signals[TORQUE]
-
-
-@compiled
-def estimate_lanes(lanes: LanesType, count: int) -> None:
-    """Estimate the state."""
-    unusual = 0
-    for i in range(count):
-        lane = lanes[i]
-        p = lane.estimator_design
-        usual = estimator.continues(lane.estimator, lane.measurement, p)
-        lane.signals[USUAL] = 1.0 if usual else 0.0
-        unusual += 0 if usual else 1
-        if usual:
-            estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
-    if unusual == 0:
-        return
-    for i in range(count):
-        lane = lanes[i]
-        if lane.signals[USUAL] == 0.0:
-            p = lane.estimator_design
-            estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
-
-
-@compiled
-def observe_lanes(lanes: LanesType, count: int) -> None:
-    """Estimate the friction."""
-    for i in range(count):
-        lane = lanes[i]
-        friction = estimate_friction(lane.observer, lane.estimate, lane.compensator)
-        lane.signals[FRICTION_ESTIMATE] = friction
-
-
-@compiled
-def control_lanes(lanes: LanesType, count: int) -> None:
-    """Compute the command."""
-    unusual = 0
-    for i in range(count):
-        lane = lanes[i]
-        p = lane.controller_design
-        usual = controller.continues(lane.controller, lane.estimate, p)
-        lane.signals[USUAL] = 1.0 if usual else 0.0
-        unusual += 0 if usual else 1
-        if usual:
-            lane.signals[COMMAND] = controller.continue_control(
-                lane.controller, lane.estimate, lane.signals[FRICTION_ESTIMATE], p
-            )
-    if unusual == 0:
-        return
-    for i in range(count):
-        lane = lanes[i]
-        if lane.signals[USUAL] == 0.0:
-            p = lane.controller_design
-            friction = lane.signals[FRICTION_ESTIMATE]
-            lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
-
-
-@compiled
-def midpoint_lanes(lanes: LanesType, count: int) -> None:
-    """Include the sample in the midpoint of the motion."""
-    for i in range(count):
-        accumulate_midpoint(lanes[i].accumulator, lanes[i].x)
-
-
-@compiled
-def measure_lanes(lanes: LanesType, count: int) -> None:
-    """Include the sample in what is measured."""
-    for i in range(count):
-        lane = lanes[i]
-        friction = friction_force(lane.x[PHI_DOT], lane.x[BRISTLE], lane.plant.friction)
-        estimated = lane.signals[FRICTION_ESTIMATE]
-        measure_sample(
-            lane.accumulator, lane.sums, lane.x, lane.signals[COMMAND], friction, estimated
-        )
-
-
-@compiled
-def move_lanes(lanes: LanesType, count: int) -> None:
-    """Move the rigs over a sample."""
-    most = 1
-    for i in range(count):
-        lane = lanes[i]
-        note_fall(lane.sums, lane.x)
-        lane.signals[TORQUE] = drive(lane.signals[COMMAND], lane.plant.actuator)
-        substeps = sufficient_substeps(lane.x, lane.plant.sample_time, lane.plant.substeps)
-        lane.signals[SUBSTEPS] = float(substeps)
-        most = max(most, substeps)
-    for substep in range(most):
-        for i in range(count):
-            lane = lanes[i]
-            substeps = lane.signals[SUBSTEPS]
-            if substep < substeps:
-                p = lane.plant
-                h = p.sample_time / substeps
-                advance_substep(lane.x, lane.signals[TORQUE], h, p.model, p.friction)
-
-
-class Stage(NamedTuple):
-    """A loop over the lanes, and the fields that it uses; others do not affect its code."""
-
-    function: Callable[..., None]
-    fields: tuple[str, ...]
-
-
-_READ = Stage(read_lanes, ("sensors", "x", "noise", "measurement", "signals"))
-_ESTIMATE = Stage(
-    estimate_lanes, ("estimator_design", "measurement", "estimate", "estimator", "signals")
-)
-_OBSERVE = Stage(observe_lanes, ("compensator", "estimate", "observer", "signals"))
-_CONTROL = Stage(control_lanes, ("controller_design", "estimate", "controller", "signals"))
-_MIDPOINT = Stage(midpoint_lanes, ("x", "accumulator"))
-_MEASURE = Stage(measure_lanes, ("plant", "x", "signals", "accumulator", "sums"))
-_MOVE = Stage(move_lanes, ("plant", "x", "signals", "sums"))
-# The stages of a sample in the three parts of a run: transient, midpoint of the motion, measured.
-_PARTS = (
-    (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MOVE),
-    (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MIDPOINT, _MOVE),
-    (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MEASURE, _MOVE),
-)
-_MOST_STAGES = 6
-
-
 class Group(NamedTuple):
-    """What loops have in common that run in one block: layout, rows, and samples of a run."""
+    """What the loops of a block have in common: layouts of the designs, samples of a run."""
 
-    layout: Any
-    rows: int
+    layouts: tuple[int, ...]
     samples: int
 
 
-def group_of(lane: Lane, samples: int) -> Group:
-    """The group of a loop."""
-    return Group(*layout_of(lane, is_constant), samples)
+class PreparedLoop(NamedTuple):
+    """A loop for a lane: its group and the numbers of its :class:`Lane` before the memories."""
+
+    group: Group
+    numbers: np.ndarray
+    seed: int
+    sample_time: float
 
 
-def run_block(group: Group, loops: Sequence[Loop], lanes: Sequence[Lane], settled: float) -> Any:
-    """Outcomes of up to :data:`WIDTH` loops of a group; lanes to spare repeat the first loop."""
-    block = Lanes(group.layout, group.rows, WIDTH)
+def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
+    """The loop for a lane, or None if it has to run singly."""
+    control = loop.controller
+    if not control.enabled or control.mode != "balance" or control.excitation.kind != "none":
+        return None
+    plant = design_plant(loop.plant)
+    if plant.parts.any or plant.faults.any:
+        return None
+    moved = LanePlant(plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps)
+    parts = (
+        _part(moved),
+        _sensors(loop.plant.sensors),
+        _estimator(_needed_estimator(loop)),
+        _compensator(loop.observer),
+        _controller(control),
+    )
+    x = np.zeros(PLANT_STATES)
+    x[:BRISTLE] = loop.plant.initial
+    samples = max(1, round(seconds / loop.plant.sample_time))
+    return PreparedLoop(
+        Group(tuple(layout for layout, _ in parts), samples),
+        np.concatenate([*(numbers for _, numbers in parts), x]),
+        loop.plant.seed,
+        loop.plant.sample_time,
+    )
+
+
+def _needed_estimator(loop: Loop) -> EstimatorParameters:
+    """The estimator without a filter if the sensors are ideal and nothing uses its friction."""
+    observer = loop.observer
+    guarded = observer.guard_time > 0.0 and observer.compensation != "none"
+    used = observer.chosen.needs_observed_friction or guarded
+    if used or not loop.estimator.sensors.ideal:
+        return loop.estimator
+    return loop.estimator._replace(method="lowpass")
+
+
+# A part of a lane: the number of its layout in _LAYOUTS, and its numbers.
+Part = tuple[int, np.ndarray]
+_LAYOUTS: dict[Layout, int] = {}
+
+
+def _part(design: Any) -> Part:
+    layout, _ = layout_of(design, is_constant)
+    return _LAYOUTS.setdefault(layout, len(_LAYOUTS)), numbers_of(design)
+
+
+@lru_cache(maxsize=4096)
+def _sensors(p: Sensors) -> Part:
+    return _part(p)
+
+
+@lru_cache(maxsize=256)
+def _estimator(p: EstimatorParameters) -> Part:
+    return _part(design_estimator(p))
+
+
+@lru_cache(maxsize=256)
+def _compensator(p: ObserverParameters) -> Part:
+    return _part(design_compensator(p))
+
+
+@lru_cache(maxsize=256)
+def _controller(p: ControllerParameters) -> Part:
+    return _part(design_controller(p))
+
+
+@lru_cache(maxsize=256)
+def _layout(group: Group) -> tuple[Layout, int]:
+    """Layout and rows of a group's blocks."""
+    layouts = list(_LAYOUTS)
+    arrays = [np.zeros(PLANT_STATES), *(np.zeros(size) for size in _START)]
+    parts = [layouts[each] for each in group.layouts]
+    parts += [layout_of(each, is_constant)[0] for each in arrays]
+    fields, rows = [], 0
+    for name, layout in zip(Lane._fields, parts, strict=True):
+        fields.append((name, rows, layout))
+        rows += rows_of(layout)
+    return ("record", tuple(fields)), rows
+
+
+def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
+    """Outcomes of up to :data:`WIDTH` loops of one group; lanes to spare repeat the first loop."""
+    group = loops[0].group
+    layout, rows = _layout(group)
+    block = Lanes(layout, rows, WIDTH)
     for i in range(WIDTH):
-        block.fill(i, lanes[i if i < len(lanes) else 0])
+        numbers = loops[i if i < len(loops) else 0].numbers
+        block.data[: len(numbers), i] = numbers
     measured = max(1, round(settled * group.samples))
-    _run_samples(block, loops, group.samples, group.samples - measured)
-    accumulators, sums = block.rows("accumulator"), block.rows("sums")
+    _run_samples(block, loops, group, group.samples - measured)
+    accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
     return [
-        summary(accumulators[:, i], sums[:, i], loop.plant.sample_time, group.samples, measured)
-        for i, loop in enumerate(loops)
+        summary(accumulators[i].copy(), sums[i].copy(), each.sample_time, group.samples, measured)
+        for i, each in enumerate(loops)
     ]
 
 
-def _run_samples(block: Lanes, loops: Sequence[Loop], samples: int, transient: int) -> None:
+def _run_samples(
+    block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int
+) -> None:
     """Run all samples; the noise of each lane is that of its loop's own seed."""
-    stages = np.array([_addresses(part, block) for part in _PARTS])
-    generators = [np.random.default_rng(each.plant.seed) for each in loops]
-    noise = np.zeros((WIDTH, NOISE_SAMPLES, NOISE_CHANNELS))
-    for first in range(0, samples, NOISE_SAMPLES):
-        if not loops[0].plant.sensors.ideal:
-            for i, generator in enumerate(generators):
-                generator.standard_normal(out=noise[i])
-        last = min(first + NOISE_SAMPLES, samples)
-        _run_stages(stages, block.address, block.rows("noise"), noise, first, last, transient)
+    stages = np.array([[_address(each, group) for each in part] for part in _padded_parts()])
+    ideal = block.constant("sensors", "ideal")
+    generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
+    noise = np.zeros((WIDTH, NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
+    rows = block.rows("noise")
+    for first in range(0, group.samples, NOISE_SAMPLES):
+        for i, generator in enumerate(generators):
+            generator.standard_normal(out=noise[i])
+        last = min(first + NOISE_SAMPLES, group.samples)
+        _run_stages(stages, block.address, rows, noise, first, last, transient)
 
 
-def _addresses(part: tuple[Stage, ...], block: Lanes) -> list[int]:
-    """Addresses of the machine code of the stages, 0 for none."""
-    found = [_address(each.function, block.type(each.fields)) for each in part]
-    return found + [0] * (_MOST_STAGES - len(found))
+def _padded_parts() -> list[list[Stage | None]]:
+    return [[*part, *[None] * (MOST_STAGES - len(part))] for part in PARTS]
+
+
+def is_compiled(group: Group) -> bool:
+    """Whether the machine code of the group's stages exists, in memory or on the disk."""
+    return all(_exists(stage, group) for part in PARTS for stage in part)
 
 
 @lru_cache(maxsize=1024)
-def _address(function: Any, block_type: LanesType) -> int:
-    arguments = (block_type, types.intp)
+def _address(stage: Stage | None, group: Group) -> int:
+    """Address of the machine code of a stage, which is compiled if need be; 0 for no stage."""
+    if stage is None:
+        return 0
+    arguments = _argument_types(stage, group)
+    function: Any = stage.function
     function.compile(arguments)
     result = function.overloads[arguments]
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+
+
+def _exists(stage: Stage, group: Group) -> bool:
+    arguments = _argument_types(stage, group)
+    function: Any = stage.function
+    if arguments in function.overloads:
+        return True
+    return function._cache.load_overload(arguments, function.targetctx) is not None
+
+
+def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
+    layout, _ = _layout(group)
+    fields = tuple(each for each in layout[1] if each[0] in stage.fields)
+    return LanesType(("record", fields), WIDTH), types.intp
 
 
 @intrinsic
@@ -346,10 +267,10 @@ def _run_stages(
     transient: int,
 ) -> None:
     """Run the samples from ``first`` to before ``last``; ``noise`` (lanes, samples, channels)."""
-    channels, width = noise_rows.shape
+    width, _, channels = noise.shape
     for k in range(first, last):
-        for i in range(width):
-            for channel in range(channels):
+        for channel in range(channels):
+            for i in range(width):
                 noise_rows[channel, i] = noise[i, k - first, channel]
         part = 0 if k < transient // 2 else 1 if k < transient else 2
         for stage in stages[part]:

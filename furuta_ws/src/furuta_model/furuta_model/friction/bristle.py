@@ -10,10 +10,10 @@ numerical integration and is valid at any speed and any step.
 from __future__ import annotations
 
 from furuta_model.compiled import inlined
-from furuta_model.elementary import expm1
+from furuta_model.elementary import fma, reduced_exponential, within
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
-# Below this rate times step the rational form of the decay is exact to rounding, and it is faster.
+# Below this rate times step the decay comes from a series; −d is then not reduced (k = 0).
 SMALL_DECAY = 0.3
 
 
@@ -49,17 +49,12 @@ def decay_fractions(d: float) -> tuple[float, float]:
     .. math:: φ = (1 - e^{-d})/d, \qquad ψ = (1 - φ)/d
 
     φ is the change at the end of the step, ψ its mean over the step; d ≥ 0 is the decay rate times
-    the step. For small d they come from the (5, 5) Padé approximant of :math:`e^{-d}`, with the
-    terms that would cancel removed analytically.
+    the step. For small d the differences would cancel: there ψ is the series of
+    :math:`(e^{-d} - 1 + d)/d^2`, which the exponential is made from anyway.
     """
-    large = d >= SMALL_DECAY
-    if large:
-        above, below, mean = -expm1(-d), d, 0.0
-    else:
-        s = d * d
-        odd = 0.5 + s * (1.0 / 72.0 + s / 30240.0)
-        below = 1.0 + s * (1.0 / 9.0 + s / 1008.0) + d * odd
-        above, mean = 2.0 * odd, odd + d * (1.0 / 12.0 + s / 1080.0)
-    # Divisions are the dearest operations in many lanes, so both cases share them.
-    end = above / below
-    return end, (1.0 - end if large else mean) / below
+    r, curvature, scale = reduced_exponential(within(-d))
+    if d < SMALL_DECAY:
+        return 1.0 - d * curvature, curvature
+    inverse = 1.0 / d
+    end = -fma(scale, fma(r * r, curvature, r), scale - 1.0) * inverse
+    return end, (1.0 - end) * inverse

@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
-from furuta_model.friction.bristle import deflection_after, deflection_rate
+from furuta_model.friction.bristle import decay_fractions, deflection_rate
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import Friction
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 from furuta_model.parameters import ParameterError
 
 ALL: tuple[Law, ...] = (
@@ -162,8 +162,12 @@ def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float
     """
     p = law.parameters
     level = sliding_level(v, v, law)
-    end, mean = deflection_after(v, 0.0, z, h, level, p)
-    return p.sigma0 * mean + p.sigma1 / h * (end - z), end
+    rate = p.sigma0 / max(level, SMALLEST_LEVEL) * abs(v)
+    to_end, to_mean = decay_fractions(rate * h)
+    # The initial rate of the deflection; its mean rate over h is this times ``to_end``.
+    z_dot = v - rate * z
+    step = h * z_dot
+    return p.sigma0 * (z + step * to_mean) + p.sigma1 * (z_dot * to_end), z + step * to_end
 
 
 @inlined
