@@ -20,11 +20,11 @@ from furuta_control import estimation as estimator
 from furuta_control.control import ControllerDesign
 from furuta_control.estimation import EstimatorDesign
 from furuta_friction.compensation import Compensator, estimate_without_switch
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import FrictionLaw, friction_force
-from furuta_model.integration import advance_half, advance_whole, sufficient_substeps
-from furuta_model.lanes import LanesType, widest_vectors
+from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
+from furuta_model.lanes import LanesType, LaneType, widest_vectors
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, THETA
@@ -36,7 +36,6 @@ from furuta_sim.plant import drive, measure
     FRICTION_ESTIMATE,
     COMMAND,
     TORQUE,
-    USUAL,
     SUBSTEPS,
     STEP,
     SINE,
@@ -44,7 +43,7 @@ from furuta_sim.plant import drive, measure
     V_MID,
     W_MID,
     LANE_SIGNALS,
-) = range(11)
+) = range(10)
 
 
 class LanePlant(NamedTuple):
@@ -94,19 +93,24 @@ def estimate_lanes(lanes: LanesType, count: int) -> None:
     unusual = 0
     for i in range(count):
         lane = lanes[i]
-        p = lane.estimator_design
-        usual = estimator.continues(lane.estimator, lane.measurement, p)
-        lane.signals[USUAL] = 1.0 if usual else 0.0
+        usual = estimator.continues(lane.estimator, lane.measurement, lane.estimator_design)
         unusual += 0 if usual else 1
-        if usual:
-            estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
-    if unusual == 0:
+    if unusual > 0:
+        _estimate_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
-        if lane.signals[USUAL] == 0.0:
-            p = lane.estimator_design
-            estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
+        p = lane.estimator_design
+        estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
+
+
+@compiled
+def _estimate_singly(lanes: LanesType, count: int) -> None:
+    widest_vectors()
+    for i in range(count):
+        lane = lanes[i]
+        p = lane.estimator_design
+        estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
 
 
 @compiled
@@ -127,22 +131,26 @@ def control_lanes(lanes: LanesType, count: int) -> None:
     unusual = 0
     for i in range(count):
         lane = lanes[i]
-        p = lane.controller_design
-        usual = controller.continues(lane.controller, lane.estimate, p)
-        lane.signals[USUAL] = 1.0 if usual else 0.0
+        usual = controller.continues(lane.controller, lane.estimate, lane.controller_design)
         unusual += 0 if usual else 1
-        if usual:
-            lane.signals[COMMAND] = controller.continue_control(
-                lane.controller, lane.estimate, lane.signals[FRICTION_ESTIMATE], p
-            )
-    if unusual == 0:
+    if unusual > 0:
+        _control_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
-        if lane.signals[USUAL] == 0.0:
-            p = lane.controller_design
-            friction = lane.signals[FRICTION_ESTIMATE]
-            lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
+        p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
+        lane.signals[COMMAND] = controller.continue_control(
+            lane.controller, lane.estimate, friction, p
+        )
+
+
+@compiled
+def _control_singly(lanes: LanesType, count: int) -> None:
+    widest_vectors()
+    for i in range(count):
+        lane = lanes[i]
+        p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
+        lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -170,14 +178,14 @@ def measure_lanes(lanes: LanesType, count: int) -> None:
 def move_lanes(lanes: LanesType, count: int) -> None:
     """Move the rigs over a sample."""
     widest_vectors()
-    most = 1
+    most, least = 1, MAX_SUBSTEPS
     for i in range(count):
         lane = lanes[i]
         note_fall(lane.sums, lane.x)
         lane.signals[TORQUE] = drive(lane.signals[COMMAND], lane.plant.actuator)
         substeps = sufficient_substeps(lane.x, lane.plant.sample_time, lane.plant.substeps)
         lane.signals[SUBSTEPS] = float(substeps)
-        most = max(most, substeps)
+        most, least = max(most, substeps), min(least, substeps)
     # Several short loops are faster than a long one: the processor works on several vectors of a
     # short one at a time, because it looks only some hundred instructions ahead.
     for substep in range(most):
@@ -192,13 +200,34 @@ def move_lanes(lanes: LanesType, count: int) -> None:
             signals[V_MID], signals[W_MID] = advance_half(
                 lane.x, u, h, sine, cosine, p.model, p.friction
             )
-        for i in range(count):
-            lane = lanes[i]
-            signals, p = lane.signals, lane.plant
-            u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
-            if substep < signals[SUBSTEPS]:
-                v_mid, w_mid = signals[V_MID], signals[W_MID]
-                advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
+        if substep < least:
+            _finish_all(lanes, count)
+        else:
+            _finish_some(lanes, count, substep)
+
+
+@compiled
+def _finish_all(lanes: LanesType, count: int) -> None:
+    widest_vectors()
+    for i in range(count):
+        _finish(lanes[i])
+
+
+@compiled
+def _finish_some(lanes: LanesType, count: int, substep: int) -> None:
+    widest_vectors()
+    for i in range(count):
+        if substep < lanes[i].signals[SUBSTEPS]:
+            _finish(lanes[i])
+
+
+@inlined
+def _finish(lane: LaneType) -> None:
+    """Finish a substep."""
+    signals, p = lane.signals, lane.plant
+    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
+    v_mid, w_mid = signals[V_MID], signals[W_MID]
+    advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
 
 
 class Stage(NamedTuple):

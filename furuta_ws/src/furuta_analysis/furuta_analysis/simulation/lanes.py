@@ -45,6 +45,9 @@ from furuta_sim.plant import NOISE_CHANNELS, design_plant
 # Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
 # processor's first cache.
 WIDTH = 32
+# Distance of two rows. With a divisor of 4096 bytes a load would often seem to depend on a store
+# before it, because the processor compares only the lowest bits of addresses.
+STRIDE = WIDTH + 8
 # Samples for which noise is drawn ahead.
 NOISE_SAMPLES = 256
 # Numbers that select what is computed, besides truth values.
@@ -174,7 +177,7 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     """Outcomes of up to :data:`WIDTH` loops of one group; lanes to spare repeat the first loop."""
     group = loops[0].group
     layout, rows = _layout(group)
-    block = Lanes(layout, rows, WIDTH)
+    block = Lanes(layout, rows, STRIDE)
     for i in range(WIDTH):
         numbers = loops[i if i < len(loops) else 0].numbers
         block.data[: len(numbers), i] = numbers
@@ -195,7 +198,7 @@ def _run_samples(
     ideal = block.constant("sensors", "ideal")
     generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
     noise = np.zeros((WIDTH, NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
-    rows = block.rows("noise")
+    rows = block.rows("noise")[:, :WIDTH]
     for first in range(0, group.samples, NOISE_SAMPLES):
         for i, generator in enumerate(generators):
             generator.standard_normal(out=noise[i])
@@ -235,7 +238,7 @@ def _exists(stage: Stage, group: Group) -> bool:
 def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
     layout, _ = _layout(group)
     fields = tuple(each for each in layout[1] if each[0] in stage.fields)
-    return LanesType(("record", fields), WIDTH), types.intp
+    return LanesType(("record", fields), STRIDE), types.intp
 
 
 @intrinsic
