@@ -21,6 +21,7 @@ VERBS = {
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
     "compare": "Compare compensations on rigs that they do not know.",
+    "robustness": "How sure a compensation is over uncertain rigs.",
     "sensitivity": "Remaining limit cycle over the sensor noise.",
     "linearize": "Linear model, poles, and the gain by pole placement.",
     "limit-cycle": "Exact limit cycle, and its branches over a parameter.",

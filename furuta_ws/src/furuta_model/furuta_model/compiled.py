@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Any, TypeVar, cast, get_type_hints
 
 import numba
+import numba.extending
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -70,6 +71,15 @@ def inlined(function: Function, **options: Any) -> Function:
     time of the closed loop.
     """
     return compiled(function, forceinline=True, _nrt=False, **options)
+
+
+def make_intrinsic(function: Callable[..., Any]) -> Any:
+    """Make a function that compiled code calls, from one that generates its instructions.
+
+    Numba's declarations describe an intrinsic as it is written, not as it is called.
+    """
+    made: Any = numba.extending.intrinsic(function)
+    return made
 
 
 def _digest(function: Callable[..., Any]) -> str:

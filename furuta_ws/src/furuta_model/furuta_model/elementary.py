@@ -20,14 +20,13 @@ Functions*, 1980. A NaN gives NaN.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import copysign
 from typing import Any
 
-from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
 
-from furuta_model.compiled import inlined
+from furuta_model.compiled import inlined, make_intrinsic
 
 # Adding and subtracting it rounds to an integer, which is then in the lowest bits [0 … 2⁵¹].
 ROUND = 1.5 * 2.0**52
@@ -42,8 +41,7 @@ LOWEST, HIGHEST = -708.0, 709.0
 SATURATED = 20.0
 
 
-@intrinsic
-def fma(_: Any, a: Any, b: Any, c: Any) -> Any:
+def _fma(_: Any, a: Any, b: Any, c: Any) -> Any:
     """a·b + c, rounded once."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -52,24 +50,27 @@ def fma(_: Any, a: Any, b: Any, c: Any) -> Any:
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
-@intrinsic
-def _bits(_: Any, x: Any) -> Any:
+def _bits_of(_: Any, x: Any) -> Any:
     """The bits of a double as an integer."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], ir.IntType(64))
+        return builder.bitcast(arguments[0], context.get_value_type(types.int64))
 
     return types.int64(types.float64), generate
 
 
-@intrinsic
-def _double(_: Any, bits: Any) -> Any:
+def _double_of(_: Any, bits: Any) -> Any:
     """The double with these bits."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], ir.DoubleType())
+        return builder.bitcast(arguments[0], context.get_value_type(types.float64))
 
     return types.float64(types.int64), generate
+
+
+fma: Callable[[float, float, float], float] = make_intrinsic(_fma)
+_bits: Callable[[float], int] = make_intrinsic(_bits_of)
+_double: Callable[[int], float] = make_intrinsic(_double_of)
 
 
 @inlined
@@ -147,7 +148,7 @@ def sin_cos(x: float) -> tuple[float, float]:
 
 @inlined
 def tanh(x: float) -> float:
-    """tanh x."""
+    """Tanh x."""
     size = abs(x)
     size = SATURATED if size > SATURATED else size
     grown = expm1(2.0 * size)

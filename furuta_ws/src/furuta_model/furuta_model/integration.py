@@ -68,7 +68,6 @@ def integrator(
     ``after_substep`` (inlined) gets the state and the body at the end of each substep. The returned
     function has the arguments of :func:`advance`. It is inlined into its callers.
     """
-
     substep = substep_rule(stage, after_substep)
 
     def advance(
@@ -95,7 +94,6 @@ def substep_rule(
     stage: Stage, after_substep: Callable[[np.ndarray, Any], None] = _nothing
 ) -> Callable[..., None]:
     """Make one substep of the rule: state, torque [V], length [s], body and friction law."""
-
     first_half, whole = first_half_rule(stage), whole_rule(stage)
 
     def substep(x: np.ndarray, u: float, h: float, body: Any, law: FrictionLaw) -> None:

@@ -1,10 +1,10 @@
 """Lanes: many samples of the same compiled functions side by side, in one block of memory.
 
-A block has a row for every number of a named tuple and a column for every lane. In compiled code it
-has the type :class:`LanesType`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be read and
-written. The functions of a sample are therefore used in lanes as they are. Neighbouring lanes are
-neighbours in memory, so the compiler turns a loop over the lanes into vector instructions. It does
-so only if the loop has no call and no index that depends on a value.
+A block has a row for every number of a named tuple and a column for every lane. Compiled code
+gets a :class:`LanesType`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be
+read and written. The functions of a sample are therefore used in lanes as they are. Neighbouring
+lanes are neighbours in memory, so the compiler turns a loop over the lanes into vector
+instructions. It does so only if the loop has no call and no index that depends on a value.
 
 Numbers that are equal in all lanes and select what is computed, such as the kind of a friction law,
 are constants of the block's type. Each combination of them is compiled for itself.
@@ -18,7 +18,6 @@ from hashlib import sha256
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin, lower_getattr_generic
@@ -31,19 +30,22 @@ from numba.core.typing.templates import (
 from numba.extending import (
     NativeValue,
     infer_getattr,
-    intrinsic,
     models,
     register_model,
     typeof_impl,
     unbox,
 )
 
+from furuta_model.compiled import make_intrinsic
+
 # Numbers in a line of the cache.
 CACHE_LINE = 8
 # Kinds of numbers; all take eight bytes.
 REAL, INTEGER, TRUTH = "f", "i", "b"
 _NUMBA = {REAL: types.float64, INTEGER: types.int64, TRUTH: types.boolean}
-_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
+# The compiler's library, which comes with numba.
+_ir: Any = cgutils.ir
+_DOUBLE, _INTEGER = _ir.DoubleType(), _ir.IntType(64)
 
 # A layout is (kind, ...): ("record", ((name, row, layout), ...)), ("array", shape, kind of number),
 # ("number", kind) or ("constant", kind, value). Rows count from the record that holds the field.
@@ -182,8 +184,7 @@ def _index_type(index: Any) -> Any:
     return types.UniTuple(types.intp, len(index)) if several else types.intp
 
 
-@intrinsic
-def widest_vectors(_: Any) -> Any:
+def _widest_vectors(_: Any) -> Any:
     """Let the function that calls this use vectors as wide as the processor has them.
 
     For some processors the compiler prefers half the width, because wide vectors would slow down
@@ -196,6 +197,9 @@ def widest_vectors(_: Any) -> Any:
         return context.get_dummy_value()
 
     return types.none(), generate
+
+
+widest_vectors: Callable[[], None] = make_intrinsic(_widest_vectors)
 
 
 @infer_global(operator.getitem)
@@ -265,7 +269,7 @@ def _load(builder: Any, kind: str, address: Any) -> Any:
 class _Attributes(AttributeTemplate):  # type: ignore[misc]
     key = LaneType
 
-    def generic_resolve(self, lane: LaneType, name: str) -> Any:
+    def generic_resolve(self, lane: Any, name: str) -> Any:  # type: ignore[override]
         if lane.layout[0] != "record" or name not in [each[0] for each in lane.layout[1]]:
             return None
         _, inner = _field(lane.layout, name)

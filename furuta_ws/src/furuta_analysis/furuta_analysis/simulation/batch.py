@@ -16,7 +16,14 @@ from itertools import islice
 from typing import Any
 
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
-from furuta_analysis.simulation.lanes import WIDTH, Group, PreparedLoop, is_compiled, prepare, run_block
+from furuta_analysis.simulation.lanes import (
+    WIDTH,
+    Group,
+    PreparedLoop,
+    is_compiled,
+    prepare,
+    run_block,
+)
 
 # Blocks per worker that are taken from the loops together. More loops find more of their kind;
 # fewer need less memory.
@@ -70,9 +77,7 @@ def _chunks(loops: Iterable[Loop], smallest: int, largest: int) -> Iterator[list
 class _Chunk:
     """Some loops that are submitted together."""
 
-    def __init__(
-        self, pool: Executor, loops: list[Loop], seconds: float, settled: float
-    ) -> None:
+    def __init__(self, pool: Executor, loops: list[Loop], seconds: float, settled: float) -> None:
         self._size = len(loops)
         self._futures: list[tuple[list[int], Future[Any]]] = []
         groups: dict[Group, list[tuple[int, PreparedLoop]]] = {}
@@ -91,16 +96,18 @@ class _Chunk:
                 future = pool.submit(run_block, ready, settled)
                 self._futures.append(([number for number, _ in block], future))
         for number in alone:
-            future = pool.submit(outcome, loops[number], seconds, settled)
-            self._futures.append(([number], future))
+            single = pool.submit(outcome, loops[number], seconds, settled)
+            self._futures.append(([number], single))
 
     def outcomes(self) -> list[Outcome]:
         """The outcomes in the order of the loops."""
         found: dict[int, Outcome] = {}
         for numbers, future in self._futures:
             result = future.result()
-            found |= {numbers[0]: result} if isinstance(result, Outcome) else dict(
-                zip(numbers, result, strict=True)
+            found |= (
+                {numbers[0]: result}
+                if isinstance(result, Outcome)
+                else dict(zip(numbers, result, strict=True))
             )
         return [found[number] for number in range(self._size)]
 

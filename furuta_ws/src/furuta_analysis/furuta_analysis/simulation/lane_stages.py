@@ -9,7 +9,7 @@ that sample.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import FrictionLaw, friction_force
 from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
-from furuta_model.lanes import LanesType, LaneType, widest_vectors
+from furuta_model.lanes import widest_vectors
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, THETA
@@ -77,7 +77,7 @@ class Lane(NamedTuple):
 
 
 @compiled
-def read_lanes(lanes: LanesType, count: int) -> None:
+def read_lanes(lanes: Any, count: int) -> None:
     """Read the sensors."""
     widest_vectors()
     for i in range(count):
@@ -87,7 +87,7 @@ def read_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def estimate_lanes(lanes: LanesType, count: int) -> None:
+def estimate_lanes(lanes: Any, count: int) -> None:
     """Estimate the state."""
     widest_vectors()
     unusual = 0
@@ -105,7 +105,7 @@ def estimate_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def _estimate_singly(lanes: LanesType, count: int) -> None:
+def _estimate_singly(lanes: Any, count: int) -> None:
     widest_vectors()
     for i in range(count):
         lane = lanes[i]
@@ -114,7 +114,7 @@ def _estimate_singly(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def observe_lanes(lanes: LanesType, count: int) -> None:
+def observe_lanes(lanes: Any, count: int) -> None:
     """Estimate the friction."""
     widest_vectors()
     for i in range(count):
@@ -125,7 +125,7 @@ def observe_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def control_lanes(lanes: LanesType, count: int) -> None:
+def control_lanes(lanes: Any, count: int) -> None:
     """Compute the command."""
     widest_vectors()
     unusual = 0
@@ -145,7 +145,7 @@ def control_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def _control_singly(lanes: LanesType, count: int) -> None:
+def _control_singly(lanes: Any, count: int) -> None:
     widest_vectors()
     for i in range(count):
         lane = lanes[i]
@@ -154,7 +154,7 @@ def _control_singly(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def midpoint_lanes(lanes: LanesType, count: int) -> None:
+def midpoint_lanes(lanes: Any, count: int) -> None:
     """Include the sample in the midpoint of the motion."""
     widest_vectors()
     for i in range(count):
@@ -162,7 +162,7 @@ def midpoint_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def measure_lanes(lanes: LanesType, count: int) -> None:
+def measure_lanes(lanes: Any, count: int) -> None:
     """Include the sample in what is measured."""
     widest_vectors()
     for i in range(count):
@@ -175,7 +175,7 @@ def measure_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def move_lanes(lanes: LanesType, count: int) -> None:
+def move_lanes(lanes: Any, count: int) -> None:
     """Move the rigs over a sample."""
     widest_vectors()
     most, least = 1, MAX_SUBSTEPS
@@ -207,14 +207,14 @@ def move_lanes(lanes: LanesType, count: int) -> None:
 
 
 @compiled
-def _finish_all(lanes: LanesType, count: int) -> None:
+def _finish_all(lanes: Any, count: int) -> None:
     widest_vectors()
     for i in range(count):
         _finish(lanes[i])
 
 
 @compiled
-def _finish_some(lanes: LanesType, count: int, substep: int) -> None:
+def _finish_some(lanes: Any, count: int, substep: int) -> None:
     widest_vectors()
     for i in range(count):
         if substep < lanes[i].signals[SUBSTEPS]:
@@ -222,7 +222,7 @@ def _finish_some(lanes: LanesType, count: int, substep: int) -> None:
 
 
 @inlined
-def _finish(lane: LaneType) -> None:
+def _finish(lane: Any) -> None:
     """Finish a substep."""
     signals, p = lane.signals, lane.plant
     u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]

@@ -2,7 +2,8 @@
 
 Loops that compute alike form a group: the same kinds of law, compensation, estimator and sensors,
 and as many samples. Up to :data:`WIDTH` loops of a group run in one block
-(:mod:`furuta_analysis.simulation.lane_stages`); each has its own parameters, seed and initial state.
+(:mod:`furuta_analysis.simulation.lane_stages`); each has parameters, seed and initial state of its
+own.
 
 Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and others) or
 springs, and controllers with another mode or an excitation run singly. So do loops whose stages
@@ -11,14 +12,13 @@ are not compiled yet, until their runs would have taken longer than the compilat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
+from numba.core import cgutils
 
 from furuta_analysis.simulation.closed_loop import SUMS, Loop, Outcome, summary
 from furuta_analysis.simulation.lane_stages import (
@@ -36,7 +36,7 @@ from furuta_control.control import ControllerParameters, design_controller
 from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_friction import compensation
 from furuta_friction.compensation import ObserverParameters, design_compensator
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, make_intrinsic
 from furuta_model.lanes import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
@@ -45,6 +45,8 @@ from furuta_sim.plant import NOISE_CHANNELS, design_plant
 # Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
 # processor's first cache.
 WIDTH = 32
+# Samples below which a single run takes no longer than preparing the loop for a lane.
+FEWEST_SAMPLES = 500
 # Distance of two rows. With a divisor of 4096 bytes a load would often seem to depend on a store
 # before it, because the processor compares only the lowest bits of addresses.
 STRIDE = WIDTH + 8
@@ -84,10 +86,13 @@ class Group(NamedTuple):
 
 
 class PreparedLoop(NamedTuple):
-    """A loop for a lane: its group and the numbers of its :class:`Lane` before the memories."""
+    """A loop for a lane: its group and the numbers of its :class:`Lane` before the memories.
+
+    Loops with the same designs share their numbers, so a waiting loop needs little memory.
+    """
 
     group: Group
-    numbers: np.ndarray
+    numbers: tuple[np.ndarray, ...]
     seed: int
     sample_time: float
 
@@ -97,10 +102,15 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     control = loop.controller
     if not control.enabled or control.mode != "balance" or control.excitation.kind != "none":
         return None
+    samples = max(1, round(seconds / loop.plant.sample_time))
+    if samples < FEWEST_SAMPLES:
+        return None
     plant = design_plant(loop.plant)
     if plant.parts.any or plant.faults.any:
         return None
-    moved = LanePlant(plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps)
+    moved = LanePlant(
+        plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps
+    )
     parts = (
         _part(moved),
         _sensors(loop.plant.sensors),
@@ -110,10 +120,9 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     )
     x = np.zeros(PLANT_STATES)
     x[:BRISTLE] = loop.plant.initial
-    samples = max(1, round(seconds / loop.plant.sample_time))
     return PreparedLoop(
         Group(tuple(layout for layout, _ in parts), samples),
-        np.concatenate([*(numbers for _, numbers in parts), x]),
+        (*(numbers for _, numbers in parts), x),
         loop.plant.seed,
         loop.plant.sample_time,
     )
@@ -179,7 +188,7 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     layout, rows = _layout(group)
     block = Lanes(layout, rows, STRIDE)
     for i in range(WIDTH):
-        numbers = loops[i if i < len(loops) else 0].numbers
+        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
         block.data[: len(numbers), i] = numbers
     measured = max(1, round(settled * group.samples))
     _run_samples(block, loops, group, group.samples - measured)
@@ -190,9 +199,7 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     ]
 
 
-def _run_samples(
-    block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int
-) -> None:
+def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int) -> None:
     """Run all samples; the noise of each lane is that of its loop's own seed."""
     stages = np.array([[_address(each, group) for each in part] for part in _padded_parts()])
     ideal = block.constant("sensors", "ideal")
@@ -241,11 +248,11 @@ def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
     return LanesType(("record", fields), STRIDE), types.intp
 
 
-@intrinsic
-def _call_stage(_: Any, address: Any, block: Any, count: Any) -> Any:
+def _calling(_: Any, address: Any, block: Any, count: Any) -> Any:
     """Call a stage by its address; so the loop over the samples is compiled once for all stages."""
 
     def generate(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+        ir: Any = cgutils.ir
         pointer, integer = ir.IntType(8).as_pointer(), ir.IntType(64)
         result, error = builder.alloca(pointer), builder.alloca(pointer)
         kind = ir.FunctionType(
@@ -257,6 +264,9 @@ def _call_stage(_: Any, address: Any, block: Any, count: Any) -> Any:
         return context.get_dummy_value()
 
     return types.none(types.intp, types.intp, types.intp), generate
+
+
+_call_stage: Callable[[int, int, int], None] = make_intrinsic(_calling)
 
 
 @compiled

@@ -1,0 +1,1 @@
+"""How sure a tuning is over rigs that are known only roughly."""
