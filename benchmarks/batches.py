@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from pathlib import Path
 from resource import getpagesize
+from statistics import median
 from time import perf_counter, process_time
 
+from experiment import LOOP
+
 from furuta_analysis.simulation.batch import available_cores, batch
-from furuta_analysis.simulation.closed_loop import Loop
+from furuta_analysis.simulation.closed_loop import Loop, outcome
+from furuta_analysis.simulation.lanes import compile_stages
 from furuta_friction.compensation import ObserverParameters
 from furuta_sim.parameters import PlantParameters
 
 RUNS, SECONDS = 2000, 30.0
 # Runs of a small and of a large batch, and their length [s], to compare the cost per run.
 FEW_RUNS, MANY_RUNS, SHORT = 100, 10_000, 3.0
+# Loops in lanes and alone, to compare their rates; and the part of a million runs of 10 s that is
+# measured and extrapolated.
+LANE_RUNS, SINGLE_RUNS = 512, 8
+MILLION_FROM, MILLION_SECONDS = 20_000, 10.0
 # The smallest of several measurements counts, because other processes only ever add to the cost.
 MEASUREMENTS = 3
 
@@ -33,7 +41,56 @@ def batches() -> dict[str, float]:
         "batch_cores": available_cores(),
         "batch_cost_10000_vs_100_runs": many / few,
         "batch_memory_growth_mb": (peak - before) * 1e-6,
+        **lanes(),
     }
+
+
+def lanes() -> dict[str, float]:
+    """Rates of batches over single runs, each per second of CPU time, measured in turns."""
+    ideal = [_ideal(k) for k in range(LANE_RUNS)]
+    sensors = [_with_sensors(k) for k in range(LANE_RUNS)]
+    compile_stages([ideal[0], sensors[0]])
+    million = MILLION_FROM * MILLION_SECONDS / PlantParameters().sample_time
+    start = perf_counter()
+    found = sum(1 for _ in batch((_ideal(k) for k in range(MILLION_FROM)), MILLION_SECONDS))
+    wall = perf_counter() - start
+    assert found == MILLION_FROM
+    return {
+        "batch_vs_single_ideal": median(_lane_ratio(ideal) for _ in range(MEASUREMENTS)),
+        "batch_vs_single_sensors": median(_lane_ratio(sensors) for _ in range(MEASUREMENTS)),
+        "vector_width_bits": vector_width(),
+        "million_loops_seconds": wall * 1e6 / MILLION_FROM,
+        "million_loops_from": MILLION_FROM,
+        "million_loops_samples_per_s": million / wall,
+    }
+
+
+def vector_width() -> int:
+    """Bits of the widest vectors of this processor that the compiler uses."""
+    flags = Path("/proc/cpuinfo").read_text()
+    return 512 if " avx512f " in flags else 256 if " avx2 " in flags else 128
+
+
+def _lane_ratio(loops: list[Loop]) -> float:
+    start = process_time()
+    alone = [outcome(each, SECONDS) for each in loops[:SINGLE_RUNS]]
+    single = (process_time() - start) / SINGLE_RUNS
+    start = process_time()
+    together = list(batch(loops, SECONDS, workers=1))
+    assert repr(together[:SINGLE_RUNS]) == repr(alone)
+    return single / ((process_time() - start) / len(loops))
+
+
+def _ideal(seed: int) -> Loop:
+    """The loop of the comparison with MuJoCo, with a friction level of its own."""
+    friction = LOOP.plant.friction
+    level = friction.parameters._replace(alpha0=0.15 + 0.1 * (seed % 1000) / 1000)
+    plant = LOOP.plant._replace(friction=friction._replace(parameters=level))
+    return LOOP._replace(plant=plant)
+
+
+def _with_sensors(seed: int) -> Loop:
+    return Loop(PlantParameters(seed=seed), observer=ObserverParameters(compensation="lugre"))
 
 
 def _cost(runs: int) -> tuple[float, int]:
@@ -45,8 +102,7 @@ def _cost(runs: int) -> tuple[float, int]:
 
 def _run(runs: int, seconds: float) -> int:
     """Run a batch and return the peak memory [bytes]."""
-    observer = ObserverParameters(compensation="lugre")
-    loops = (Loop(PlantParameters(seed=seed), observer=observer) for seed in range(runs))
+    loops = (_with_sensors(seed) for seed in range(runs))
     peak = 0
     for number, _ in enumerate(batch(loops, seconds)):
         if number % 50 == 0:

@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from itertools import islice
-from typing import Any
 
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
 from furuta_analysis.simulation.lanes import (
@@ -30,6 +29,8 @@ from furuta_analysis.simulation.lanes import (
 BLOCKS_PER_WORKER = 2
 # Fewer loops of a group run singly: that is faster than a block with so many lanes to spare.
 FEWEST_IN_BLOCK = 8
+# Loops that one job runs singly: few, so that all cores end together.
+RUNS_PER_JOB = 4
 # Samples after which compiling the stages of a group takes less time than running singly.
 WORTH_COMPILING = 50_000_000
 
@@ -79,8 +80,8 @@ class _Chunk:
 
     def __init__(self, pool: Executor, loops: list[Loop], seconds: float, settled: float) -> None:
         self._size = len(loops)
-        self._futures: list[tuple[list[int], Future[Any]]] = []
-        groups: dict[Group, list[tuple[int, PreparedLoop]]] = {}
+        self._jobs: list[tuple[list[int], Future[list[Outcome]]]] = []
+        groups: dict[Group, Members] = {}
         alone = []
         for number, loop in enumerate(loops):
             prepared = prepare(loop, seconds)
@@ -92,24 +93,23 @@ class _Chunk:
             blocks, rest = _split(group, members)
             alone += [number for number, _ in rest]
             for block in blocks:
-                ready = [each for _, each in block]
-                future = pool.submit(run_block, ready, settled)
-                self._futures.append(([number for number, _ in block], future))
-        for number in alone:
-            single = pool.submit(outcome, loops[number], seconds, settled)
-            self._futures.append(([number], single))
+                job = pool.submit(run_block, [each for _, each in block], settled)
+                self._jobs.append(([number for number, _ in block], job))
+        for first in range(0, len(alone), RUNS_PER_JOB):
+            numbers = alone[first : first + RUNS_PER_JOB]
+            job = pool.submit(_run_singly, [loops[each] for each in numbers], seconds, settled)
+            self._jobs.append((numbers, job))
 
     def outcomes(self) -> list[Outcome]:
         """The outcomes in the order of the loops."""
         found: dict[int, Outcome] = {}
-        for numbers, future in self._futures:
-            result = future.result()
-            found |= (
-                {numbers[0]: result}
-                if isinstance(result, Outcome)
-                else dict(zip(numbers, result, strict=True))
-            )
+        for numbers, job in self._jobs:
+            found.update(zip(numbers, job.result(), strict=True))
         return [found[number] for number in range(self._size)]
+
+
+def _run_singly(loops: list[Loop], seconds: float, settled: float) -> list[Outcome]:
+    return [outcome(loop, seconds, settled) for loop in loops]
 
 
 Members = list[tuple[int, PreparedLoop]]

@@ -12,7 +12,7 @@ are not compiled yet, until their runs would have taken longer than the compilat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -215,6 +215,15 @@ def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, tran
 
 def _padded_parts() -> list[list[Stage | None]]:
     return [[*part, *[None] * (MOST_STAGES - len(part))] for part in PARTS]
+
+
+def compile_stages(loops: Iterable[Loop]) -> None:
+    """Compile the stages of the groups of ``loops``; later batches find them on the disk."""
+    for loop in loops:
+        prepared = prepare(loop, 1.0)
+        if prepared is not None:
+            for stage in {stage for part in PARTS for stage in part}:
+                _address(stage, prepared.group)
 
 
 def is_compiled(group: Group) -> bool:

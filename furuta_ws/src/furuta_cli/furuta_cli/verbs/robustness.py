@@ -14,6 +14,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+from furuta_analysis.simulation.closed_loop import Loop
 from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import MEASURED_SECONDS, SEED, json_option, model_options, print_json
@@ -34,14 +35,9 @@ MAX_RIGS = 10_000_000
 
 
 def uncertain_rigs(
-    ranges: tuple[str, ...],
-    error: float,
-    model_error: float,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
+    nominal: Loop, ranges: tuple[str, ...], error: float, model_error: float
 ) -> UncertainRigs:
     """The rigs that the options describe."""
-    nominal = loop(load_settings(files, assignments))
     given = relative_ranges(nominal.plant, error, model_error)
     given |= dict(parse_uncertain(each) for each in ranges)
     rigs = UncertainRigs(nominal, given)
@@ -114,7 +110,8 @@ def command(
     if points is not None and points & (points - 1):
         raise ParameterError(f"--sobol must be a power of two, given {points}")
     began = perf_counter()
-    study = uncertain_rigs(ranges, error, model_error, files, assignments)
+    nominal = loop(load_settings(files, assignments))
+    study = uncertain_rigs(nominal, ranges, error, model_error)
     bound = bound or encoder_resolution(study.nominal) or 2.0 * np.pi / 250
     total = rigs + (points * (len(study.ranges) + 2) if points else 0)
     console = Console(stderr=True, quiet=as_json or not sys.stderr.isatty())

@@ -17,6 +17,7 @@ from furuta_cli.options import (
     namespace_option,
     print_json,
 )
+from furuta_cli.robust_tuning import RobustEffort, robust_options, tune_and_report
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings import load_settings, loop
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
@@ -85,6 +86,12 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @click.option(
+    "--robust",
+    is_flag=True,
+    help="Minimise the 95 % quantile of the residual over uncertain rigs instead of one rig's.",
+)
+@robust_options
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
@@ -100,6 +107,8 @@ def command(
     seconds: float,
     arm_guard: float,
     pendulum_guard: float,
+    robust: bool,
+    effort: RobustEffort,
     out: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -113,7 +122,15 @@ def command(
     friction. If the initial parameters or no compensation are better than all of them, they are the
     result ("gain": false in the JSON); the exit status is 0 then too. On a running graph the result
     stays active. If the motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
+
+    With --robust the parameters named by --search are optimised over many simulated rigs at once,
+    and the result is judged on fresh ones.
     """
+    if robust:
+        if running or namespace:
+            raise ParameterError("--robust simulates: it cannot be combined with --running")
+        tune_and_report(effort, search, files, assignments, out, as_json)
+        return
     plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
     try:
         plan.check()

@@ -1,0 +1,87 @@
+"""Robustness over uncertain rigs: probabilities, quantiles, Sobol indices, tuning."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from furuta_analysis.simulation.closed_loop import Loop, outcome
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
+from furuta_studies.robustness.robust_tuning import RobustTuning, tune_robustly
+from furuta_studies.robustness.robustness import residuals, robustness, sobol
+from furuta_studies.robustness.uncertain_rigs import UncertainRigs, relative_ranges
+
+LUGRE = Loop(observer=ObserverParameters(compensation="lugre"))
+RIGS = UncertainRigs(LUGRE, {"alpha0": (0.15, 0.3), "beta": (0.013, 0.016)})
+
+
+def test_rig_k_is_the_same_in_a_study_of_any_size() -> None:
+    """And its parameters are within their ranges; all others are nominal."""
+    many = list(RIGS.loops(1500, seed=4))
+    assert many[:10] == list(RIGS.loops(10, seed=4))
+    assert many[:10] != list(RIGS.loops(10, seed=5))
+    levels = np.array([each.plant.friction.parameters.alpha0 for each in many])
+    assert 0.15 <= levels.min() < 0.151
+    assert 0.299 < levels.max() <= 0.3
+    assert all(each.observer == LUGRE.observer for each in many)
+    assert {each.plant.friction.parameters.sigma0 for each in many} == {Friction().sigma0}
+    assert len({each.plant.seed for each in many}) == 1500
+
+
+def test_residuals_are_those_of_single_runs() -> None:
+    """In the order of the rigs; a fall is infinite."""
+    found = list(residuals(RIGS.loops(3, seed=1), 5.0))
+    assert found == [outcome(each, 5.0).phi_peak_to_peak_rad for each in RIGS.loops(3, seed=1)]
+    falling = LUGRE._replace(
+        plant=LUGRE.plant._replace(initial=LUGRE.plant.initial._replace(theta=1.5))
+    )
+    assert list(residuals([falling], 5.0)) == [np.inf]
+
+
+def test_probabilities_and_quantile() -> None:
+    """Against the tables of Clopper and Pearson: 3 of 100 is 0.62 % to 8.52 %."""
+    found = np.concatenate([np.linspace(0.01, 0.097, 97), [np.inf] * 3])
+    result = robustness(found, 0.0501)
+    assert result.falls == 3
+    assert result.fell.low == pytest.approx(0.0062, abs=1e-4)
+    assert result.fell.high == pytest.approx(0.0852, abs=1e-4)
+    assert result.within_bound.value == pytest.approx(np.mean(found <= 0.0501))
+    assert result.p95_rad == np.sort(found)[94]
+    assert result.p95_low_rad < result.p95_rad < result.p95_high_rad
+    assert result.worst_rad == pytest.approx(0.097)
+
+
+def test_ranges_are_relative_and_checked() -> None:
+    """A parameter that is nominally zero stays; one beyond its declared range is rejected."""
+    ranges = relative_ranges(LUGRE.plant, 0.3, 0.0)
+    assert ranges["alpha0"] == pytest.approx((0.147, 0.273))
+    assert "viscous" not in ranges
+    assert "beta" not in ranges
+    with pytest.raises(ParameterError, match="alpha0 must be 0 to 100, given -1 to 1"):
+        UncertainRigs(LUGRE, {"alpha0": (-1.0, 1.0)}).check()
+
+
+def test_sobol_indices_find_what_matters() -> None:
+    """With Coulomb friction far from its compensation, the level decides, not the stiffness."""
+    rigs = UncertainRigs(LUGRE, {"alpha0": (0.1, 0.4), "sigma0": (79.0, 81.0)})
+    calls: list[None] = []
+    level, stiffness = sobol(rigs, 16, 0, 6.0, lambda: calls.append(None))
+    assert len(calls) == 16 * 4
+    assert level.parameter == "alpha0"
+    assert level.total > 0.7
+    assert stiffness.total < 0.3
+
+
+def test_robust_tuning_lowers_the_quantile_on_its_rigs() -> None:
+    """From a level that is far too high; the verdict is on rigs that it was not tuned on."""
+    start = LUGRE.observer._replace(friction=Friction(alpha0=0.3), guard_time=0.0)
+    rigs = UncertainRigs(LUGRE._replace(observer=start), {"alpha0": (0.19, 0.23)})
+    reported: list[float] = []
+    tuning = RobustTuning(rigs, ("alpha0",), 20, 6, 6.0, 0)
+    result = tune_robustly(tuning, 20, lambda _, found: reported.append(found))
+    assert len(reported) == result.trials <= 7
+    assert result.after == min(reported) < result.before == reported[0]
+    assert result.observer.friction.alpha0 < 0.3
+    assert result.fresh_after < result.fresh_before
