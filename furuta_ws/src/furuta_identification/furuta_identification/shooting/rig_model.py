@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_identification.shooting.bristle import bristle_after
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import LAWS, FrictionLaw
-from furuta_model.friction.lugre import bristle_after
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
 from furuta_model.pendulum import FurutaPendulum, accelerations
@@ -91,7 +91,7 @@ def _stage(
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
     arm = law.parameters
-    end, mean = bristle_after(v, 0.0, memory, h, arm)
+    end, mean = bristle_after(v, memory, h, arm)
     force = arm.sigma0 * mean + arm.sigma1 * (end - memory) / h + arm.viscous * v
     v_dot, w_dot = model_accelerations(phi, v, theta, w, u - force, m)
     return v_dot, w_dot, end
