@@ -2,7 +2,7 @@ r"""The bristle's motion in the model that is fitted, with the C library's expon
 
 It is :func:`furuta_model.friction.lugre.bristle_after` to 1e-15. The fit of a tumbling pendulum has
 several optima near each other, and a change of 1e-15 ends in another one. The fit therefore keeps
-its own arithmetic: the exponential of the C library, and the (5, 5) Padé approximant of short steps.
+its own arithmetic: the C library's exponential, and the (5, 5) Padé approximant of short steps.
 """
 
 from __future__ import annotations
