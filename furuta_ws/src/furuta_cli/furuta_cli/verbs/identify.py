@@ -37,6 +37,7 @@ FIRST_SECONDS = 3.0
     help="Topic or column of the command, or `effort` for the arm's effort.",
 )
 @click.option("--states", help="Topic of the joint states.")
+@click.option("--time", help="Column of a table's time.")
 @click.option(
     "--zero",
     type=click.Choice(ZEROS),
@@ -87,6 +88,7 @@ def command(
     pendulum: str | None,
     command_name: str | None,
     states: str | None,
+    time: str | None,
     zero: str,
     angles: str,
     command_scale: float,
@@ -101,7 +103,7 @@ def command(
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
     withheld, with the reason.
     """
-    mapping = Mapping(arm, pendulum, command_name, states)
+    mapping = Mapping(arm, pendulum, command_name, states, time)
     options = Options(zero, window, angles, command_scale)
     identified = _identify(paths, validation_paths, mapping, options)
     result = _result(identified)

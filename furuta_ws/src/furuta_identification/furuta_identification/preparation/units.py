@@ -24,8 +24,13 @@ LARGEST_UNIT_ERROR = 0.15
 
 
 def in_radians(recording: Recording, angles: str) -> tuple[Recording, list[str]]:
-    """The recording with unwrapped angles in rad; ``angles`` is their unit, or auto."""
+    """The recording with unwrapped angles in rad; ``angles`` is their unit, or auto.
+
+    A unit that the recording names itself counts more.
+    """
     candidates = {RADIANS: _unwrapped(recording, 1.0), DEGREES: _unwrapped(recording, DEGREE)}
+    if recording.in_radians:
+        return candidates[RADIANS], []
     if angles != AUTO:
         findings = [f"angles in {DEGREES} (as given)"] if angles == DEGREES else []
         return candidates[angles], findings
