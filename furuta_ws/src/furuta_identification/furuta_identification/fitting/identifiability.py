@@ -7,7 +7,7 @@ import numpy as np
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import BY_NAME, LOGARITHMIC, LUGRE, prior
+from furuta_identification.shooting.unknowns import LOGARITHMIC, LUGRE, prior, unknown
 
 # Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
 # to a fit, and of one that is reported.
@@ -41,12 +41,12 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
 def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
     reasons = {}
-    for name in BY_NAME:
-        if name in model.names:
-            reason = _reason(model, name)
-            if reason is not None:
-                reasons[name] = reason
-        elif name in LUGRE or name == "asymmetry":
+    for name in model.names:
+        reason = _reason(model, name)
+        if reason is not None:
+            reasons[name] = reason
+    for name in (*LUGRE, "asymmetry"):
+        if name not in model.names:
             reasons[name] = REASONS[name]
     return reasons
 
@@ -56,7 +56,7 @@ def _reason(model: Model, name: str) -> str | None:
     index = model.names.index(name)
     if model.information[index, index] == 0.0:
         return ASSUMED
-    error, spread = float(np.sqrt(model.covariance[index, index])), BY_NAME[name].spread
+    error, spread = float(np.sqrt(model.covariance[index, index])), unknown(name).spread
     like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
     if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
         return REASONS.get(name, NOT_SEPARABLE)

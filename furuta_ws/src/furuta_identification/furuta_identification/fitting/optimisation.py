@@ -38,7 +38,10 @@ def optimise(
     tolerance: float = FINE,
 ) -> Optimum:
     """Fit the unknowns ``names``; ``robust`` limits the influence of large residuals."""
-    parts = [cut_into_segments(each, window, scale, start) for each in recordings]
+    parts = [
+        cut_into_segments(each, window, scale, start, index)
+        for index, each in enumerate(recordings)
+    ]
     shooting = Shooting(parts, names, start)
     low, high = bounds(start, names)
     mean, spread = prior(names)

@@ -9,13 +9,21 @@ from furuta_identification.fitting.identifiability import identifiable
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
 from furuta_identification.fitting.recording_differences import difference_covariance
-from furuta_identification.fitting.ripple import strongest_order
 from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
 from furuta_identification.fitting.validation import worst_pendulum_fit
+from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.preparation.options import Options
 from furuta_identification.regression.momentum import MomentumFit
 from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import BODY, FRICTION, LUGRE, RIPPLE, SETUP, TIMING
+from furuta_identification.shooting.unknowns import (
+    BODY,
+    FRICTION,
+    LUGRE,
+    TILT,
+    TIMING,
+    wave_names,
+    zero_name,
+)
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_recordings.recording import Recording
@@ -25,6 +33,8 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 # Fit of the pendulum's angle [%] in free runs below which segments of a fixed length [s] are
 # fitted instead: a pendulum that turns over the top is chaotic.
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
+# How often waves of the torque are looked for: strong ones hide weaker ones.
+ROUNDS_OF_WAVES = 2
 # Fit of the pendulum's angle [%] below which the model is reported as useless.
 SMALLEST_FIT = 50.0
 
@@ -38,9 +48,12 @@ def fit_swinging(
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *SETUP], start)
-    own_fits = _own_fits(recordings, setting.names, setting.start, window)
-    optimum, scale = _common_fit(recordings, setting.names, own_fits, window)
+    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *TILT], start)
+    names = [*setting.names, *wave_names(1)]
+    start = setting.start.changed(wave_names(1), (0.0, 0.0))
+    own_fits = _own_fits(recordings, [*names, "zero"], start, window)
+    zeros = ["zero"] if len(recordings) == 1 else [zero_name(k) for k in range(len(recordings))]
+    optimum, scale = _common_fit(recordings, [*names, *zeros], own_fits, window)
     optimum, found = _final_fit(optimum, recordings, window, scale)
     fit = worst_pendulum_fit(optimum)
     if fit < SMALLEST_FREE_RUN_FIT and options.window is None:
@@ -87,11 +100,27 @@ def _final_fit(
     optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
 ) -> tuple[Optimum, list[str]]:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
-    names, found = optimum.shooting.names, []
-    order, size = strongest_order(optimum)
-    if order:
-        found.append(f"torque ripple with {order} waves per turn ({size:.2f} rad/s in arm speed)")
-        names = [*names, *RIPPLE]
-        optimum = optimum._replace(values=optimum.values.changed(["ripple_order"], [order]))
+    for _ in range(ROUNDS_OF_WAVES):
+        orders = significant_orders(optimum, recordings, scale)
+        if not orders:
+            break
+        optimum = _with_waves(optimum, orders, recordings, window, scale)
+    orders = [order for order in optimum.values.wave_orders if order > 1]
+    found = [f"torque ripple with {order} waves per turn" for order in orders]
+    names = optimum.shooting.names
     names = [*names, *identifiable(optimum, [name for name in LUGRE if name not in names])]
     return optimise(recordings, names, optimum.values, window, scale, robust=True), found
+
+
+def _with_waves(
+    optimum: Optimum,
+    orders: list[int],
+    recordings: list[Recording],
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """A coarse fit with more waves of the torque."""
+    added = [name for order in orders for name in wave_names(order)]
+    start = optimum.values.changed(added, np.zeros(len(added)))
+    names = [*optimum.shooting.names, *added]
+    return optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
