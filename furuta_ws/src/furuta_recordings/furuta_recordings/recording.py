@@ -56,6 +56,10 @@ class Recording(NamedTuple):
         """With the opposite sign of the command."""
         return self._replace(command=-self.command)
 
+    def with_ceiling(self, ceiling: float) -> Recording:
+        """With commands limited to ± the ``ceiling`` [V]."""
+        return self._replace(command=np.clip(self.command, -ceiling, ceiling))
+
     def with_delayed_command(self, delay: float) -> Recording:
         """With the command ``delay`` [s] later."""
         return self._replace(command_time=self.command_time + delay)

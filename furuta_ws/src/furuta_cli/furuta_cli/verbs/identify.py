@@ -16,13 +16,32 @@ from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
-from furuta_identification.preparation.options import ANGLE_UNITS, ZEROS, Options
+from furuta_identification.preparation.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
+DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
+
+
+class Zero(click.ParamType):
+    """A position by name, or an angle in degrees, which becomes radians."""
+
+    name = "zero"
+
+    def convert(self, value: Any, param: Any, context: Any) -> str | float:
+        """The name, or the angle [rad]."""
+        if value in ZEROS or isinstance(value, float):
+            return value  # type: ignore[no-any-return]
+        try:
+            angle = float(value)
+        except ValueError:
+            angle = np.nan
+        if not np.isfinite(angle):
+            self.fail(f"'{value}' is not one of {', '.join(ZEROS)} or an angle in degrees", param)
+        return float(np.radians(angle))
 
 
 @click.command()
@@ -40,10 +59,19 @@ FIRST_SECONDS = 3.0
 @click.option("--time", help="Column of a table's time.")
 @click.option(
     "--zero",
-    type=click.Choice(ZEROS),
+    type=Zero(),
     default="auto",
     show_default=True,
-    help="Pendulum position at which the angle is 0.",
+    help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "
+    "angle of the hanging pendulum in degrees.",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(DIRECTIONS),
+    default="auto",
+    show_default=True,
+    help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
+    "direction when the arm accelerates in its positive one.",
 )
 @click.option(
     "--angles",
@@ -59,6 +87,12 @@ FIRST_SECONDS = 3.0
     show_default=True,
     metavar="V",
     help="Voltage that a command of 1 stands for [V].",
+)
+@click.option(
+    "--ceiling",
+    type=FiniteRange(0.0, 1e3, min_open=True),
+    metavar="V",
+    help="Highest voltage of the drive [V]; default: found, if the data show it.",
 )
 @click.option(
     "--window",
@@ -89,9 +123,11 @@ def command(
     command_name: str | None,
     states: str | None,
     time: str | None,
-    zero: str,
+    zero: str | float,
+    direction: str,
     angles: str,
     command_scale: float,
+    ceiling: float | None,
     window: float | None,
     validation_paths: tuple[Path, ...],
     out: Path | None,
@@ -104,7 +140,7 @@ def command(
     withheld, with the reason.
     """
     mapping = Mapping(arm, pendulum, command_name, states, time)
-    options = Options(zero, window, angles, command_scale)
+    options = Options(zero, window, angles, command_scale, float(DIRECTIONS[direction]), ceiling)
     identified = _identify(paths, validation_paths, mapping, options)
     result = _result(identified)
     if out is not None:

@@ -53,7 +53,8 @@ def fit_swinging(
     start = setting.start.changed(wave_names(1), (0.0, 0.0))
     own_fits = _own_fits(recordings, [*names, "zero"], start, window)
     zeros = ["zero"] if len(recordings) == 1 else [zero_name(k) for k in range(len(recordings))]
-    optimum, scale = _common_fit(recordings, [*names, *zeros], own_fits, window)
+    ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
+    optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
     optimum, found = _final_fit(optimum, recordings, window, scale)
     fit = worst_pendulum_fit(optimum)
     if fit < SMALLEST_FREE_RUN_FIT and options.window is None:

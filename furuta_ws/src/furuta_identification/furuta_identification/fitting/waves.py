@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_identification.fitting.optimisation import Optimum
-from furuta_identification.fitting.whiteness import correlation_length
+from furuta_identification.regression.whiteness import correlation_length
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.uncertainty.torque_waves import slopes_in_waves

@@ -12,6 +12,7 @@ from furuta_identification.shooting.rig_model import NO_RIPPLE, RigModel
 from furuta_identification.shooting.unknowns import (
     LOGARITHMIC,
     UNKNOWNS,
+    is_zero,
     unknown,
     wave_names,
     wave_order,
@@ -57,6 +58,11 @@ class ParameterValues:
     def zero(self, index: int) -> float:
         """The zero [rad] of recording number ``index``, which several recordings share if alone."""
         return self.coordinates.get(zero_name(index), self.coordinates["zero"])
+
+    def with_zero(self, zero: float) -> ParameterValues:
+        """With the same zero [rad] for every recording."""
+        rest = {name: value for name, value in self.coordinates.items() if not is_zero(name)}
+        return ParameterValues({**rest, "zero": zero})
 
     @property
     def wave_orders(self) -> list[int]:

@@ -43,7 +43,7 @@ class Shooting:
         # Slopes of the residuals in the initial states, and residuals at the solved states.
         self._state_slopes: list[np.ndarray | None] = [None] * len(parts)
         self._solved: list[np.ndarray] = []
-        self._solved_for: bytes = b""
+        self._solved_for: bytes | None = None
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
         """All weighted residuals after the initial states are solved for."""
