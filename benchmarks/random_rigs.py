@@ -64,6 +64,7 @@ def random_rig(rng: np.random.Generator) -> Rig:
     waves = [(1.0, *(0.01 * rng.standard_normal(2)))]
     for order in rng.choice(np.arange(2, 25), rng.integers(0, 4), replace=False):
         waves.append((float(order), *(rng.uniform(0.02, 0.1) * _direction(rng))))
+    tilt_x, tilt_y = 0.03 * rng.standard_normal(2)
     return Rig(
         alpha,
         beta,
@@ -74,10 +75,11 @@ def random_rig(rng: np.random.Generator) -> Rig:
         coulomb * (1.0 - asymmetry),
         2.0 * rng.uniform(0.003, 0.02) * omega * beta,
         np.array(waves),
-        *(0.03 * rng.standard_normal(2)),
-        ceiling=rng.choice([12.0, rng.uniform(2.5, 5.0)]),
-        delay=rng.uniform(0.0, 0.006),
-        lag=rng.choice([0.0, rng.uniform(0.002, 0.01)]),
+        tilt_x,
+        tilt_y,
+        rng.choice([12.0, rng.uniform(2.5, 5.0)]),
+        rng.uniform(0.0, 0.006),
+        rng.choice([0.0, rng.uniform(0.002, 0.01)]),
     )
 
 

@@ -18,7 +18,8 @@ class Recording(NamedTuple):
     ``time`` (n,) [s], increasing but not necessarily evenly spaced; ``measured`` (n, 4) of x = (φ,
     φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A
     command holds until the next one; before the first the command is 0 V. ``in_radians`` is True if
-    the recording names the unit of its angles, which are then in rad.
+    the recording names the unit of its angles, which are then in rad. Recordings with the same
+    ``number`` are excerpts of one run.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Recording(NamedTuple):
     command_time: np.ndarray
     command: np.ndarray
     in_radians: bool = False
+    number: int = 0
 
     @property
     def duration(self) -> float:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 import yaml
+from rich.console import Console
 
 from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange, NonZero
@@ -16,6 +17,7 @@ from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
+from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
@@ -141,7 +143,9 @@ def command(
     """
     mapping = Mapping(arm, pendulum, command_name, states, time)
     options = Options(zero, window, angles, command_scale, float(DIRECTIONS[direction]), ceiling)
-    identified = _identify(paths, validation_paths, mapping, options)
+    with Console(stderr=True).status("reading") as status:
+        options = options._replace(report=status.update)
+        identified = _identify(paths, validation_paths, mapping, options)
     result = _result(identified)
     if out is not None:
         from furuta_figures.residual import draw_residuals
@@ -202,6 +206,7 @@ def _result(identified: Identified) -> dict[str, Any]:
     result["findings"] = identified.findings + result["findings"]
     result["fit"] = {each.recording.name: _fits(each) for each in identified.fitted}
     result["held_out"] = {each.recording.name: _fits(each) for each in identified.held_out}
+    result["verdict"] = verdict(identified.fitted)
     regression = identified.model.regression._asdict()
     result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
     return result
@@ -231,11 +236,24 @@ def _print(result: dict[str, Any]) -> None:
             known = {name: value for name, value in fits.items() if not np.isnan(value)}
             text = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
             print(f"{kind.replace('_', '-')} {recording}: {text}")
+    for wave in result["waves"]:
+        if wave["cos"] is not None and wave["sin"] is not None:
+            size = np.hypot(wave["cos"], wave["sin"])
+            print(f"torque wave, {wave['order']:2d} per turn {size:11.3g} V")
+    _print_verdict(result["verdict"])
     for finding in result["findings"]:
         print(f"found: {finding}")
     for name in ("figure", "parameter_file"):
         if name in result:
             print(f"{name.replace('_', ' ')}: {result[name]}")
+
+
+def _print_verdict(found: dict[str, Any]) -> None:
+    for name, channels in found["coloured_percent"].items():
+        known = {channel: part for channel, part in channels.items() if not np.isnan(part)}
+        text = ", ".join(f"{n.replace('_', ' ')} {v:.0f} %" for n, v in known.items())
+        print(f"coloured residuals (white: 5 %) {name}: {text}")
+    print(f"usable: {found['usable']}" + "".join(f"; {each}" for each in found["reasons"]))
 
 
 def _print_values(result: dict[str, Any]) -> None:

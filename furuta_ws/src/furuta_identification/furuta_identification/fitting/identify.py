@@ -14,12 +14,13 @@ from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare_all
 from furuta_identification.regression.speeds import speed_lag
 from furuta_recordings.recording import Recording
-from furuta_recordings.splitting import split_into_runs
+from furuta_recordings.splitting import excerpts_of, split_into_runs
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
     """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
-    runs, findings = _runs(recordings)
+    runs, findings = _runs(recordings, options.most_samples)
+    options.report("finding units and orientation")
     ready = prepare_all(runs, options)
     prepared, findings = ready.recordings, [*findings, *ready.findings]
     lag = float(np.median([speed_lag(each) for each in prepared]))
@@ -45,11 +46,16 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     )
 
 
-def _runs(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
-    """All runs of all recordings, and what was found."""
+def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recording], list[str]]:
+    """Excerpts of all runs of all recordings, and what was found."""
     runs, findings = [], []
     for recording in recordings:
         own, found = split_into_runs(recording)
         runs += own
         findings += found
-    return runs, findings
+    chosen = []
+    for number, run in enumerate(runs):
+        excerpts, found = excerpts_of(run._replace(number=number), most_samples // len(runs))
+        chosen += excerpts
+        findings += found
+    return chosen, findings

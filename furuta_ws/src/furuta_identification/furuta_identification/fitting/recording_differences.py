@@ -32,7 +32,7 @@ def _excess(
     common: Optimum, fit: Optimum, names: list[str], assumed: dict[str, float]
 ) -> np.ndarray:
     """The difference of each unknown beyond the standard error of the recording's own fit."""
-    one_way = turns_one_way(fit.shooting.parts[0].recording)
+    one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
     own, _ = covariance_and_information(fit.shooting, fit.vector, assumed)
     excess = np.zeros(len(names))
     for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):

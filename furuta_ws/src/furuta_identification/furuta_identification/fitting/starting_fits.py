@@ -28,19 +28,22 @@ MOST_STARTS = 2
 
 
 def fit_growing_segments(
-    recording: Recording,
+    excerpts: list[Recording],
     names: list[str],
     start: ParameterValues,
     window: float,
     scale: np.ndarray,
 ) -> Optimum:
-    """Fit one recording in ever longer segments; of several schedules the best result."""
+    """Fit one recording in ever longer segments; of several schedules the best result.
+
+    The ``excerpts`` of a recording share its zero.
+    """
     reached: list[tuple[float, Optimum]] = []
     for schedule in SEGMENT_SCHEDULES:
         values, size = start, scale
         for length in schedule:
             optimum = optimise(
-                [recording],
+                excerpts,
                 names,
                 values,
                 min(length, window),
@@ -67,15 +70,12 @@ def fit_together(
     Each recording alone leads near the common optimum. A common fit from a worse start can end in
     a local optimum. Each recording has its own zero.
     """
-    if len(recordings) == 1:
+    if len(own_fits) == 1:
         return own_fits[0]
     own_fits = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
 
     def common_misfit(fit: Optimum) -> float:
-        parts = [
-            cut_into_segments(each, window, scale, fit.values, index)
-            for index, each in enumerate(recordings)
-        ]
+        parts = [cut_into_segments(each, window, scale, fit.values) for each in recordings]
         return misfit(Shooting(parts, names, fit.values), fit.values.vector(names))
 
     reached = [

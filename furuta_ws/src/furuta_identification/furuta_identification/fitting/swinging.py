@@ -35,8 +35,6 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
-# Fit of the pendulum's angle [%] below which the model is reported as useless.
-SMALLEST_FIT = 50.0
 
 
 def fit_swinging(
@@ -51,21 +49,20 @@ def fit_swinging(
     setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *TILT], start)
     names = [*setting.names, *wave_names(1)]
     start = setting.start.changed(wave_names(1), (0.0, 0.0))
+    options.report("fitting each recording")
     own_fits = _own_fits(recordings, [*names, "zero"], start, window)
-    zeros = ["zero"] if len(recordings) == 1 else [zero_name(k) for k in range(len(recordings))]
+    options.report("fitting all together")
+    numbers = sorted({each.number for each in recordings})
+    zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
     optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
+    options.report("looking for waves of the torque, then the final fit")
     optimum, found = _final_fit(optimum, recordings, window, scale)
-    fit = worst_pendulum_fit(optimum)
-    if fit < SMALLEST_FREE_RUN_FIT and options.window is None:
+    if worst_pendulum_fit(optimum) < SMALLEST_FREE_RUN_FIT and options.window is None:
         why = f"no free run follows the recordings to the end: fitted in segments of {SEGMENT:g} s"
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, [*findings, why], options)
-    if fit < SMALLEST_FIT:
-        found.append(
-            f"the model does not follow these recordings (fit of the pendulum's angle {fit:.0f} %):"
-            " its parameters are meaningless"
-        )
+    options.report("computing standard errors")
     covariance, information = covariance_and_information(
         optimum.shooting, optimum.vector, setting.assumed
     )
@@ -78,10 +75,12 @@ def fit_swinging(
 def _own_fits(
     recordings: list[Recording], names: list[str], start: ParameterValues, window: float
 ) -> list[Optimum]:
-    """A fit of each recording alone."""
+    """A fit of each recording alone, with all its excerpts."""
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    return [fit_growing_segments(each, names, start, window, scale) for each in recordings]
+    numbers = sorted({each.number for each in recordings})
+    groups = [[each for each in recordings if each.number == number] for number in numbers]
+    return [fit_growing_segments(each, names, start, window, scale) for each in groups]
 
 
 def _common_fit(

@@ -66,9 +66,7 @@ def predict_prepared(model: Model, recording: Recording) -> Prediction:
     The initial states of segments are fitted, and so is that of a free run that starts in motion.
     A free run from rest starts from the measured state.
     """
-    fitted = [each is recording for each in model.recordings]
-    number = fitted.index(True) if any(fitted) else 0
-    part = cut_into_segments(recording, model.window, model.scale, model.values, number)
+    part = cut_into_segments(recording, model.window, model.scale, model.values)
     return Prediction(recording, Shooting([part], [], model.values).predictions(np.zeros(0))[0])
 
 
@@ -109,7 +107,7 @@ def _with_own_zero(model: Model, recording: Recording) -> tuple[Model, list[str]
     That is the zero of the nearest fitted recording. If the pendulum hangs at rest at an angle that
     none of them explains, its encoder was started at another angle.
     """
-    zeros = [model.values.zero(number) for number in range(len(model.recordings))]
+    zeros = [model.values.zero(each.number) for each in model.recordings]
     first = recording.between(recording.time[0], recording.time[0] + REST).measured
     at_rest = np.ptp(first[:, THETA]) < LARGEST_ZERO_ERROR
     errors = [_zero_error(model, zero, first) for zero in zeros]

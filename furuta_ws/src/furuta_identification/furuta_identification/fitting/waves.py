@@ -30,8 +30,9 @@ from furuta_recordings.recording import Recording
 
 # Waves per turn that are tried, and most waves.
 HIGHEST_ORDER, MOST_WAVES = 60, 6
-# Turns of the arm, in one of the recordings, that distinguish an order from its neighbours.
-FEWEST_TURNS = 2.0
+# Turns of the arm, in one of the recordings, that show waves. Over less than a turn neighbouring
+# orders look alike; one of them stands for all.
+FEWEST_TURNS = 0.25
 # Length of the segments [s], and parts of a single recording that predict each other.
 SEGMENT, PARTS = 0.5, 4
 # Parameters of a wave: two amplitudes and its order.
@@ -54,10 +55,7 @@ def significant_orders(
     turns = max(float(np.ptp(each.measured[:, PHI])) for each in recordings) / (2.0 * np.pi)
     if turns < FEWEST_TURNS:
         return []
-    parts = [
-        cut_into_segments(each, SEGMENT, scale, optimum.values, index)
-        for index, each in enumerate(recordings)
-    ]
+    parts = [cut_into_segments(each, SEGMENT, scale, optimum.values) for each in recordings]
     shooting = Shooting(parts, optimum.shooting.names, optimum.values)
     known = optimum.values.wave_orders
     orders = [order for order in range(2, HIGHEST_ORDER + 1) if order not in known]
@@ -80,9 +78,10 @@ def _problem(shooting: Shooting, vector: np.ndarray, orders: list[int]) -> _Prob
 def _folds(shooting: Shooting) -> np.ndarray:
     """The fold of each row: its recording or, if there is one only, its part of it."""
     folds = []
-    for number, part in enumerate(shooting.parts):
+    several = len({part.recording.number for part in shooting.parts}) > 1
+    for index, part in enumerate(shooting.parts):
         n = len(part.recording.time)
-        fold = np.full(n, number)
+        fold = np.full(n, part.recording.number if several else index)
         if len(shooting.parts) == 1:
             fold = PARTS * part.index_of_samples // len(part.starts)
         of_states = fold[part.starts]

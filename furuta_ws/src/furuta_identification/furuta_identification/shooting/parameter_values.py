@@ -55,9 +55,9 @@ class ParameterValues:
         changes = {name: float(value) for name, value in zip(names, vector, strict=True)}
         return ParameterValues({**self.coordinates, **changes})
 
-    def zero(self, index: int) -> float:
-        """The zero [rad] of recording number ``index``, which several recordings share if alone."""
-        return self.coordinates.get(zero_name(index), self.coordinates["zero"])
+    def zero(self, number: int) -> float:
+        """The zero [rad] of a recording by its number; a single recording's is just `zero`."""
+        return self.coordinates.get(zero_name(number), self.coordinates["zero"])
 
     def with_zero(self, zero: float) -> ParameterValues:
         """With the same zero [rad] for every recording."""

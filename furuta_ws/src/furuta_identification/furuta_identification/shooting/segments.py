@@ -29,8 +29,7 @@ class Segments(NamedTuple):
     """A recording with the starts (s,) of its segments and the measured state at each (s, 5).
 
     ``spread`` (s, 5) is the standard deviation of that state; 0 if the state is not fitted.
-    ``scale`` (4,) is the residual of each channel that counts as one, ``number`` that of the
-    recording, which may have its own zero.
+    ``scale`` (4,) is the residual of each channel that counts as one.
     """
 
     recording: Recording
@@ -38,7 +37,6 @@ class Segments(NamedTuple):
     measured: np.ndarray
     spread: np.ndarray
     scale: np.ndarray
-    number: int = 0
 
     @property
     def index_of_samples(self) -> np.ndarray:
@@ -47,7 +45,7 @@ class Segments(NamedTuple):
 
 
 def cut_into_segments(
-    recording: Recording, window: float, noise: np.ndarray, values: ParameterValues, number: int = 0
+    recording: Recording, window: float, noise: np.ndarray, values: ParameterValues
 ) -> Segments:
     """Cut a recording every ``window`` [s]; an infinite window gives one segment, the free run.
 
@@ -65,7 +63,7 @@ def cut_into_segments(
         spread[:, :RIGID_STATES] = INITIAL_SPREAD * noise
         level = max(values["coulomb"] + values["alpha1"], SMALLEST_LEVEL)
         spread[:, BRISTLE] = 0.5 * level / values["sigma0"]
-    return Segments(recording, starts, initial, spread, noise, number)
+    return Segments(recording, starts, initial, spread, noise)
 
 
 def _initial_states(

@@ -87,7 +87,7 @@ class Shooting:
         part = self.parts[i]
         values = self.values.changed(self.names, vector)
         upright = initial.copy()
-        zero = values.zero(part.number)
+        zero = values.zero(part.recording.number)
         upright[:, THETA] += zero
         predicted = predict(part.recording, part.starts, upright, values)
         predicted[:, THETA] -= zero
