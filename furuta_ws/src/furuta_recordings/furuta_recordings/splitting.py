@@ -87,13 +87,13 @@ def excerpts_of(run: Recording, most_samples: int) -> tuple[list[Recording], lis
     n = len(run.time)
     if n <= most_samples:
         return [run], []
-    every = max(1, int(SHORTEST_INTERVAL / run.interval))
+    every = max(1, int(SHORTEST_INTERVAL / run.interval + 1e-6))
     size = EXCERPT * every
     parts = [slice(start, start + size, every) for start in range(0, n - size + 1, size)]
     parts = _moving(run, parts)
     spread = np.linspace(0, len(parts) - 1, min(EXCERPTS, len(parts))).round().astype(int)
     excerpts = [_excerpt(run, parts[k]) for k in spread]
-    thinned = f", every {every}th sample" if every > 1 else ""
+    thinned = f", one sample in {every}" if every > 1 else ""
     return excerpts, [
         f"{run.name}: {n} samples: fitted in {len(excerpts)} excerpts of "
         f"{excerpts[0].duration:.1f} s of {run.duration:.1f} s{thinned}"

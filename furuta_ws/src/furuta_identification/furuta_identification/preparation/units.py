@@ -16,9 +16,8 @@ AUTO, RADIANS, DEGREES = ANGLE_UNITS
 # Logarithm of the odds from which a unit is decided (100 to 1), of radians against degrees before
 # anything is known (20 to 1), and once more if in degrees the rig would hardly move.
 SURE, USUAL, SLIGHT_MOTION = 4.6, 3.0, 3.0
-# Swing [rad], peak to peak, that no rig is recorded with, and one that only a pendulum has that is
-# balanced by a moving arm.
-NO_SWING, SLIGHT_SWING = 0.5 * DEGREE, 2.0 * DEGREE
+# Swing of the pendulum [rad], peak to peak, that is hardly a motion.
+SLIGHT_SWING = 0.5 * DEGREE
 # Slope of the angle [rad/s] at a speed of 1, by the unit of the speed.
 SPEED_UNITS = {"rad/s": 1.0, "deg/s": DEGREE, "rpm": 2.0 * np.pi / 60.0}
 # Largest relative difference between a measured factor and a unit's, due to noise and ripple.
@@ -52,14 +51,7 @@ def _log_odds_of_radians(recording: Recording) -> float:
     motion = pendulum_motion(degrees)
     samples = min(radians.samples, motion.samples)
     odds = samples * float(np.log(motion.misfit / radians.misfit))
-    return odds + (SLIGHT_MOTION if _is_slight(degrees, motion.zero) else 0.0)
-
-
-def _is_slight(recording: Recording, zero: float) -> bool:
-    """Whether the motion is too small for a recording; ``zero`` [rad] is that of the pendulum."""
-    arm, pendulum = np.ptp(recording.measured[:, [PHI, THETA]], axis=0)
-    alone = abs(zero) > 0.5 * np.pi or arm < SLIGHT_SWING
-    return bool(pendulum < NO_SWING or (pendulum < SLIGHT_SWING and alone))
+    return odds + (SLIGHT_MOTION if np.ptp(degrees.measured[:, THETA]) < SLIGHT_SWING else 0.0)
 
 
 def in_unit(recording: Recording, unit: str) -> Recording:

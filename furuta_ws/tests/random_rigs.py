@@ -160,7 +160,7 @@ def _logged(
     return fine[chosen][on], readings.motor * u[chosen][on]
 
 
-@numba.njit(error_model="numpy")
+@numba.njit(cache=True, error_model="numpy")
 def _rates(x, u, alpha, beta, gamma, delta, c, forward, backward, c2, waves, tx, ty, lag):  # type: ignore[no-untyped-def]
     phi, v, theta, w = x[0], x[1], x[2], x[3]
     s, k = sin(theta), cos(theta)
@@ -184,7 +184,7 @@ def _rates(x, u, alpha, beta, gamma, delta, c, forward, backward, c2, waves, tx,
     return rates
 
 
-@numba.njit(error_model="numpy")
+@numba.njit(cache=True, error_model="numpy")
 def _simulate(u, phi, alpha, beta, gamma, delta, c, forward, backward, c2, waves, tx, ty, lag):  # type: ignore[no-untyped-def]
     x = np.zeros(8)
     x[0], x[2] = phi, pi + ty * cos(phi) - tx * sin(phi)
