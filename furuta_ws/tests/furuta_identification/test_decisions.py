@@ -45,7 +45,7 @@ def recorded(
 
 def test_recordings_of_one_call_share_units() -> None:
     """A small swing alone does not tell degrees from radians; beside a large one it does."""
-    small = recorded("sine", 0.5, Readings(DEGREE, DEGREE))
+    small = recorded("steps", 0.3, Readings(DEGREE, DEGREE))
     small = small._replace(measured=small.measured / np.ptp(small.measured[:, THETA]))
     with pytest.raises(ParameterError, match="--angles"):
         prepare(small, Options())
