@@ -93,7 +93,7 @@ def test_the_ceiling_shows_in_larger_commands(amplitude: float, expected: float)
 def model() -> Model:
     """The model of two recordings whose zeros differ."""
     return identify(
-        [recorded("steps", 2.5, seconds=4.0), recorded("sine", 2.0, Readings(zero=0.1), 4.0)],
+        [recorded("steps", 2.5, seconds=3.0), recorded("sine", 2.0, Readings(zero=0.1), 3.0)],
         Options(),
     )
 

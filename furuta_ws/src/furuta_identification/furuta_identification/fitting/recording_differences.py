@@ -33,7 +33,7 @@ def _excess(
 ) -> np.ndarray:
     """The difference of each unknown beyond the standard error of the recording's own fit."""
     one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
-    own, _ = covariance_and_information(fit.shooting, fit.vector, assumed)
+    own, _ = covariance_and_information(fit.shooting, fit.vector, assumed, swinging=True)
     excess = np.zeros(len(names))
     for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):
         if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):

@@ -64,7 +64,7 @@ def fit_swinging(
         return fit_swinging(recordings, start, regression, [*findings, why], options)
     options.report("computing standard errors")
     covariance, information = covariance_and_information(
-        optimum.shooting, optimum.vector, setting.assumed
+        optimum.shooting, optimum.vector, setting.assumed, swinging=True
     )
     covariance = covariance + difference_covariance(optimum, own_fits, setting.assumed)
     names, certainty = [*optimum.shooting.names, *setting.assumed], (covariance, information)
