@@ -18,7 +18,13 @@ from furuta_graph.description import NODES
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.
 APT = {
     "python3-catkin-pkg-modules",
-    *("python3-click", "python3-hypothesis", "python3-matplotlib", "python3-mypy"),
+    *(
+        "python3-click",
+        "python3-dateutil",
+        "python3-hypothesis",
+        "python3-matplotlib",
+        "python3-mypy",
+    ),
     *("python3-numba", "python3-numpy", "python3-pytest", "python3-pytest-timeout", "python3-rich"),
     *("python3-scipy", "python3-serial", "python3-types-pyyaml", "python3-yaml"),
 }
@@ -55,6 +61,7 @@ TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
     "catkin_pkg": "catkin-pkg",
+    "dateutil": "python-dateutil",
     "serial": "pyserial",
     "yaml": "pyyaml",
     "dask": "distributed",

@@ -9,6 +9,8 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
 FEWEST_SAMPLES = 100
+# Part of the samples that may be before an earlier one.
+LARGEST_UNORDERED_PART = 0.1
 # Median intervals without a sample from which a dropout is reported.
 LONGEST_GAP = 10.0
 # Largest command [V] of a motor of this size.
@@ -34,6 +36,7 @@ def _with_usable_samples(recording: Recording) -> tuple[Recording, list[str]]:
     for angle, joint in ((PHI, "arm"), (THETA, "pendulum")):
         if not np.any(np.isfinite(measured[:, angle])):
             raise ParameterError(f"{recording.name}: no angle of the {joint}")
+    _refuse_unordered(recording)
     usable = np.isfinite(measured[:, PHI]) & np.isfinite(measured[:, THETA]) & np.isfinite(time)
     usable[1:] &= np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > 0.0
     if np.sum(usable) < FEWEST_SAMPLES:
@@ -47,6 +50,17 @@ def _with_usable_samples(recording: Recording) -> tuple[Recording, list[str]]:
             f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time not increasing)"
         )
     return recording._replace(time=time[usable], measured=measured[usable].copy()), findings
+
+
+def _refuse_unordered(recording: Recording) -> None:
+    """Raise if many samples are not in the order of their times."""
+    backward = np.diff(recording.time) < 0.0
+    if np.sum(backward) > LARGEST_UNORDERED_PART * len(backward):
+        raise ParameterError(
+            f"{recording.name}: the time decreases {np.sum(backward)} times in "
+            f"{len(recording.time)} samples; sort them by time, or name the column of their time "
+            "with --time"
+        )
 
 
 def _with_usable_commands(recording: Recording) -> Recording:

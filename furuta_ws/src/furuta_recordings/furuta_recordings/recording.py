@@ -17,7 +17,9 @@ class Recording(NamedTuple):
 
     ``time`` (n,) [s], increasing but not necessarily evenly spaced; ``measured`` (n, 4) of x = (φ,
     φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A
-    command holds until the next one; before the first the command is 0 V.
+    command holds until the next one; before the first the command is 0 V. ``in_radians`` is True if
+    the recording names the unit of its angles, which are then in rad. Recordings with the same
+    ``number`` are excerpts of one run.
     """
 
     name: str
@@ -25,6 +27,8 @@ class Recording(NamedTuple):
     measured: np.ndarray
     command_time: np.ndarray
     command: np.ndarray
+    in_radians: bool = False
+    number: int = 0
 
     @property
     def duration(self) -> float:
@@ -53,6 +57,10 @@ class Recording(NamedTuple):
     def with_command_negated(self) -> Recording:
         """With the opposite sign of the command."""
         return self._replace(command=-self.command)
+
+    def with_ceiling(self, ceiling: float) -> Recording:
+        """With commands limited to ± the ``ceiling`` [V]."""
+        return self._replace(command=np.clip(self.command, -ceiling, ceiling))
 
     def with_delayed_command(self, delay: float) -> Recording:
         """With the command ``delay`` [s] later."""

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
 # Time [s] without a sample, or step back in time, that separates two runs: the motion before does
@@ -15,6 +16,12 @@ PAUSE = 0.5
 # Shortest run [s] and fewest samples worth a fit.
 SHORTEST_RUN = 1.5
 FEWEST_SAMPLES = 100
+# Excerpts of a long run, and their samples. More make a fit slower, not much better.
+EXCERPTS, EXCERPT = 6, 2000
+# Shortest interval [s] between the samples of an excerpt.
+SHORTEST_INTERVAL = 1e-3
+# Part of the usual travel of the arm below which an excerpt is not used.
+MOVING_PART = 0.3
 
 
 def split_into_runs(recording: Recording) -> tuple[list[Recording], list[str]]:
@@ -73,3 +80,42 @@ def _command_bounds(recording: Recording, cuts: np.ndarray) -> list[int]:
             beyond = np.flatnonzero(np.diff(rest, prepend=rest[:1]) < -PAUSE)
         bounds.append(bounds[-1] + int(beyond[0]) if len(beyond) else len(command_time))
     return [*bounds, len(command_time)]
+
+
+def excerpts_of(run: Recording, most_samples: int) -> tuple[list[Recording], list[str]]:
+    """Excerpts evenly spread over the motion of a run with more samples than that; findings."""
+    n = len(run.time)
+    if n <= most_samples:
+        return [run], []
+    every = max(1, int(SHORTEST_INTERVAL / run.interval + 1e-6))
+    size = EXCERPT * every
+    parts = [slice(start, start + size, every) for start in range(0, n - size + 1, size)]
+    parts = _moving(run, parts)
+    spread = np.linspace(0, len(parts) - 1, min(EXCERPTS, len(parts))).round().astype(int)
+    excerpts = [_excerpt(run, parts[k]) for k in spread]
+    thinned = f", one sample in {every}" if every > 1 else ""
+    return excerpts, [
+        f"{run.name}: {n} samples: fitted in {len(excerpts)} excerpts of "
+        f"{excerpts[0].duration:.1f} s of {run.duration:.1f} s{thinned}"
+    ]
+
+
+def _moving(run: Recording, parts: list[slice]) -> list[slice]:
+    """The parts in which the arm moves about as far as usual."""
+    travels = np.array([np.nanstd(run.measured[part, PHI]) for part in parts])
+    usual = float(np.nanmedian(travels))
+    return [p for p, travel in zip(parts, travels, strict=True) if travel >= MOVING_PART * usual]
+
+
+def _excerpt(run: Recording, rows: slice) -> Recording:
+    """The samples ``rows`` with the commands that hold during them."""
+    time = run.time[rows]
+    first = max(int(np.searchsorted(run.command_time, time[0], "right")) - 1, 0)
+    own = slice(first, int(np.searchsorted(run.command_time, time[-1], "right")))
+    return run._replace(
+        name=f"{run.name} from {time[0]:.1f} s",
+        time=time,
+        measured=run.measured[rows],
+        command_time=run.command_time[own],
+        command=run.command[own],
+    )

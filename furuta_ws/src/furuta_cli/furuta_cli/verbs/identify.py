@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 import yaml
+from rich.console import Console
 
 from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange, NonZero
@@ -16,13 +17,33 @@ from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import node_parameters, summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
-from furuta_identification.preparation.options import ANGLE_UNITS, ZEROS, Options
+from furuta_identification.fitting.verdict import verdict
+from furuta_identification.preparation.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
+DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
+
+
+class Zero(click.ParamType):
+    """A position by name, or an angle in degrees, which becomes radians."""
+
+    name = "zero"
+
+    def convert(self, value: Any, param: Any, context: Any) -> str | float:
+        """The name, or the angle [rad]."""
+        if value in ZEROS or isinstance(value, float):
+            return value  # type: ignore[no-any-return]
+        try:
+            angle = float(value)
+        except ValueError:
+            angle = np.nan
+        if not np.isfinite(angle):
+            self.fail(f"'{value}' is not one of {', '.join(ZEROS)} or an angle in degrees", param)
+        return float(np.radians(angle))
 
 
 @click.command()
@@ -37,12 +58,22 @@ FIRST_SECONDS = 3.0
     help="Topic or column of the command, or `effort` for the arm's effort.",
 )
 @click.option("--states", help="Topic of the joint states.")
+@click.option("--time", help="Column of a table's time.")
 @click.option(
     "--zero",
-    type=click.Choice(ZEROS),
+    type=Zero(),
     default="auto",
     show_default=True,
-    help="Pendulum position at which the angle is 0.",
+    help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "
+    "angle of the hanging pendulum in degrees.",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(DIRECTIONS),
+    default="auto",
+    show_default=True,
+    help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
+    "direction when the arm accelerates in its positive one.",
 )
 @click.option(
     "--angles",
@@ -58,6 +89,12 @@ FIRST_SECONDS = 3.0
     show_default=True,
     metavar="V",
     help="Voltage that a command of 1 stands for [V].",
+)
+@click.option(
+    "--ceiling",
+    type=FiniteRange(0.0, 1e3, min_open=True),
+    metavar="V",
+    help="Highest voltage of the drive [V]; default: found, if the data show it.",
 )
 @click.option(
     "--window",
@@ -87,9 +124,12 @@ def command(
     pendulum: str | None,
     command_name: str | None,
     states: str | None,
-    zero: str,
+    time: str | None,
+    zero: str | float,
+    direction: str,
     angles: str,
     command_scale: float,
+    ceiling: float | None,
     window: float | None,
     validation_paths: tuple[Path, ...],
     out: Path | None,
@@ -101,9 +141,11 @@ def command(
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
     withheld, with the reason.
     """
-    mapping = Mapping(arm, pendulum, command_name, states)
-    options = Options(zero, window, angles, command_scale)
-    identified = _identify(paths, validation_paths, mapping, options)
+    mapping = Mapping(arm, pendulum, command_name, states, time)
+    options = Options(zero, window, angles, command_scale, float(DIRECTIONS[direction]), ceiling)
+    with Console(stderr=True).status("reading") as status:
+        options = options._replace(report=status.update)
+        identified = _identify(paths, validation_paths, mapping, options)
     result = _result(identified)
     if out is not None:
         from furuta_figures.residual import draw_residuals
@@ -164,6 +206,7 @@ def _result(identified: Identified) -> dict[str, Any]:
     result["findings"] = identified.findings + result["findings"]
     result["fit"] = {each.recording.name: _fits(each) for each in identified.fitted}
     result["held_out"] = {each.recording.name: _fits(each) for each in identified.held_out}
+    result["verdict"] = verdict(identified.fitted)
     regression = identified.model.regression._asdict()
     result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
     return result
@@ -193,11 +236,24 @@ def _print(result: dict[str, Any]) -> None:
             known = {name: value for name, value in fits.items() if not np.isnan(value)}
             text = ", ".join(f"{n.replace('_', ' ')} {v:.1f} %" for n, v in known.items())
             print(f"{kind.replace('_', '-')} {recording}: {text}")
+    for wave in result["waves"]:
+        if wave["cos"] is not None and wave["sin"] is not None:
+            size = np.hypot(wave["cos"], wave["sin"])
+            print(f"torque wave, {wave['order']:2d} per turn {size:11.3g} V")
+    _print_verdict(result["verdict"])
     for finding in result["findings"]:
         print(f"found: {finding}")
     for name in ("figure", "parameter_file"):
         if name in result:
             print(f"{name.replace('_', ' ')}: {result[name]}")
+
+
+def _print_verdict(found: dict[str, Any]) -> None:
+    for name, channels in found["coloured_percent"].items():
+        known = {channel: part for channel, part in channels.items() if not np.isnan(part)}
+        text = ", ".join(f"{n.replace('_', ' ')} {v:.0f} %" for n, v in known.items())
+        print(f"coloured residuals (white: 5 %) {name}: {text}")
+    print(f"usable: {found['usable']}" + "".join(f"; {each}" for each in found["reasons"]))
 
 
 def _print_values(result: dict[str, Any]) -> None:

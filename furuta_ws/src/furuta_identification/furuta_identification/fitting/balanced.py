@@ -36,6 +36,7 @@ def fit_balanced(
     window = options.window or SEGMENT
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     names, values = _first_unknowns(recordings, start)
+    options.report("fitting segments of a balanced pendulum")
     values = optimise(recordings, names, values, 0.2 * window, scale, tolerance=COARSE).values
     names += LUGRE
     values = optimise(recordings, names, values, 0.5 * window, scale, tolerance=COARSE).values

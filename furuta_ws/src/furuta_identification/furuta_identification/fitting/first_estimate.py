@@ -60,7 +60,7 @@ def _most_certain(recordings: list[Recording], lag: float, delay: float) -> Mome
     return min(fits, key=lambda fit: abs(fit.alpha_error / fit.alpha))
 
 
-def starting_values(fit: MomentumFit, lag: float) -> ParameterValues:
+def starting_values(fit: MomentumFit, lag: float, ceiling: float = np.inf) -> ParameterValues:
     """Values of the unknowns from a regression, moved into their ranges."""
     inertia = max(fit.alpha - fit.gamma**2 / fit.beta, 0.05 * fit.alpha)
     return ParameterValues.of(
@@ -74,4 +74,5 @@ def starting_values(fit: MomentumFit, lag: float) -> ParameterValues:
         pendulum_viscous=max(fit.pendulum_viscous, 1e-6 * fit.beta),
         pendulum_coulomb=max(fit.pendulum_coulomb, 0.0),
         lag=lag,
+        ceiling=ceiling,
     )

@@ -7,7 +7,7 @@ import numpy as np
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import BY_NAME, LOGARITHMIC, LUGRE, prior
+from furuta_identification.shooting.unknowns import LOGARITHMIC, LUGRE, Unknown, prior, unknown
 
 # Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
 # to a fit, and of one that is reported.
@@ -17,6 +17,9 @@ LARGEST_PART_TO_REPORT = 0.7
 LARGEST_RELATIVE_ERROR = 0.5
 ASSUMED = "the arm turns in one direction only: a smaller command would have the same effect"
 NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
+AT_END = "the fit ends at {:.3g}, the end of the allowed range"
+# Part of the range within which a value is at its end.
+END = 1e-3
 REASONS = {
     "asymmetry": "the arm hardly slides, or slides in one direction only",
     "alpha1": "no slow sliding and no slow reversals in the data",
@@ -41,12 +44,12 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
 def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
     reasons = {}
-    for name in BY_NAME:
-        if name in model.names:
-            reason = _reason(model, name)
-            if reason is not None:
-                reasons[name] = reason
-        elif name in LUGRE or name == "asymmetry":
+    for name in model.names:
+        reason = _reason(model, name)
+        if reason is not None:
+            reasons[name] = reason
+    for name in (*LUGRE, "asymmetry"):
+        if name not in model.names:
             reasons[name] = REASONS[name]
     return reasons
 
@@ -56,8 +59,18 @@ def _reason(model: Model, name: str) -> str | None:
     index = model.names.index(name)
     if model.information[index, index] == 0.0:
         return ASSUMED
-    error, spread = float(np.sqrt(model.covariance[index, index])), BY_NAME[name].spread
+    about = unknown(name)
+    value = model.values.coordinates[name]
+    if _is_at_end(value, about):
+        return AT_END.format(value)
+    error, spread = float(np.sqrt(model.covariance[index, index])), about.spread
     like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
     if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
         return REASONS.get(name, NOT_SEPARABLE)
     return None
+
+
+def _is_at_end(value: float, about: Unknown) -> bool:
+    """Whether a value is at the end of its range; a lower end of 0 is where nature ends too."""
+    margin = END * (about.high - about.low)
+    return value > about.high - margin or (about.low != 0.0 and value < about.low + margin)

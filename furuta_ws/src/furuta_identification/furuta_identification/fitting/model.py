@@ -20,6 +20,7 @@ class Model(NamedTuple):
     first estimate.
 
     ``command_negated`` is True if a positive command turns the arm in its negative direction.
+    ``angles`` is the unit of the recorded angles, ``direction`` that of the pendulum's angle.
     ``command_delay`` [s] was applied to the recordings' commands before the rest of the delay was
     fitted.
     """
@@ -35,3 +36,10 @@ class Model(NamedTuple):
     findings: list[str]
     command_negated: bool = False
     command_delay: float = 0.0
+    angles: str = "rad"
+    direction: float = 1.0
+
+    @property
+    def largest_command(self) -> float:
+        """The largest command of the fitted recordings [V]."""
+        return max(float(np.max(np.abs(each.command))) for each in self.recordings)

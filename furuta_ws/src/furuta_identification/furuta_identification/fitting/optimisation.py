@@ -16,6 +16,8 @@ from furuta_recordings.recording import Recording
 MOST_EVALUATIONS = 40
 # Relative change of the sum of squares at which a fit ends: the last fit, and one on the way.
 FINE, COARSE = 1e-9, 1e-4
+# Distance of a start from its bounds, in standard deviations of the prior.
+INSIDE = 0.05
 # Consecutive samples that carry the information of one, where errors of the model dominate noise.
 CORRELATED_SAMPLES = 100.0
 
@@ -42,7 +44,8 @@ def optimise(
     shooting = Shooting(parts, names, start)
     low, high = bounds(start, names)
     mean, spread = prior(names)
-    margin = 1e-9 * np.maximum(1.0, high - low)
+    # A start at a bound would hold the optimiser there.
+    margin = np.where(np.isfinite(spread), INSIDE * spread, 1e-9 * np.maximum(1.0, high - low))
     best = least_squares(
         lambda x: np.append(shooting.residuals(x), (x - mean) / spread),
         np.clip(start.vector(names), low + margin, high - margin),

@@ -6,7 +6,7 @@ import numpy as np
 
 from furuta_identification.fitting.coulomb import turns_one_way
 from furuta_identification.fitting.optimisation import Optimum
-from furuta_identification.shooting.unknowns import INDEX
+from furuta_identification.shooting.unknowns import is_zero
 from furuta_identification.uncertainty.covariance import covariance_and_information
 
 
@@ -32,13 +32,13 @@ def _excess(
     common: Optimum, fit: Optimum, names: list[str], assumed: dict[str, float]
 ) -> np.ndarray:
     """The difference of each unknown beyond the standard error of the recording's own fit."""
-    one_way = turns_one_way(fit.shooting.parts[0].recording)
-    own, _ = covariance_and_information(fit.shooting, fit.vector, assumed)
+    one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
+    own, _ = covariance_and_information(fit.shooting, fit.vector, assumed, swinging=True)
     excess = np.zeros(len(names))
     for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):
-        if one_way and name in ("coulomb", "asymmetry"):
+        if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
             continue
-        difference = value - common.values.coordinates[INDEX[name]]
+        difference = value - common.values.coordinates[name]
         size = np.sqrt(max(0.0, difference**2 - own[k, k]))
         excess[names.index(name)] = np.sign(difference) * size
     return excess

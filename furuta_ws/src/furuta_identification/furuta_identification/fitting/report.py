@@ -8,7 +8,7 @@ import numpy as np
 
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.model import Model
-from furuta_identification.shooting.unknowns import FRICTION, LUGRE
+from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
@@ -20,9 +20,29 @@ def reported_values(model: Model) -> dict[str, float]:
     return {
         **_body_values(values.body),
         **{name: values[name] for name in FRICTION},
-        **{name: values[name] for name in (*LUGRE, "lag", "zero", "tilt_x", "tilt_y")},
+        **{name: values[name] for name in (*LUGRE, "lag", "tilt_x", "tilt_y", "ceiling")},
+        "zero": float(np.mean(_zeros(model))),
         "delay": values["delay"] + model.command_delay,
     }
+
+
+def _zeros(model: Model) -> list[float]:
+    """The pendulum's zero in each recording [rad]."""
+    return [model.values.zero(each.number) for each in model.recordings]
+
+
+def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
+    """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
+    waves = []
+    for order in model.values.wave_orders:
+        wave: dict[str, float | None] = {"order": order}
+        for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
+            known = name in model.names and name not in reasons
+            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
+            wave[part] = model.values[name] if known else None
+            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
+        waves.append(wave)
+    return waves
 
 
 def _body_values(body: FurutaPendulum) -> dict[str, float]:
@@ -67,7 +87,12 @@ def summary(model: Model) -> dict[str, Any]:
         **{name: value(name) for name in _body_values(model.values.body)},
         **{name: value(name) for name in FRICTION},
         "lugre": {"alpha0": value("coulomb"), **{name: value(name) for name in LUGRE}},
-        "setup": {name: value(name) for name in ("delay", "lag", "zero", "tilt_x", "tilt_y")},
+        "setup": {
+            **{name: value(name) for name in ("delay", "lag", "zero", "tilt_x", "tilt_y")},
+            "ceiling": value("ceiling") if np.isfinite(values["ceiling"]) else None,
+            "zeros": dict(zip([r.name for r in model.recordings], _zeros(model), strict=True)),
+        },
+        "waves": _waves(model, reasons),
         "standard_errors": {n: None if n in withheld else errors[n] for n in errors},
         "undetermined": reasons,
         "findings": model.findings,
@@ -89,12 +114,12 @@ def node_parameters(model: Model) -> dict[str, dict[str, Any]]:
 def _friction_parameters(model: Model) -> dict[str, float]:
     """The arm's friction without the parameters that the data do not determine.
 
-    Stiction that was not measured is not compensated, and viscous friction is never negative.
+    Stiction or asymmetry that was not measured is not compensated.
     """
     reasons = undetermined(model)
     friction = model.values.friction._asdict()
-    friction["viscous"] = max(0.0, friction["viscous"])
-    if "alpha1" in reasons:
-        friction["alpha1"] = 0.0
+    for name in ("alpha1", "asymmetry"):
+        if name in reasons:
+            friction[name] = 0.0
     withheld = {name for name in LUGRE if name in reasons} - {"alpha1"}
     return {name: float(value) for name, value in friction.items() if name not in withheld}

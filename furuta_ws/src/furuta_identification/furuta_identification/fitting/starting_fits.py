@@ -15,6 +15,7 @@ from furuta_identification.fitting.validation import worst_pendulum_fit
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
+from furuta_identification.shooting.unknowns import is_zero
 from furuta_recordings.recording import Recording
 
 # Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
@@ -27,19 +28,22 @@ MOST_STARTS = 2
 
 
 def fit_growing_segments(
-    recording: Recording,
+    excerpts: list[Recording],
     names: list[str],
     start: ParameterValues,
     window: float,
     scale: np.ndarray,
 ) -> Optimum:
-    """Fit one recording in ever longer segments; of several schedules the best result."""
+    """Fit one recording in ever longer segments; of several schedules the best result.
+
+    The ``excerpts`` of a recording share its zero.
+    """
     reached: list[tuple[float, Optimum]] = []
     for schedule in SEGMENT_SCHEDULES:
         values, size = start, scale
         for length in schedule:
             optimum = optimise(
-                [recording],
+                excerpts,
                 names,
                 values,
                 min(length, window),
@@ -64,17 +68,25 @@ def fit_together(
     """The best common fit of all recordings, started from the fits of single recordings.
 
     Each recording alone leads near the common optimum. A common fit from a worse start can end in
-    a local optimum.
+    a local optimum. Each recording has its own zero.
     """
-    if len(recordings) == 1:
+    if len(own_fits) == 1:
         return own_fits[0]
+    own_fits = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
 
     def common_misfit(fit: Optimum) -> float:
         parts = [cut_into_segments(each, window, scale, fit.values) for each in recordings]
-        return misfit(Shooting(parts, names, fit.values), fit.vector)
+        return misfit(Shooting(parts, names, fit.values), fit.values.vector(names))
 
     reached = [
         optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
         for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
     ]
     return min(reached, key=lambda each: misfit(each.shooting, each.vector))
+
+
+def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> Optimum:
+    """A recording's own fit with the zeros of all recordings."""
+    zeros = [each.values["zero"] for each in own_fits]
+    values = fit.values.changed([name for name in names if is_zero(name)], zeros)
+    return fit._replace(values=values)

@@ -9,13 +9,21 @@ from furuta_identification.fitting.identifiability import identifiable
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
 from furuta_identification.fitting.recording_differences import difference_covariance
-from furuta_identification.fitting.ripple import strongest_order
 from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
 from furuta_identification.fitting.validation import worst_pendulum_fit
+from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.preparation.options import Options
 from furuta_identification.regression.momentum import MomentumFit
 from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import BODY, FRICTION, LUGRE, RIPPLE, SETUP, TIMING
+from furuta_identification.shooting.unknowns import (
+    BODY,
+    FRICTION,
+    LUGRE,
+    TILT,
+    TIMING,
+    wave_names,
+    zero_name,
+)
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_recordings.recording import Recording
@@ -25,8 +33,8 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 # Fit of the pendulum's angle [%] in free runs below which segments of a fixed length [s] are
 # fitted instead: a pendulum that turns over the top is chaotic.
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
-# Fit of the pendulum's angle [%] below which the model is reported as useless.
-SMALLEST_FIT = 50.0
+# How often waves of the torque are looked for: strong ones hide weaker ones.
+ROUNDS_OF_WAVES = 2
 
 
 def fit_swinging(
@@ -38,22 +46,25 @@ def fit_swinging(
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *SETUP], start)
-    own_fits = _own_fits(recordings, setting.names, setting.start, window)
-    optimum, scale = _common_fit(recordings, setting.names, own_fits, window)
+    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *TILT], start)
+    names = [*setting.names, *wave_names(1)]
+    start = setting.start.changed(wave_names(1), (0.0, 0.0))
+    options.report("fitting each recording")
+    own_fits = _own_fits(recordings, [*names, "zero"], start, window)
+    options.report("fitting all together")
+    numbers = sorted({each.number for each in recordings})
+    zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
+    ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
+    optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
+    options.report("looking for waves of the torque, then the final fit")
     optimum, found = _final_fit(optimum, recordings, window, scale)
-    fit = worst_pendulum_fit(optimum)
-    if fit < SMALLEST_FREE_RUN_FIT and options.window is None:
+    if worst_pendulum_fit(optimum) < SMALLEST_FREE_RUN_FIT and options.window is None:
         why = f"no free run follows the recordings to the end: fitted in segments of {SEGMENT:g} s"
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, [*findings, why], options)
-    if fit < SMALLEST_FIT:
-        found.append(
-            f"the model does not follow these recordings (fit of the pendulum's angle {fit:.0f} %):"
-            " its parameters are meaningless"
-        )
+    options.report("computing standard errors")
     covariance, information = covariance_and_information(
-        optimum.shooting, optimum.vector, setting.assumed
+        optimum.shooting, optimum.vector, setting.assumed, swinging=True
     )
     covariance = covariance + difference_covariance(optimum, own_fits, setting.assumed)
     names, certainty = [*optimum.shooting.names, *setting.assumed], (covariance, information)
@@ -64,10 +75,12 @@ def fit_swinging(
 def _own_fits(
     recordings: list[Recording], names: list[str], start: ParameterValues, window: float
 ) -> list[Optimum]:
-    """A fit of each recording alone."""
+    """A fit of each recording alone, with all its excerpts."""
     scale = np.median([noise_of(each) for each in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    return [fit_growing_segments(each, names, start, window, scale) for each in recordings]
+    numbers = sorted({each.number for each in recordings})
+    groups = [[each for each in recordings if each.number == number] for number in numbers]
+    return [fit_growing_segments(each, names, start, window, scale) for each in groups]
 
 
 def _common_fit(
@@ -87,11 +100,27 @@ def _final_fit(
     optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
 ) -> tuple[Optimum, list[str]]:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
-    names, found = optimum.shooting.names, []
-    order, size = strongest_order(optimum)
-    if order:
-        found.append(f"torque ripple with {order} waves per turn ({size:.2f} rad/s in arm speed)")
-        names = [*names, *RIPPLE]
-        optimum = optimum._replace(values=optimum.values.changed(["ripple_order"], [order]))
+    for _ in range(ROUNDS_OF_WAVES):
+        orders = significant_orders(optimum, recordings, scale)
+        if not orders:
+            break
+        optimum = _with_waves(optimum, orders, recordings, window, scale)
+    orders = [order for order in optimum.values.wave_orders if order > 1]
+    found = [f"torque ripple with {order} waves per turn" for order in orders]
+    names = optimum.shooting.names
     names = [*names, *identifiable(optimum, [name for name in LUGRE if name not in names])]
     return optimise(recordings, names, optimum.values, window, scale, robust=True), found
+
+
+def _with_waves(
+    optimum: Optimum,
+    orders: list[int],
+    recordings: list[Recording],
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """A coarse fit with more waves of the torque."""
+    added = [name for order in orders for name in wave_names(order)]
+    start = optimum.values.changed(added, np.zeros(len(added)))
+    names = [*optimum.shooting.names, *added]
+    return optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_identification.fitting.ceiling import ceiling_of
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.preparation.options import Options
@@ -20,6 +21,8 @@ REST = 0.1
 # Largest movement [rad] of a pendulum at rest, and largest deviation [rad] of its angle from the
 # rest angle of the model that is not another zero.
 LARGEST_ZERO_ERROR = 0.03
+# Largest pendulum angle [rad] of a pendulum that was balanced, and its segments [s].
+LARGEST_BALANCED_ANGLE, SEGMENT = 0.7, 0.5
 # Standard deviation of a series [rad, rad/s] below which nothing moves in it.
 SMALLEST_MOTION = 1e-6
 
@@ -63,41 +66,67 @@ def predict_prepared(model: Model, recording: Recording) -> Prediction:
     The initial states of segments are fitted, and so is that of a free run that starts in motion.
     A free run from rest starts from the measured state.
     """
-    names = [name for name in model.names if name != "coulomb"]
-    segments = cut_into_segments(recording, model.window, model.scale, model.values)
-    shooting = Shooting([segments], names, model.values)
-    return Prediction(recording, shooting.predictions(model.values.vector(names))[0])
+    part = cut_into_segments(recording, model.window, model.scale, model.values)
+    return Prediction(recording, Shooting([part], [], model.values).predictions(np.zeros(0))[0])
 
 
 def validate(model: Model, recording: Recording, options: Options) -> tuple[Prediction, list[str]]:
     """Simulate the model along a recording that it was not fitted to; and what was found.
 
-    If the pendulum rests at an angle that does not match the model's zero, its encoder was started
-    at another angle, and the zero is taken from that rest.
+    The recording has the units of the fitted ones, but its own zero, which a hanging pendulum at
+    rest shows, and its own ceiling if its commands are larger than those of the fit.
     """
-    ready, findings = prepare(recording, options)
+    options = options._replace(angles=model.angles)
+    ready, findings = prepare(recording, options, model.direction)
     if model.command_negated:
         ready = ready.with_command_negated()
     ready = ready.with_delayed_command(model.command_delay)
-    at_rest = ready.between(ready.time[0], ready.time[0] + REST).measured[:, THETA]
-    if np.isinf(model.window) and np.ptp(at_rest) < LARGEST_ZERO_ERROR:
-        error = _zero_error(model, float(ready.measured[0, PHI]), float(np.mean(at_rest)))
-        if abs(error) > LARGEST_ZERO_ERROR:
-            zero = model.values["zero"] - error
-            model = model._replace(values=model.values.changed(["zero"], [zero]))
-            findings.append(
-                f"{recording.name}: the pendulum's zero differs by {error:.3f} rad: corrected"
-            )
+    if is_balanced(ready):
+        return predict_prepared(model._replace(window=min(model.window, SEGMENT)), ready), findings
+    model, found = _with_own_zero(model, ready)
+    findings += found
+    ceiling = ceiling_of(model, ready)
+    if ceiling != model.values["ceiling"]:
+        model = model._replace(values=model.values.changed(["ceiling"], [np.log(ceiling)]))
+        findings.append(
+            f"{recording.name}: the drive reaches {ceiling:.3g} V (fitted to this recording: its "
+            f"commands exceed those of the fit, {model.largest_command:.3g} V); name another "
+            "ceiling with --ceiling"
+        )
     return predict_prepared(model, ready), findings
 
 
-def _zero_error(model: Model, phi: float, rest: float) -> float:
-    """How far the pendulum's measured ``rest`` is from the model's at the arm's angle ``phi``.
+def is_balanced(recording: Recording) -> bool:
+    """Whether the pendulum stays near upright."""
+    return bool(np.max(np.abs(recording.measured[:, THETA])) < LARGEST_BALANCED_ANGLE)
+
+
+def _with_own_zero(model: Model, recording: Recording) -> tuple[Model, list[str]]:
+    """The model with the recording's own zero.
+
+    That is the zero of the nearest fitted recording. If the pendulum hangs at rest at an angle that
+    none of them explains, its encoder was started at another angle.
+    """
+    zeros = [model.values.zero(each.number) for each in model.recordings]
+    first = recording.between(recording.time[0], recording.time[0] + REST).measured
+    at_rest = np.ptp(first[:, THETA]) < LARGEST_ZERO_ERROR
+    errors = [_zero_error(model, zero, first) for zero in zeros]
+    if not (at_rest and min(np.abs(errors)) < LARGEST_BALANCED_ANGLE):
+        return model._replace(values=model.values.with_zero(float(np.mean(zeros)))), []
+    best = int(np.argmin(np.abs(errors)))
+    error, findings = errors[best], []
+    if abs(error) > LARGEST_ZERO_ERROR:
+        zeros[best] -= error
+        findings = [f"{recording.name}: the pendulum's zero differs by {error:.3f} rad: corrected"]
+    return model._replace(values=model.values.with_zero(zeros[best])), findings
+
+
+def _zero_error(model: Model, zero: float, first: np.ndarray) -> float:
+    """How far a measured rest (n, 4) is from the model's with a ``zero`` [rad].
 
     Hanging, sinθ ≈ −(θ − π) and cosθ ≈ −1 balance the torque of the tilt.
     """
-    values = model.values
-    deviation = rest + values["zero"] - np.pi
+    values, phi = model.values, float(first[0, PHI])
+    deviation = float(np.mean(first[:, THETA])) + zero - np.pi
     expected = values["tilt_y"] * np.cos(phi) - values["tilt_x"] * np.sin(phi)
-    deviation = (deviation - expected + np.pi) % (2 * np.pi) - np.pi
-    return float(deviation)
+    return float((deviation - expected + np.pi) % (2 * np.pi) - np.pi)

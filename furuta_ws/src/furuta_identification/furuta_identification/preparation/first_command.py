@@ -6,6 +6,7 @@ import numpy as np
 
 from furuta_identification.regression.equations import arm_misfits
 from furuta_identification.regression.speeds import speed_lag, with_speeds
+from furuta_identification.regression.windows import WINDOW
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI_DOT
 from furuta_recordings.recording import Recording
@@ -26,6 +27,8 @@ HELD_BEFORE = 1.0
 FEW_VALUES = 10
 # The first command's own value is kept unless its misfit is larger than the best by this factor.
 ALMOST_AS_GOOD = 1.2
+# Logarithm of the likelihood ratio from which a command is missing.
+SURE = 4.6
 FEWEST_SAMPLES = 100
 
 
@@ -41,6 +44,8 @@ def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
         return recording, []
     start, reason = _start(onset, first, period)
     value = _likeliest_value(recording, start)
+    if value is None:
+        return recording, []
     return _with_command(recording, start, value), [
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
         f"({recording.command[0]:g} V) is at {first:.3f} s; assumed {value:g} V from {start:.3f} s "
@@ -71,16 +76,21 @@ def _with_command(recording: Recording, time: float, value: float) -> Recording:
     )
 
 
-def _likeliest_value(recording: Recording, time: float) -> float:
-    """The command at ``time`` [s] that fits the arm's equation best, one of the others [V]."""
+def _likeliest_value(recording: Recording, time: float) -> float | None:
+    """The command at ``time`` [s] that fits the arm's equation best, one of the others [V].
+
+    None if the arm's equation is almost as likely without it.
+    """
     own = float(recording.command[0])
     others = np.unique(recording.command)
     candidates = [own, -own, *(float(u) for u in others if len(others) <= FEW_VALUES)]
-    with_all = with_speeds(recording, speed_lag(recording))
-    misfits = [
-        float(arm_misfits(_with_command(with_all, time, u), np.zeros(1))[0]) for u in candidates
-    ]
+    moving = with_speeds(recording, speed_lag(recording))
+    logs = [moving, *(_with_command(moving, time, u) for u in candidates)]
+    without, *misfits = [float(arm_misfits(log, np.zeros(1))[0]) for log in logs]
     best = int(np.argmin(misfits))
+    windows = recording.duration / WINDOW
+    if windows * np.log(without / misfits[best]) < SURE:
+        return None
     return own if misfits[0] <= ALMOST_AS_GOOD * misfits[best] else candidates[best]
 
 

@@ -1,25 +1,83 @@
-"""Brings a recording to SI units, upright zero and the signs of (1), and reports every change."""
+"""Brings recordings to SI units, upright zero and the signs of (1), and reports every change."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from furuta_identification.preparation.first_command import with_first_command
-from furuta_identification.preparation.options import Options
+from furuta_identification.preparation.options import AUTO_DIRECTION, Options
 from furuta_identification.preparation.orientation import oriented
-from furuta_identification.preparation.units import in_radians, with_usable_speeds
+from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
+from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording
 
 
-def prepare(recording: Recording, options: Options) -> tuple[Recording, list[str]]:
-    """The recording ready for a fit, and what was found on the way."""
-    scaled = recording._replace(command=options.command_scale * recording.command)
-    recording, findings = cleaned(scaled)
-    for step in (
-        lambda each: in_radians(each, options.angles),
-        with_usable_speeds,
-        with_first_command,
-        lambda each: oriented(each, options.zero),
-    ):
-        recording, found = step(recording)
+class Prepared(NamedTuple):
+    """Recordings ready for a fit, the unit and the direction that they shared, and findings."""
+
+    recordings: list[Recording]
+    angles: str
+    direction: float
+    findings: list[str]
+
+
+def prepare(
+    recording: Recording, options: Options, usual: float = AUTO_DIRECTION
+) -> tuple[Recording, list[str]]:
+    """One recording ready for a fit or for a prediction, and what was found on the way.
+
+    ``usual`` is the direction of other recordings' pendulum angle, if this one does not tell it.
+    """
+    ready = prepare_all([recording], options, usual)
+    return ready.recordings[0], ready.findings
+
+
+def prepare_all(
+    recordings: list[Recording], options: Options, usual: float = AUTO_DIRECTION
+) -> Prepared:
+    """The recordings of one rig. They share units; each has its own orientation."""
+    ready, findings = [], []
+    for recording in recordings:
+        usable, found = cleaned(
+            recording._replace(command=options.command_scale * recording.command)
+        )
+        ready.append(usable)
+        findings += [f"{recording.name}: {each}" for each in found]
+    angles, found = angle_unit(ready, options.angles)
+    findings += found
+    moving = []
+    for recording in ready:
+        usable, found = _with_speeds_and_command(in_unit(recording, angles))
+        moving.append(usable)
         findings += found
-    return recording, [f"{recording.name}: {each}" for each in findings]
+    return _oriented(moving, options, usual, Prepared([], angles, usual, findings))
+
+
+def _with_speeds_and_command(recording: Recording) -> tuple[Recording, list[str]]:
+    recording, findings = with_usable_speeds(recording)
+    recording, found = with_first_command(recording)
+    return recording, [f"{recording.name}: {each}" for each in (*findings, *found)]
+
+
+def _oriented(
+    recordings: list[Recording], options: Options, usual: float, prepared: Prepared
+) -> Prepared:
+    """Every recording with θ = 0 upright; those that do not tell their direction come last."""
+    turned: dict[int, Recording] = {}
+    findings = prepared.findings
+    for last_try in (False, True):
+        for number, recording in enumerate(recordings):
+            if number in turned:
+                continue
+            try:
+                turned[number], usual, found = oriented(
+                    recording, options.zero, options.direction, usual
+                )
+            except ParameterError:
+                if last_try or len(recordings) == 1:
+                    raise
+                continue
+            findings = [*findings, *(f"{recording.name}: {each}" for each in found)]
+    ready = [turned[k] for k in range(len(recordings))]
+    return Prepared(ready, prepared.angles, usual, findings)

@@ -1,56 +1,66 @@
-"""Detects the units of angles and speeds from the motion and converts them to rad and rad/s."""
+"""Decides the units of angles and speeds from the motion and converts them to rad and rad/s."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from furuta_identification.preparation.options import ANGLE_UNITS
-from furuta_identification.regression.equations import pendulum_misfit
-from furuta_identification.regression.speeds import slope_factor, with_speeds
+from furuta_identification.regression.pendulum_motion import pendulum_motion
+from furuta_identification.regression.speeds import slope_factor
+from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
 DEGREE = np.pi / 180.0
 AUTO, RADIANS, DEGREES = ANGLE_UNITS
-# The misfit in degrees must be below this part of the misfit in radians before degrees are
-# assumed: a small swing fits almost equally well in either.
-LARGEST_MISFIT_RATIO = 0.5
-# Errors of the pendulum's zero [rad] that must not be mistaken for another unit.
-ZERO_ERRORS = (0.0, -0.4, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.4)
+# Logarithm of the odds from which a unit is decided (100 to 1), of radians against degrees before
+# anything is known (20 to 1), and once more if in degrees the rig would hardly move.
+SURE, USUAL, SLIGHT_MOTION = 4.6, 3.0, 3.0
+# Swing of the pendulum [rad], peak to peak, that is hardly a motion.
+SLIGHT_SWING = 0.5 * DEGREE
 # Slope of the angle [rad/s] at a speed of 1, by the unit of the speed.
 SPEED_UNITS = {"rad/s": 1.0, "deg/s": DEGREE, "rpm": 2.0 * np.pi / 60.0}
 # Largest relative difference between a measured factor and a unit's, due to noise and ripple.
 LARGEST_UNIT_ERROR = 0.15
 
 
-def in_radians(recording: Recording, angles: str) -> tuple[Recording, list[str]]:
-    """The recording with unwrapped angles in rad; ``angles`` is their unit, or auto."""
-    candidates = {RADIANS: _unwrapped(recording, 1.0), DEGREES: _unwrapped(recording, DEGREE)}
-    if angles != AUTO:
-        findings = [f"angles in {DEGREES} (as given)"] if angles == DEGREES else []
-        return candidates[angles], findings
-    slopes = {unit: _with_slopes(each) for unit, each in candidates.items()}
-    limit = pendulum_misfit(slopes[DEGREES]) / LARGEST_MISFIT_RATIO
-    misfits = (
-        pendulum_misfit(slopes[RADIANS].reoriented(error, 1.0, 1.0)) for error in ZERO_ERRORS
-    )
-    if all(misfit > limit for misfit in misfits):
-        return candidates[DEGREES], [f"angles in {DEGREES} (detected)"]
-    return candidates[RADIANS], []
+def angle_unit(recordings: list[Recording], angles: str) -> tuple[str, list[str]]:
+    """The unit that the angles of all recordings share, as given or by likelihood; findings.
+
+    The likelihood is that of the pendulum's accelerations: gravity's torque depends on the sine of
+    the angle. A small swing fits almost equally well in either unit.
+    """
+    unknown = [each for each in recordings if not each.in_radians]
+    if angles != AUTO or not unknown:
+        given = angles == DEGREES and bool(unknown)
+        findings = [f"angles in {DEGREES} (as given)"] if given else []
+        return (RADIANS if angles == AUTO else angles), findings
+    odds = USUAL + sum(_log_odds_of_radians(each) for each in unknown)
+    if abs(odds) < SURE:
+        raise ParameterError(
+            f"{', '.join(each.name for each in unknown)}: the motion does not tell whether angles "
+            f"are in {RADIANS} or {DEGREES}; give their unit with --angles"
+        )
+    return (RADIANS, []) if odds > 0.0 else (DEGREES, [f"angles in {DEGREES} (detected)"])
 
 
-def _unwrapped(recording: Recording, unit: float) -> Recording:
+def _log_odds_of_radians(recording: Recording) -> float:
+    """Logarithm of the odds that angles are in rad rather than in degrees."""
+    radians = pendulum_motion(in_unit(recording, RADIANS))
+    degrees = in_unit(recording, DEGREES)
+    motion = pendulum_motion(degrees)
+    samples = min(radians.samples, motion.samples)
+    odds = samples * float(np.log(motion.misfit / radians.misfit))
+    return odds + (SLIGHT_MOTION if np.ptp(degrees.measured[:, THETA]) < SLIGHT_SWING else 0.0)
+
+
+def in_unit(recording: Recording, unit: str) -> Recording:
+    """The recording with unwrapped angles in rad; a unit that the recording names counts more."""
+    size = DEGREE if unit == DEGREES and not recording.in_radians else 1.0
     measured = recording.measured.copy()
     for angle in (PHI, THETA):
-        measured[:, angle] = np.unwrap(unit * measured[:, angle])
+        measured[:, angle] = np.unwrap(size * measured[:, angle])
     return recording._replace(measured=measured)
-
-
-def _with_slopes(recording: Recording) -> Recording:
-    """With the slopes of the angles instead of the measured speeds."""
-    measured = recording.measured.copy()
-    measured[:, [PHI_DOT, THETA_DOT]] = np.nan
-    return with_speeds(recording._replace(measured=measured), 0.0)
 
 
 def with_usable_speeds(recording: Recording) -> tuple[Recording, list[str]]:

@@ -15,9 +15,11 @@ arm's equation gives the rest in volts.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import nnls
 
 from furuta_identification.regression.windows import FEWEST_WINDOWS, WINDOW, Windows
 from furuta_model.parameters import ParameterError
@@ -51,12 +53,9 @@ def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
     """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
     windows = Windows(recording.time)
     beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
-    return np.array(
-        [
-            arm_equation(recording.with_delayed_command(delay), windows, beta, gamma).misfit
-            for delay in delays
-        ]
-    )
+    x, moving = _arm_columns(recording, windows, beta, gamma)
+    delayed = (recording.with_delayed_command(delay) for delay in delays)
+    return np.array([_regress(x, _commanded(each, windows)[moving]).misfit for each in delayed])
 
 
 def pendulum_equation(recording: Recording, windows: Windows) -> Regression:
@@ -81,6 +80,42 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
     Windows in which the arm rests do not count. If the arm always turned in one direction, its
     Coulomb friction cannot be distinguished from a smaller voltage and is assumed to be zero.
     """
+    x, moving = _arm_columns(recording, windows, beta, gamma)
+    return _regress(x, _commanded(recording, windows)[moving])
+
+
+def ceiling_misfits(
+    recordings: list[Recording], ceilings: Sequence[float]
+) -> tuple[np.ndarray, float]:
+    """Unexplained part, 0 to 1, of all recordings' arm equations (k,); independent windows.
+
+    The drive limits commands to each of the ``ceilings`` [V]. All recordings share the
+    coefficients, none of which is negative.
+    """
+    parts = []
+    for recording in recordings:
+        windows = Windows(recording.time)
+        beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
+        parts.append((recording, windows, *_arm_columns(recording, windows, beta, gamma)))
+    x = np.concatenate([columns for _, _, columns, _ in parts])
+    misfits = []
+    for ceiling in ceilings:
+        u = [_commanded(r.with_ceiling(ceiling), windows)[on] for r, windows, _, on in parts]
+        both = np.concatenate(u)
+        misfits.append(nnls(x, both)[1] / np.linalg.norm(both))
+    return np.array(misfits), 0.5 * len(x)
+
+
+def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
+    """The mean command of each window [V]; one that holds over a sample counts half at its ends."""
+    earlier = recording.commanded_at(recording.time - recording.interval)
+    return windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
+
+
+def _arm_columns(
+    recording: Recording, windows: Windows, beta: float, gamma: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The columns of the arm's equation in the windows in which it moves, and which these are."""
     _, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
     forward, backward, moving = _directions(v, windows)
@@ -91,15 +126,12 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
         forward,
         -backward,
     ]
-    # A command that holds over a sample counts half at either end of it.
-    earlier = recording.commanded_at(recording.time - recording.interval)
-    u = windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
     if np.sum(moving) < FEWEST_WINDOWS:
         raise ParameterError(
-            f"the arm moves in {np.sum(moving)} of {len(u)} windows of {WINDOW:g} s, which is too "
-            "few for a fit; record a motion in which it does not rest"
+            f"the arm moves in {np.sum(moving)} of {len(moving)} windows of {WINDOW:g} s, which is "
+            "too few for a fit; record a motion in which it does not rest"
         )
-    return _regress(np.array(columns).T[moving], u[moving])
+    return np.array(columns).T[moving], moving
 
 
 def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -8,6 +8,9 @@ from furuta_identification.regression.windows import Windows
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
+# Time [s] to either side of a sample over which the slope of an angle is taken.
+REACH = 0.01
+
 
 def speed_lag(recording: Recording) -> float:
     """How far measured arm speeds lag behind measured angles [s]; 0 if either is missing."""
@@ -32,20 +35,23 @@ def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray 
     return found
 
 
-def with_speeds(recording: Recording, lag: float) -> Recording:
-    """The recording with speeds ``lag`` [s] earlier; missing speeds are slopes of the angles."""
+def with_speeds(recording: Recording, lag: float, reach: float = REACH) -> Recording:
+    """The recording with speeds ``lag`` [s] earlier; missing speeds are slopes of the angles.
+
+    A slope is taken over the samples within ``reach`` [s] to either side.
+    """
     time, measured = recording.time, recording.measured.copy()
     for angle, speed in ((PHI, PHI_DOT), (THETA, THETA_DOT)):
         if np.all(np.isfinite(measured[:, speed])):
             measured[:, speed] = np.interp(time + lag, time, measured[:, speed])
         else:
-            measured[:, speed] = _slope(time, measured[:, angle])
+            measured[:, speed] = _slope(time, measured[:, angle], reach)
     return recording._replace(measured=measured)
 
 
-def _slope(time: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Slope of a straight line through the samples within 10 ms to either side."""
-    reach = max(2, round(0.01 / float(np.median(np.diff(time)))))
+def _slope(time: np.ndarray, angle: np.ndarray, seconds: float) -> np.ndarray:
+    """Slope of a straight line through the samples within some ``seconds`` to either side."""
+    reach = max(2, round(seconds / float(np.median(np.diff(time)))))
     kernel = np.ones(2 * reach + 1)
     pad = (reach, reach)
     t, y = np.pad(time, pad, mode="reflect", reflect_type="odd"), np.pad(angle, pad, mode="edge")

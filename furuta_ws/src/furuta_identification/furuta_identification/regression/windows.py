@@ -14,8 +14,8 @@ FEWEST_WINDOWS = 12
 class Windows:
     """Integrals weighted by bumps ψ = (1 − s²)³, s from −1 to 1, that overlap by half."""
 
-    def __init__(self, time: np.ndarray) -> None:
-        half = 0.5 * WINDOW
+    def __init__(self, time: np.ndarray, length: float = WINDOW) -> None:
+        half = 0.5 * length
         centres = np.arange(time[0] + half, time[-1] - half, half)
         if len(centres) < FEWEST_WINDOWS:
             raise ParameterError(

@@ -6,6 +6,7 @@ from math import ceil, exp
 
 import numpy as np
 
+from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.rig_model import (
     RigModel,
     longest_step,
@@ -26,25 +27,24 @@ def predict(
     recording: Recording,
     starts: np.ndarray,
     initial: np.ndarray,
-    model: RigModel,
-    delay: float,
-    lag: float,
+    values: ParameterValues,
 ) -> np.ndarray:
     """Outputs (n, 4) at the recording's times, from ``initial`` (s, 5) at each of ``starts`` (s,).
 
-    The command acts ``delay`` [s] after its time. Speeds pass a tracking loop with two equal poles,
-    which makes them lag by ``lag`` [s].
+    The command, limited by the drive's ceiling, acts after a delay. Speeds pass a tracking loop
+    with two equal poles, which makes them lag.
     """
+    model, ceiling = values.model, values["ceiling"]
     predicted = np.empty((len(recording.time), RIGID_STATES))
     _predict(
         recording.time,
-        recording.command_time + delay,
-        recording.command,
+        recording.command_time + values["delay"],
+        np.clip(recording.command, -ceiling, ceiling),
         np.append(starts, len(recording.time)),
         initial,
         model,
         longest_step(model),
-        lag,
+        values["lag"],
         predicted,
     )
     return predicted

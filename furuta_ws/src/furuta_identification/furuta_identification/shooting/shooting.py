@@ -43,27 +43,36 @@ class Shooting:
         # Slopes of the residuals in the initial states, and residuals at the solved states.
         self._state_slopes: list[np.ndarray | None] = [None] * len(parts)
         self._solved: list[np.ndarray] = []
-        self._solved_for: bytes = b""
+        self._solved_for: bytes | None = None
 
     def residuals(self, vector: np.ndarray) -> np.ndarray:
         """All weighted residuals after the initial states are solved for."""
         self._solve(vector)
         return np.concatenate(self._solved)
 
-    def slopes(self, vector: np.ndarray) -> np.ndarray:
-        """∂residuals/∂vector without the part that the initial states can explain."""
-        self._solve(vector)
-        return np.concatenate([self._part_slopes(i, vector) for i in range(len(self.parts))])
+    def with_unknowns(self, names: list[str], added: np.ndarray) -> Shooting:
+        """With more unknowns ``names``, at the values ``added``, and the same initial states."""
+        wider = Shooting(self.parts, [*self.names, *names], self.values.changed(names, added))
+        wider._initial = [initial.copy() for initial in self._initial]
+        return wider
 
-    def _part_slopes(self, i: int, vector: np.ndarray) -> np.ndarray:
+    def slopes(self, vector: np.ndarray, first: int = 0) -> np.ndarray:
+        """∂residuals/∂vector, from element ``first`` on.
+
+        The part that the initial states can explain is left out.
+        """
+        self._solve(vector)
+        return np.concatenate([self._part_slopes(i, vector, first) for i in range(len(self.parts))])
+
+    def _part_slopes(self, i: int, vector: np.ndarray, first: int) -> np.ndarray:
         """Slopes of one recording's residuals, by finite differences."""
         base = self._solved[i]
-        columns = np.empty((len(base), len(vector)))
-        for j, value in enumerate(vector):
-            step = RELATIVE_STEP * max(1.0, abs(value))
+        columns = np.empty((len(base), len(vector) - first))
+        for j in range(first, len(vector)):
+            step = RELATIVE_STEP * max(1.0, abs(vector[j]))
             changed = vector.copy()
             changed[j] += step
-            columns[:, j] = (self._residuals(i, changed, self._initial[i]) - base) / step
+            columns[:, j - first] = (self._residuals(i, changed, self._initial[i]) - base) / step
         if not np.any(self.parts[i].spread):
             return columns
         slopes = self._state_slopes[i] = self._slopes_in_initial_states(i, vector, base)
@@ -78,11 +87,10 @@ class Shooting:
         part = self.parts[i]
         values = self.values.changed(self.names, vector)
         upright = initial.copy()
-        upright[:, THETA] += values["zero"]
-        predicted = predict(
-            part.recording, part.starts, upright, values.model, values["delay"], values["lag"]
-        )
-        predicted[:, THETA] -= values["zero"]
+        zero = values.zero(part.recording.number)
+        upright[:, THETA] += zero
+        predicted = predict(part.recording, part.starts, upright, values)
+        predicted[:, THETA] -= zero
         return predicted
 
     def _residuals(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:

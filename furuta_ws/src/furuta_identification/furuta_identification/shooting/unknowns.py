@@ -3,11 +3,18 @@
 Inertias are fitted as logarithms of β, γ, δ and of α − γ²/β, so that every vector is a possible
 pendulum. Parameters that the data may not determine have a prior, a mean and a standard deviation.
 It is as weak as an engineer's expectation: friction no larger than needed, a base nearly level.
+Friction is never negative.
+
+Two kinds of unknowns are named when they are needed: the waves of the motor's torque over the arm's
+turn (:func:`wave_names`) and the zero of the pendulum's angle in each of several recordings
+(:func:`zero_name`).
 """
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,41 +47,66 @@ UNKNOWNS = (
     _positive("beta", "V s²/rad"),
     _positive("gamma", "V s²/rad"),
     _positive("delta", "V/rad"),
-    Unknown("viscous", "V s/rad", -10.0, 100.0, *_NO_PRIOR),
+    Unknown("viscous", "V s/rad", 0.0, 100.0, *_NO_PRIOR),
     Unknown("coulomb", "V", 0.0, 100.0, 0.0, 0.1),
     Unknown("asymmetry", "", -0.95, 0.95, 0.0, 0.2),
-    Unknown("pendulum_viscous", "V s/rad", -10.0, 100.0, *_NO_PRIOR),
-    Unknown("pendulum_coulomb", "V", -10.0, 100.0, 0.0, 0.02),
+    Unknown("pendulum_viscous", "V s/rad", 0.0, 100.0, *_NO_PRIOR),
+    Unknown("pendulum_coulomb", "V", 0.0, 100.0, 0.0, 0.02),
     Unknown("delay", "s", -0.05, 0.05, 0.0, 0.005),
     Unknown("lag", "s", 0.0, 0.05, 0.0, 0.01),
     Unknown("tilt_x", "rad", -0.3, 0.3, 0.0, 0.05),
     Unknown("tilt_y", "rad", -0.3, 0.3, 0.0, 0.05),
-    Unknown("unbalance_cos", "V", -10.0, 10.0, 0.0, 0.02),
-    Unknown("unbalance_sin", "V", -10.0, 10.0, 0.0, 0.02),
     Unknown("zero", "rad", -0.5, 0.5, 0.0, 0.1),
-    Unknown("ripple_order", "1/turn", 0.0, 1000.0, *_NO_PRIOR),
-    Unknown("ripple_cos", "V", -10.0, 10.0, 0.0, 0.1),
-    Unknown("ripple_sin", "V", -10.0, 10.0, 0.0, 0.1),
+    _positive("ceiling", "V"),
     Unknown("alpha1", "V", 0.0, 100.0, 0.0, 0.02),
     _positive("stribeck_velocity", "rad/s", math.log(_BRISTLE.stribeck_velocity), 1.0),
     _positive("sigma0", "V/rad", math.log(_BRISTLE.sigma0), 1.0),
     _positive("sigma1", "V s/rad", math.log(_BRISTLE.sigma1), 1.0),
 )
 BY_NAME = {each.name: each for each in UNKNOWNS}
-INDEX = {each.name: index for index, each in enumerate(UNKNOWNS)}
+_WAVE = re.compile(r"wave(\d+)_(cos|sin)")
+_ZERO = re.compile(r"zero\d+")
 
 BODY = ("arm_inertia", "beta", "gamma", "delta")
 FRICTION = ("viscous", "coulomb", "asymmetry", "pendulum_viscous", "pendulum_coulomb")
 TIMING = ("delay", "lag")
-SETUP = ("tilt_x", "tilt_y", "unbalance_cos", "unbalance_sin", "zero")
-RIPPLE = ("ripple_cos", "ripple_sin")
+TILT = ("tilt_x", "tilt_y")
 LUGRE = ("alpha1", "stribeck_velocity", "sigma0", "sigma1")
-LOGARITHMIC = (*BODY, "stribeck_velocity", "sigma0", "sigma1")
+LOGARITHMIC = (*BODY, "stribeck_velocity", "sigma0", "sigma1", "ceiling")
 
 
-def prior(names: list[str]) -> tuple[np.ndarray, np.ndarray]:
+def unknown(name: str) -> Unknown:
+    """The unknown of this name."""
+    if (wave := _WAVE.fullmatch(name)) is not None:
+        # An unbalanced arm (order 1) on a base that is nearly level has little torque.
+        return Unknown(name, "V", -10.0, 10.0, 0.0, 0.02 if wave[1] == "1" else 0.1)
+    return BY_NAME["zero"]._replace(name=name) if _ZERO.fullmatch(name) else BY_NAME[name]
+
+
+def wave_names(order: int) -> tuple[str, str]:
+    """The amplitudes of the torque's cosine and sine wave with ``order`` waves per turn."""
+    return f"wave{order}_cos", f"wave{order}_sin"
+
+
+def wave_order(name: str) -> int | None:
+    """Waves per turn of a wave's unknown; None for any other unknown."""
+    wave = _WAVE.fullmatch(name)
+    return None if wave is None else int(wave[1])
+
+
+def zero_name(index: int) -> str:
+    """The zero of the pendulum's angle in recording number ``index``, counted from 0."""
+    return f"zero{index + 1}"
+
+
+def is_zero(name: str) -> bool:
+    """Whether an unknown is the zero of the pendulum's angle."""
+    return name == "zero" or _ZERO.fullmatch(name) is not None
+
+
+def prior(names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard deviation of the priors, in the optimiser's coordinates."""
     return (
-        np.array([BY_NAME[name].mean for name in names]),
-        np.array([BY_NAME[name].spread for name in names]),
+        np.array([unknown(name).mean for name in names]),
+        np.array([unknown(name).spread for name in names]),
     )

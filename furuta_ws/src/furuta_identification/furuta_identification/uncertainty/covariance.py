@@ -12,7 +12,7 @@ from furuta_identification.uncertainty.torque_waves import wave_slopes
 
 
 def covariance_and_information(
-    shooting: Shooting, vector: np.ndarray, assumed: dict[str, float]
+    shooting: Shooting, vector: np.ndarray, assumed: dict[str, float], swinging: bool = False
 ) -> tuple[np.ndarray, np.ndarray]:
     """Covariance of the unknowns, then of the ``assumed`` ones (name: spread); and information.
 
@@ -20,8 +20,8 @@ def covariance_and_information(
 
     - the part of the prior;
     - for short segments, the effect of the sensors' errors (:func:`sensor_covariance`);
-    - for free runs, the scatter between blocks of time (:func:`block_covariance`) and the effect
-      of a torque that varies with the arm's angle (:func:`wave_slopes`);
+    - for a ``swinging`` pendulum, the scatter between blocks of time (:func:`block_covariance`) and
+      the effect of a torque that varies with the arm's angle (:func:`wave_slopes`);
     - the effect of an error of the assumed values.
     """
     slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
@@ -33,7 +33,7 @@ def covariance_and_information(
     covariance = inverse @ prior_information @ inverse
     if all(len(part.starts) > 1 for part in shooting.parts):
         covariance += sensor_covariance(shooting, vector, residuals, gain)
-    else:
+    if swinging:
         covariance += block_covariance(shooting, slopes, residuals, information + prior_information)
         waves = wave_slopes(shooting, vector, residuals)
         if waves is not None:

@@ -13,12 +13,16 @@ COMMANDS = ("command", "effort_control", "u", "voltage")
 
 
 class Mapping(NamedTuple):
-    """Names given by the user: joints, topic of the states, topic or column of the command."""
+    """Names given by the user: joints, topic of the states, topic or column of the command.
+
+    ``time`` is the column of a table's time.
+    """
 
     arm: str | None = None
     pendulum: str | None = None
     command: str | None = None
     states: str | None = None
+    time: str | None = None
 
 
 def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], list[str]]:

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping as Dictionary
 from pathlib import Path
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.readers.column_names import (
+    ANGLE_UNITS,
+    COMMAND_UNITS,
+    SPEED_UNITS,
+    Column,
+    column,
+)
 from furuta_recordings.readers.csv_columns import csv_columns
 from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
+from furuta_recordings.readers.table_joints import (
+    ANGLE_WORDS,
+    SPEED_WORDS,
+    joint_column,
+    joint_names,
+    words_of,
+)
+from furuta_recordings.readers.table_times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
-
-# Usual names of columns.
-TIMES = ("__time", "time", "timestamp", "t", "time_s")
-ANGLES = ("position", "angle", "pos")
-SPEEDS = ("velocity", "speed", "dot", "vel")
 
 Columns = dict[str, np.ndarray]
 
@@ -25,78 +36,69 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     Rows without time or angle belong to the command alone.
     """
     columns = csv_columns(path)
+    clock = clock_column(path, columns, mapping.time)
     (arm, pendulum), notes = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
-    speeds = [_column_of(columns, joint, SPEEDS) for joint in (arm, pendulum)]
-    clock = _clock(path, columns)
-    stamps = next((name for name in columns if name.lower().endswith("stamp")), clock)
-    rows = np.all([np.isfinite(columns[name]) for name in (stamps, *angles)], axis=0)
+    speeds = [joint_column(columns, joint, SPEED_WORDS) for joint in (arm, pendulum)]
+    stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
+    time, command_time = seconds(path, columns, stamps), seconds(path, columns, clock)
+    rows = np.isfinite(time) & np.all([np.isfinite(columns[name]) for name in angles], axis=0)
     if not np.any(rows):
         raise ParameterError(f"{path}: no row with time and both angles")
-    time = columns[stamps][rows]
-    series = (angles[0], speeds[0], angles[1], speeds[1])
-    missing = np.full(len(time), np.nan)
-    measured = np.array([columns[name][rows] if name else missing for name in series]).T
+    series = [_in_si(path, columns, name, ANGLE_UNITS)[rows] for name in angles]
+    rates = [_in_si(path, columns, name, SPEED_UNITS)[rows] for name in speeds]
     command = _command_column(path, columns, mapping)
-    given = np.isfinite(columns[command]) & np.isfinite(columns[clock])
+    volts = _in_si(path, columns, command, COMMAND_UNITS)
+    given = np.isfinite(volts) & np.isfinite(command_time)
     notes.append(f"{path.name}: command from column {command}, times from {stamps}")
-    start = time[0]
-    command_time = columns[clock][given] - start
+    start = time[rows][0]
     return Recording(
         path.name,
-        time - start,
-        np.ascontiguousarray(measured),
-        command_time,
-        columns[command][given],
+        time[rows] - start,
+        np.ascontiguousarray(np.array([series[0], rates[0], series[1], rates[1]]).T),
+        command_time[given] - start,
+        volts[given],
+        in_radians=all(column(name).unit for name in angles),
     ), notes
+
+
+def _in_si(
+    path: Path, columns: Columns, name: str | None, units: Dictionary[str, float]
+) -> np.ndarray:
+    """A column in SI units, if its name tells the unit; NaN for a column that is missing."""
+    if name is None:
+        return np.full(len(next(iter(columns.values()))), np.nan)
+    unit = column(name).unit
+    if unit and unit not in units:
+        raise ParameterError(
+            f"{path}: the unit of column {name} is not one of {', '.join(units)}; rename the column"
+        )
+    return columns[name] * units.get(unit, 1.0)
 
 
 def _joints(path: Path, columns: Columns, mapping: Mapping) -> tuple[tuple[str, str], list[str]]:
     """Names of arm and pendulum: from columns such as NAME/position, or columns themselves."""
-    names = _joint_names(columns)
-    if not names:
-        names = [name for name in (mapping.arm, mapping.pendulum) if name in columns]
+    given = [name for name in (mapping.arm, mapping.pendulum) if name is not None]
+    names = joint_names(columns)
+    for name in given:
+        if name not in names and _angle_column(columns, name) is not None:
+            names = [each for each in names if words_of(each) != words_of(name)] + [name]
     return joints_of(path, names or list(columns), mapping)
 
 
-def _joint_names(columns: Columns) -> list[str]:
-    """Joint names in columns such as /joint_states/NAME/position."""
-    names = []
-    for column in columns:
-        parts = [part for part in column.replace(".", "/").split("/") if part]
-        if len(parts) > 1 and parts[-1] == "position" and parts[-2] not in names:
-            names.append(parts[-2])
-    return names
+def _angle_column(columns: Columns, joint: str) -> str | None:
+    whole = Column(words_of(joint), "").words
+    found = joint_column(columns, joint, ANGLE_WORDS)
+    return found or next((name for name in columns if column(name).words == whole), None)
 
 
 def _angle(path: Path, columns: Columns, joint: str) -> str:
-    found = _column_of(columns, joint, ANGLES)
-    if found is None and joint in columns:
-        found = joint
+    found = joint if joint in columns else _angle_column(columns, joint)
     if found is None:
         raise ParameterError(
             f"{path}: no column with the angle of {joint}; it has {', '.join(columns)}"
         )
     return found
-
-
-def _column_of(columns: Columns, joint: str, endings: tuple[str, ...]) -> str | None:
-    """The first column named after the joint and one of the endings."""
-    tails = [f"{joint}{separator}{ending}" for separator in "/._" for ending in endings]
-    for column in columns:
-        for tail in tails:
-            if column == tail or column.endswith(("/" + tail, "." + tail)):
-                return column
-    return None
-
-
-def _clock(path: Path, columns: Columns) -> str:
-    for name in columns:
-        if name.lower() in TIMES or name.lower().startswith(("time [", "time(", "t [")):
-            return name
-    raise ParameterError(
-        f"{path}: no column with the time, one of {', '.join(TIMES)}; it has {', '.join(columns)}"
-    )
 
 
 def _command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
@@ -105,7 +107,8 @@ def _command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
     values = [name for name in columns if not name.endswith("offset")]
     if wanted:
         exact = [name for name in columns if name.strip("/") == wanted]
-        found = exact or [name for name in values if wanted in name and "data" in name]
+        same = [name for name in columns if column(name).words == words_of(wanted)]
+        found = exact or same or [name for name in values if wanted in name and "data" in name]
     else:
         found = [name for name in values if _is_usual_command(name)]
     if not found:
@@ -116,5 +119,8 @@ def _command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
     return found[0]
 
 
-def _is_usual_command(column: str) -> bool:
-    return any(part in COMMANDS for part in column.replace(".", "/").split("/"))
+def _is_usual_command(name: str) -> bool:
+    parts = name.lower().replace(".", "/").split("/")
+    return any(part in COMMANDS for part in parts) or any(
+        word in COMMANDS for word in column(name).words
+    )

@@ -1,0 +1,94 @@
+"""Finds the time of a table's rows, in seconds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from furuta_model.parameters import ParameterError
+from furuta_recordings.readers.column_names import TIME_UNITS, Column, column
+
+Columns = dict[str, np.ndarray]
+
+# Names of a column with the time; `stamp` alone is one too.
+TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime")
+USUAL = "__time, time, timestamp, t, time_ms, `Time [s]`"
+# Smallest time since 1970 in each unit: that of the year 2001 in ns, µs and ms.
+EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
+# Median interval [s] from which a time cannot be in seconds.
+LONGEST_INTERVAL = 0.5
+
+
+def clock_column(path: Path, columns: Columns, wanted: str | None) -> str:
+    """The column with the time of every row: the one ``wanted``, or one with a usual name."""
+    _join_seconds_and_nanoseconds(columns)
+    if wanted is not None:
+        words = column(wanted).words
+        found = [n for n in columns if n == wanted] or [
+            n for n in columns if column(n).words == words
+        ]
+    else:
+        found = [n for n in columns if _is_time(column(n))] or [
+            n for n in columns if column(n).words[-1:] == ("stamp",)
+        ]
+    if not found:
+        raise ParameterError(
+            f"{path}: no column with the time"
+            + (f" {wanted}" if wanted else f", such as {USUAL}; name it with --time")
+            + f"; it has {', '.join(columns)}"
+        )
+    return found[0]
+
+
+def _is_time(name: Column) -> bool:
+    return len(name.words) == 1 and name.words[0] in TIME_WORDS
+
+
+def _join_seconds_and_nanoseconds(columns: Columns) -> None:
+    """Add a column X/stamp for columns X/stamp/sec and X/stamp/nanosec, in place."""
+    for name in list(columns):
+        if column(name).words[-2:] != ("stamp", "nanosec"):
+            continue
+        whole = name[: -len("nanosec") - 1]
+        parts = [n for n in columns if n.startswith(whole) and n[len(whole) + 1 :] == "sec"]
+        if parts:
+            columns[whole] = columns[parts[0]] + 1e-9 * columns[name]
+
+
+def stamp_column(columns: Columns, angle: str) -> str | None:
+    """The stamp of the message that the column ``angle`` belongs to; None if it has none."""
+    message = column(angle).words
+    best, longest = None, -1
+    for name in columns:
+        words = column(name).words
+        if words[-1:] != ("stamp",):
+            continue
+        own = words[:-2] if words[-2:-1] == ("header",) else words[:-1]
+        if message[: len(own)] == own and len(own) > longest:
+            best, longest = name, len(own)
+    return best
+
+
+def seconds(path: Path, columns: Columns, name: str) -> np.ndarray:
+    """The times in a column [s]; in the unit of its name or, since 1970, of their size."""
+    unit, times = column(name).unit, columns[name]
+    if unit:
+        if unit not in TIME_UNITS:
+            raise ParameterError(
+                f"{path}: the unit of column {name} is not one of {', '.join(TIME_UNITS)}; "
+                "rename the column"
+            )
+        return times * TIME_UNITS[unit]
+    known = times[np.isfinite(times)]
+    if not len(known):
+        raise ParameterError(f"{path}: no time in column {name}; name another one with --time")
+    size = float(np.median(np.abs(known)))
+    scale = next((scale for least, scale in EPOCHS.items() if size > least), 1.0)
+    interval = scale * float(np.median(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
+    if interval > LONGEST_INTERVAL:
+        raise ParameterError(
+            f"{path}: the median interval in column {name} is {interval:g} s; if it is not in "
+            "seconds, add its unit to the name, as in time_ms"
+        )
+    return scale * times
