@@ -116,10 +116,9 @@ def _compare(file: Path) -> None:
     print(f"{'law':44}{'parameters':>11}{'1st half':>10}{'2nd half':>10}{'whole':>8}   [mm]")
     for name, free in LAWS.items():
         joint, whole = fit(first, free), fit(record, free)
-        sizes = (error_mm(joint, first), _held_out(joint, second, record), error_mm(whole, record))
-        print(
-            f"{name:44}{len(free):11d}{sizes[0]:10.2f}{sizes[1]:10.2f}{sizes[2]:8.2f}", flush=True
-        )
+        held_out = _held_out(joint, second, record)
+        sizes = f"{error_mm(joint, first):10.2f}{held_out:10.2f}{error_mm(whole, record):8.2f}"
+        print(f"{name:44}{len(free):11d}{sizes}", flush=True)
 
 
 def _held_out(joint: Joint, second: Record, record: Record) -> float:
