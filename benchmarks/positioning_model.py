@@ -1,11 +1,13 @@
-r"""One joint with friction: the electro-mechanical positioning system (EMPS), from force to position.
+r"""One joint with friction: the electro-mechanical positioning system (EMPS).
 
 .. math::
     M \dot v = u(t - τ) - F_v v - a |v| - F - f_0 - f_1 t
 
 u is the force [N] of the drive, F the dry friction with the level
 :math:`(F_c + F_s e^{-(v/v_s)^2} + l|u|)(1 \pm a_c)`. Viscous friction differs by direction by a.
-The joint truly sticks, or moves a LuGre bristle if σ₀ > 0. Source: Janot, Gautier and Brunot, Data set and reference models of EMPS, Nonlinear System Identification Benchmarks (2019).
+The joint truly sticks, or moves a LuGre bristle if σ₀ > 0. Source: Janot, Gautier
+and Brunot, Data set and reference models of EMPS, Nonlinear System Identification
+Benchmarks (2019).
 """
 
 from __future__ import annotations
