@@ -64,15 +64,15 @@ def _allowed(name: str, value: float) -> float:
 def _friction(model: Model) -> Friction:
     """The arm's friction; what the data do not determine keeps the value of the paper's rig.
 
-    Stiction that was not measured is not compensated, and viscous friction is never negative.
+    Stiction and asymmetry that were not measured are not compensated, and viscous friction is never
+    negative.
     """
     reasons = undetermined(model)
     friction = model.values.friction
     withheld: dict[str, Any] = {
         name: getattr(Friction(), name) for name in LUGRE if name in reasons
     }
-    if "alpha1" in withheld:
-        withheld["alpha1"] = 0.0
+    withheld |= {name: 0.0 for name in ("alpha1", "asymmetry") if name in reasons}
     return friction._replace(viscous=max(0.0, friction.viscous), **withheld)
 
 
