@@ -7,6 +7,7 @@ import numpy as np
 from furuta_model.pendulum import FurutaPendulum
 from furuta_rig.rig import Rig
 from furuta_rig.uncertainty import CERTAIN, Uncertainty
+from furuta_studies.next_experiment import propose
 from furuta_studies.rig_check import CHOICES, check_rig
 
 
@@ -29,3 +30,26 @@ def test_a_hopeless_rig_is_reported() -> None:
     assert result.recommended is None
     assert result.falls_below == 1.0
     assert all(row.falls == 2 and np.isnan(row.p95_rad) for row in result.rows)
+
+
+HANGING = Rig(
+    limits=Rig().limits._replace(arm_angle=6.0, arm_speed=20.0),
+    friction=Rig().friction._replace(viscous=0.1),
+)
+
+
+def test_an_experiment_is_proposed_within_the_limits() -> None:
+    """It makes every error smaller, and friction's most if nothing else is uncertain."""
+    uncertain = Uncertainty(("delta", "alpha0"), np.diag([0.01**2, 0.02**2]))
+    proposal = propose(HANGING, uncertain, 4.0)
+    assert proposal is not None
+    assert proposal.arm_travel_rad < 6.0
+    assert proposal.arm_speed_rad_s < 20.0
+    assert all(proposal.after[name] < proposal.before[name] for name in proposal.before)
+    assert proposal.gain > 0.0
+
+
+def test_no_experiment_within_narrow_limits() -> None:
+    """An arm that may hardly move cannot be excited."""
+    narrow = HANGING._replace(limits=HANGING.limits._replace(arm_angle=0.01))
+    assert propose(narrow, Uncertainty(("delta",), np.array([[0.01]])), 2.0) is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import click
@@ -9,6 +10,8 @@ import click
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import SEED, json_option, print_json
 from furuta_graph.rigs import find_uncertain_rig
+from furuta_model.parameters import ParameterError
+from furuta_studies.next_experiment import Proposal, propose
 from furuta_studies.rig_check import RigCheck, check_rig
 
 
@@ -45,6 +48,48 @@ def check(name: str, rigs: int, seconds: float, seed: int, as_json: bool) -> Non
         _print(result, certain=not uncertainty.names)
     if result.recommended is None:
         raise click.exceptions.Exit(1)
+
+
+@command.command()
+@click.argument("name", metavar="NAME|FILE")
+@click.option(
+    "--seconds",
+    type=FiniteRange(1, 3600),
+    default=20.0,
+    show_default=True,
+    help="Length of the experiment [s].",
+)
+@json_option
+def experiment(name: str, seconds: float, as_json: bool) -> None:
+    """Propose the signal that tells most about what the file leaves uncertain.
+
+    The pendulum hangs and is driven in open loop, within the rig's limits of arm angle, arm speed
+    and voltage. Standard errors after it are those of a model with an error of 1 %.
+    """
+    rig, uncertainty = find_uncertain_rig(name)
+    if not uncertainty.names:
+        raise ParameterError(f"{name} states no uncertainty; furuta identify --write does")
+    proposal = propose(rig, uncertainty, seconds)
+    if proposal is None:
+        raise ParameterError(f"no signal of {seconds:g} s stays within the limits of {name}")
+    if as_json:
+        print_json(proposal._asdict())
+    else:
+        _print_proposal(proposal)
+
+
+def _print_proposal(p: Proposal) -> None:
+    for name, before in p.before.items():
+        print(f"{name:20}{before:12.3g} -> {p.after[name]:.3g}")
+    print(f"the arm moves by {p.arm_travel_rad:.1f} rad, with up to {p.arm_speed_rad_s:.1f} rad/s")
+    print(
+        f"run with the pendulum hanging: --seconds {p.seconds:g} --set controller.mode=open_loop "
+        f"--set controller.excitation.kind={p.kind} "
+        f"--set controller.excitation.amplitude={p.amplitude_v:g} "
+        f"--set controller.excitation.period={p.period_s:g} "
+        f"--set controller.excitation.excursion_limit={math.ceil(1.2 * p.arm_travel_rad)} "
+        f"--set controller.excitation.speed_limit={math.ceil(1.2 * p.arm_speed_rad_s)}"
+    )
 
 
 def _as_json(result: RigCheck) -> dict[str, Any]:
