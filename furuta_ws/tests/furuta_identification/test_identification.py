@@ -13,22 +13,20 @@ from furuta_control.excitation import ExcitationParameters
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import (
-    node_parameters,
-    standard_errors,
-    summary,
-)
+from furuta_identification.fitting.report import standard_errors, summary
 from furuta_identification.fitting.validation import fit_percent, predict_prepared, validate
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare
 from furuta_identification.regression.equations import ratios
 from furuta_identification.regression.momentum import momentum_fit
 from furuta_identification.regression.speeds import speed_lag, with_speeds
+from furuta_identification.rigs.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
+from furuta_rig.rig import Rig
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, drive, measure
 
@@ -134,8 +132,10 @@ def test_undetermined_parameters_are_withheld(swung: tuple[Recording, Model]) ->
     for name in ("alpha1", "stribeck_velocity"):
         assert found["lugre"][name] is None
         assert name in undetermined(swung[1])
-    parameters = node_parameters(swung[1])
-    assert "stribeck_velocity" not in parameters["friction_observer"]["ros__parameters"]
+    rig, uncertainty = identified_rig(swung[1], Rig())
+    assert rig.friction.stribeck_velocity == Rig().friction.stribeck_velocity
+    assert rig.friction.alpha1 == 0.0
+    assert uncertainty.standard_errors["stribeck_velocity"] >= 0.5
 
 
 @pytest.mark.parametrize("turned", [(0.0, 1.0), (np.pi, -1.0), (np.pi, 1.0), (0.0, -1.0)])

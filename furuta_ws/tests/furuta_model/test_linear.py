@@ -97,6 +97,16 @@ def test_place_poles(p: FurutaPendulum, poles: DesiredPoles) -> None:
     assert gain == pytest.approx(np.ravel(control.place(a, b[:, None], wanted)), rel=1e-6)
 
 
+def test_viscous_friction_is_part_of_the_model() -> None:
+    """The poles are the desired ones on the model with viscous friction, for the same command."""
+    viscous, poles = 0.25, DesiredPoles()
+    a, b = linearize(P, viscous)
+    rigid, _ = linearize(P)
+    assert a @ [0.0, 2.0, 0.1, 0.3] == pytest.approx(rigid @ [0, 2, 0.1, 0.3] - b * viscous * 2.0)
+    gain = place_poles(P, poles, viscous)
+    assert np.poly(a - np.outer(b, gain)) == pytest.approx(poles.polynomial, rel=1e-6)
+
+
 def test_place_double_poles() -> None:
     """Two equal pairs, which python-control's place rejects and its acker accepts."""
     a, b = linearize(P)

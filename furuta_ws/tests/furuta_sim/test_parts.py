@@ -249,3 +249,30 @@ def test_stuck_and_biased_sensors() -> None:
     )
     ideal = readings(rig(sensors__ideal=True), 20)
     assert biased - ideal == pytest.approx(np.tile([0.1, -0.2, 0.05, 0.0, 0.0], (20, 1)))
+
+
+def test_a_tilt_is_a_constant_acceleration_of_the_base() -> None:
+    """The motion is that of a push of the same size that lasts, to the last bit."""
+    start = {"initial.theta": 3.0, "initial.phi": 0.7}
+    tilted = build(PlantParameters, start | {"tilt.x": 0.03, "tilt.y": -0.02})
+    pushed = build(
+        PlantParameters,
+        start | {"pushes.durations": (1e6,), "pushes.base_x": (0.03,), "pushes.base_y": (-0.02,)},
+    )
+    commands = np.full(200, 0.5)
+    np.testing.assert_array_equal(run(tilted, commands)[:, :5], run(pushed, commands)[:, :5])
+
+
+def test_waves_of_torque_are_cogging() -> None:
+    """One wave is cogging of the same size; two waves add up."""
+    start = {"initial.phi": 0.3, "actuator.bits": 0}
+    cogged = build(
+        PlantParameters, start | {"cogging.torque": 0.2, "cogging.periods": 7, "cogging.phase": 0.0}
+    )
+    wave = {"waves.orders": (7.0, 7.0), "waves.cosine": (0.0, 0.0), "waves.sine": (-0.15, -0.05)}
+    commands = np.full(200, 0.5)
+    np.testing.assert_allclose(
+        run(build(PlantParameters, start | wave), commands)[:, :5],
+        run(cogged, commands)[:, :5],
+        atol=1e-12,
+    )

@@ -57,7 +57,10 @@ def test_the_rig_reaches_every_node(other_rig: Path, hardware: bool) -> None:
     model = made["controller"].model
     assert model != NODES["controller"].parameters().model  # type: ignore[attr-defined]
     assert made["estimator"].model == made["plant"].plant.model == model
-    assert made["friction_observer"].friction == made["plant"].plant.friction.parameters
+    # Viscous friction is in the model of estimator and controller, not in the friction estimate.
+    friction = made["plant"].plant.friction.parameters
+    assert made["friction_observer"].friction == friction._replace(viscous=0.0)
+    assert made["estimator"].model_viscous == made["controller"].model_viscous == friction.viscous
     assert made["estimator"].sensors == made["plant"].plant.sensors
     assert {made[name].sample_time for name in OTHERS} == {0.002}
     assert made["plant"].plant.sample_time == 0.002

@@ -60,7 +60,10 @@ def test_every_node_has_the_rig(
             assert found.items() >= values(rig.model, "model.").items()
         if name in (PLANT, "estimator"):
             assert found.items() >= values(rig.sensors, "sensors.").items()
-    assert given["friction_observer"].items() >= values(rig.friction).items()
+    # Viscous friction is in the model of estimator and controller, not in the friction estimate.
+    viscous = rig.friction.viscous
+    assert given["friction_observer"].items() >= values(rig.friction._replace(viscous=0.0)).items()
+    assert given["estimator"]["model_viscous"] == given["controller"]["model_viscous"] == viscous
     assert given["controller"]["voltage_limit"] == rig.limits.voltage == 5.0
     if port:
         assert given[HARDWARE_BRIDGE]["rig"] == str(other_rig)

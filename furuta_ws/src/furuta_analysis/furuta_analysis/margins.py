@@ -46,9 +46,12 @@ class Margins(NamedTuple):
         return (2.0 + self.disk) / (2.0 - self.disk) if self.disk < 2.0 else float("inf")
 
 
-def margins(p: FurutaPendulum, gain: np.ndarray) -> Margins:
-    """Margins of u = −Lx, ``gain`` = L (4,); :class:`ParameterError` if the loop is unstable."""
-    a, b = linearize(p)
+def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margins:
+    """Margins of u = −Lx, ``gain`` = L (4,); :class:`ParameterError` if the loop is unstable.
+
+    The pendulum's arm has ``viscous`` friction [V s/rad], which is not compensated.
+    """
+    a, b = linearize(p, viscous)
     opened = np.poly(a)
     closed = np.poly(a - np.outer(b, gain))
     poles = np.roots(closed)

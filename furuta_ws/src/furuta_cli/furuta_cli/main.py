@@ -30,6 +30,7 @@ VERBS = {
     "describing-function": "Limit cycles predicted by the describing function of friction.",
     "convergence": "Passivity condition for convergence of the friction observer.",
     "identify": "Identify a model from recordings.",
+    "rig": "Check a rig file: does the loop hold as surely as its values are known?",
     "bag": "Show, recover, replay and recompute recorded bags.",
     "hw": "Commission a real rig, arm it, or emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import click
 
 from furuta_cli.number_types import FiniteRange
 from furuta_graph.graph_plan import full_namespace
+from furuta_graph.rigs import rig_file
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError
 
@@ -25,6 +27,28 @@ SEED = click.IntRange(0, 2**62)
 
 
 def model_options(function: Function) -> Function:
+    """``--rig NAME|FILE``, and ``--params FILE`` and ``--set NAME=VALUE``, both repeatable.
+
+    The verb receives the rig's file as the first of its parameter files.
+    """
+
+    @wraps(function)
+    def with_rig(*args: Any, rig: str, files: tuple[Path, ...], **others: Any) -> Any:
+        files = (rig_file(rig), *files) if rig else files
+        return function(*args, files=files, **others)
+
+    return rig_option(parameter_options(cast(Function, with_rig)))
+
+
+rig_option = click.option(
+    "--rig",
+    default="",
+    metavar="NAME|FILE",
+    help="Rig whose model, friction, sensors and sample time every node uses.",
+)
+
+
+def parameter_options(function: Function) -> Function:
     """``--params FILE`` and ``--set NAME=VALUE``, both repeatable."""
     function = click.option(
         "--set",
@@ -40,7 +64,7 @@ def model_options(function: Function) -> Function:
         multiple=True,
         type=click.Path(exists=False, path_type=Path),
         metavar="FILE",
-        help="ROS parameter file; repeatable.",
+        help="ROS parameter file, or rig file; repeatable.",
     )(function)
 
 

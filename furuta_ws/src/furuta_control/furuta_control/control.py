@@ -70,6 +70,16 @@ class ControllerParameters(NamedTuple):
         About("explicit L of u = -Lx: four numbers; [0.0]: L by pole placement", "V/x"),
     ] = POLE_PLACEMENT
     model: FurutaPendulum = FurutaPendulum()
+    model_viscous: Annotated[
+        float,
+        About(
+            "viscous friction in the model of the pole placement; the friction estimate must then "
+            "not contain it",
+            "V s/rad",
+            0,
+            100,
+        ),
+    ] = 0.0
     voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
     fall_angle: Annotated[
         float, About("pendulum angle beyond which the command is 0 V", "rad", 0.01, 3.0)
@@ -132,7 +142,9 @@ class ControllerParameters(NamedTuple):
     def feedback_gain(self) -> tuple[float, float, float, float]:
         """L of u = −Lx: the explicit one, or by pole placement on the nominal model, eq. (7)."""
         placed = self.gain == POLE_PLACEMENT
-        gain: Iterable[float] = place_poles(self.model, self.poles) if placed else self.gain
+        gain: Iterable[float] = self.gain
+        if placed:
+            gain = place_poles(self.model, self.poles, self.model_viscous)
         l1, l2, l3, l4 = (float(each) for each in gain)
         return l1, l2, l3, l4
 
@@ -171,7 +183,9 @@ def _balance(p: ControllerParameters) -> Balance:
         p.arm_reference,
         p.arm_error_limit,
         p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        super_twisting.design(p.super_twisting, p.model, p.feedback_gain, p.sample_time),
+        super_twisting.design(
+            p.super_twisting, p.model, p.model_viscous, p.feedback_gain, p.sample_time
+        ),
         p.voltage_limit,
     )
 

@@ -79,6 +79,15 @@ class EstimatorParameters(NamedTuple):
 
     method: Annotated[str, About(_MEANINGS, choices=_NAMES)] = "kalman"
     model: FurutaPendulum = FurutaPendulum()
+    model_viscous: Annotated[
+        float,
+        About(
+            "viscous friction in the model; the observed friction does then not contain it",
+            "V s/rad",
+            0,
+            100,
+        ),
+    ] = 0.0
     sensors: Sensors = Sensors()
     kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
     lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
@@ -102,7 +111,7 @@ class EstimatorParameters(NamedTuple):
     @property
     def rig(self) -> NominalRig:
         """The nominal rig that every method uses."""
-        return NominalRig(self.model, self.sensors, self.sample_time)
+        return NominalRig(self.model, self.sensors, self.sample_time, self.model_viscous)
 
     @property
     def chosen(self) -> Method:

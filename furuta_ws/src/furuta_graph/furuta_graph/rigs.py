@@ -6,10 +6,12 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 
+from furuta_graph.rig_parameters import rig_parameters
 from furuta_graph.settings import Settings, default_settings, parameters_of
-from furuta_model.parameters import ParameterError, values
+from furuta_model.parameters import ParameterError
 from furuta_rig.rig import Rig
-from furuta_rig.rig_file import load_rig
+from furuta_rig.rig_file import load_rig, load_uncertain_rig
+from furuta_rig.uncertainty import Uncertainty
 
 SUFFIX = ".yaml"
 
@@ -42,25 +44,14 @@ def find_rig(name: str) -> Rig:
     return load_rig(rig_file(name))
 
 
+def find_uncertain_rig(name: str) -> tuple[Rig, Uncertainty]:
+    """The rig of that name or file, and the uncertainty of its values."""
+    return load_uncertain_rig(rig_file(name))
+
+
 def rig_settings(rig: Rig) -> Settings:
     """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
-    settings = default_settings()
-    model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
-    time = {"sample_time": rig.line.sample_time}
-    settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
-    settings["plant"] |= {
-        "actuator.voltage_range": rig.drive.range,
-        "actuator.bits": rig.drive.bits,
-    }
-    settings["estimator"] = model | sensors | time
-    settings["friction_observer"] = values(rig.friction) | time
-    settings["controller"] = model | time
-    settings["controller"] |= {
-        "voltage_limit": rig.limits.voltage,
-        "arm_angle_limit": rig.limits.arm_angle,
-        "arm_speed_limit": rig.limits.arm_speed,
-    }
-    return settings
+    return default_settings() | rig_parameters(rig)
 
 
 def check_sample_time(rig: Rig | None, settings: Settings) -> None:

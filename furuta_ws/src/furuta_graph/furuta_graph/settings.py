@@ -9,10 +9,12 @@ from typing import Any
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_graph.description import NODES, check_graph
 from furuta_graph.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
+from furuta_graph.rig_parameters import rig_parameters
 from furuta_model.parameters import ParameterError, build, shortened
 from furuta_model.renamed_parameters import with_current_names
 from furuta_model.ros_parameters import by_full_name, is_of_ros
 from furuta_model.yaml_files import parse_yaml, read_yaml
+from furuta_rig.rig_file import is_rig_file, rig_from_content
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
 MOST_REPORTED = 10
@@ -87,10 +89,13 @@ def loop(settings: Settings) -> Loop:
 
 
 def read_file(file: Path) -> Settings:
-    """Settings from a ROS parameter file."""
+    """Settings from a ROS parameter file, or from a rig file."""
     content = read_yaml(file, "parameter file")
     if not isinstance(content, Mapping):
         raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
+    if is_rig_file(content):
+        rig, _ = rig_from_content(content, file)
+        return default_settings() | rig_parameters(rig)
     settings = default_settings()
     for key, section in content.items():
         node = _node_name(key, file)

@@ -27,8 +27,11 @@ class DesiredPoles(NamedTuple):
         return np.polymul(first, second)
 
 
-def linearize(p: FurutaPendulum) -> tuple[np.ndarray, np.ndarray]:
-    """A (4, 4) and B (4,) of ẋ = Ax + B(u − F), eqs. (2), (3)."""
+def linearize(p: FurutaPendulum, viscous: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """A (4, 4) and B (4,) of ẋ = Ax + B(u − F), eqs. (2), (3).
+
+    A ``viscous`` friction σ₂ [V s/rad] of the arm is part of A; F is then the rest of the friction.
+    """
     a = np.zeros((RIGID_STATES, RIGID_STATES))
     a[PHI, PHI_DOT] = a[THETA, THETA_DOT] = 1.0
     a[PHI_DOT, THETA] = -p.delta * p.gamma / p.determinant
@@ -36,6 +39,7 @@ def linearize(p: FurutaPendulum) -> tuple[np.ndarray, np.ndarray]:
     b = np.zeros(RIGID_STATES)
     b[PHI_DOT] = p.beta / p.determinant
     b[THETA_DOT] = -p.gamma / p.determinant
+    a[:, PHI_DOT] -= viscous * b
     return a, b
 
 
@@ -52,11 +56,11 @@ def from_linear(a23: float, a43: float, b21: float, b41: float) -> FurutaPendulu
     )
 
 
-def place_poles(p: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
+def place_poles(p: FurutaPendulum, poles: DesiredPoles, viscous: float = 0.0) -> np.ndarray:
     """L (4,) of u = −Lx that gives the closed loop the characteristic equation (7).
 
     The closed-loop polynomial is the denominator of (10) with l = −L. Its coefficients are solved
-    for L one by one.
+    for L one by one. A ``viscous`` friction σ₂ [V s/rad] already acts like the feedback −σ₂φ̇.
     """
     _, c3, c2, c1, c0 = poles.polynomial
     d = p.determinant
@@ -64,4 +68,4 @@ def place_poles(p: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
     l2 = d * c1 / p.delta
     l3 = (d * c2 + p.beta * l1 + p.delta * p.alpha) / p.gamma
     l4 = (d * c3 + p.beta * l2) / p.gamma
-    return -np.array([l1, l2, l3, l4])
+    return -np.array([l1, l2 + viscous, l3, l4])

@@ -73,12 +73,14 @@ class PendulumSensor(NamedTuple):
 
 
 class DriveConverter(NamedTuple):
-    """The DA converter of the drive."""
+    """The DA converter of the drive, and what delays the torque."""
 
     range: Annotated[float, About("voltage at full scale", "V", 1e-3, 1e3)] = 10.0
     bits: Annotated[int, _BITS] = 12
     sign: Annotated[int, _SIGN] = 1
     zero: Annotated[float, _ZERO] = 0.0
+    delay: Annotated[float, About("dead time between command and torque", "s", 0, 0.1)] = 0.0
+    lag: Annotated[float, About("time constant of the torque", "s", 0, 1)] = 0.0
 
     @property
     def channel(self) -> Channel:

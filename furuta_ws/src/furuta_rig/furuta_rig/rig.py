@@ -9,10 +9,15 @@ from math import pi, sqrt
 from typing import Annotated, NamedTuple
 
 from furuta_model.friction.parameters import Friction
+from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import About, ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_rig.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
+from furuta_sim.parts.drive import Drive
+from furuta_sim.parts.motion import PendulumFriction
+from furuta_sim.parts.tilt import Tilt
+from furuta_sim.parts.torque_waves import TorqueWaves
 
 
 class RigLine(NamedTuple):
@@ -33,7 +38,9 @@ class SafetyLimits(NamedTuple):
 
     voltage: Annotated[float, About("largest voltage", "V", 0.0, 1e3)] = 10.0
     slew_rate: Annotated[float, About("largest change of the voltage", "V/s", 1.0, 1e7)] = 1000.0
-    pendulum_angle: Annotated[float, About("stop beyond this |θ|", "rad", 0.01, pi)] = 0.75
+    pendulum_angle: Annotated[
+        float, About("stop beyond this |θ|; above π: never", "rad", 0.01, 2 * pi)
+    ] = 0.75
     arm_angle: Annotated[float, About("stop beyond this |φ|", "rad", 0.01, 1e6)] = 2 * pi
     arm_speed: Annotated[float, About("stop beyond this |φ̇|", "rad/s", 0.1, 1e6)] = 9.9
     command_age: Annotated[
@@ -63,6 +70,10 @@ class Rig(NamedTuple):
     drive: DriveConverter = DriveConverter()
     line: RigLine = RigLine()
     limits: SafetyLimits = SafetyLimits()
+    pendulum_friction: PendulumFriction = PendulumFriction()
+    tilt: Tilt = Tilt()
+    waves: TorqueWaves = TorqueWaves()
+    poles: DesiredPoles = DesiredPoles()
 
     def check(self) -> None:
         """Reject a sign other than ±1 and a watchdog shorter than two samples."""
@@ -96,6 +107,11 @@ class Rig(NamedTuple):
             potentiometer_bits=pendulum.bits if potentiometer else 0,
             potentiometer_noise=count if potentiometer else count / sqrt(12.0),
         )
+
+    @property
+    def drive_dynamics(self) -> Drive:
+        """Delay and lag of the drive as the simulator models them."""
+        return Drive(round(self.drive.delay / self.line.sample_time), self.drive.lag)
 
     @property
     def watchdog_samples(self) -> int:

@@ -21,6 +21,7 @@ from furuta_rig.physical import (
     normalised_viscous,
 )
 from furuta_rig.rig import Rig
+from furuta_rig.uncertainty import Uncertainty, uncertainty_from
 
 
 class LinearCoefficients(NamedTuple):
@@ -32,19 +33,36 @@ class LinearCoefficients(NamedTuple):
     b41: Annotated[float, About("θ̈ per u", "rad/(V s²)", high=0.0)] = -29.0
 
 
-# Sections of a rig file that hold text for the reader.
+# Sections of a rig file that hold text for the reader, and one that has its own reader.
 TEXT_SECTIONS = ("name", "sources", "notes")
+UNCERTAINTY = "uncertainty"
 
 
 def load_rig(file: Path) -> Rig:
     """Read a rig file. Raises :class:`ParameterError` with one line for any error."""
+    return load_uncertain_rig(file)[0]
+
+
+def load_uncertain_rig(file: Path) -> tuple[Rig, Uncertainty]:
+    """Read a rig file with the uncertainty of its values. Raises as :func:`load_rig` does."""
     content = read_yaml(file, "rig file")
     if not isinstance(content, Mapping):
         raise ParameterError(f"rig file {file} must map sections to values")
+    return rig_from_content(content, file)
+
+
+def rig_from_content(content: Mapping[str, Any], file: Path) -> tuple[Rig, Uncertainty]:
+    """The rig and the uncertainty that the ``content`` of a rig file describes."""
     try:
-        return _rig(content)
+        return _rig(content), uncertainty_from(content.get(UNCERTAINTY))
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}") from None
+
+
+def is_rig_file(content: Mapping[Any, Any]) -> bool:
+    """Whether the content of a YAML file is that of a rig file."""
+    known = {*TEXT_SECTIONS, UNCERTAINTY, *_SECTIONS}
+    return bool(content) and all(section in known for section in content)
 
 
 def _rig(content: Mapping[str, Any]) -> Rig:
@@ -54,19 +72,26 @@ def _rig(content: Mapping[str, Any]) -> Rig:
     if len(forms) > 1:
         raise ParameterError(f"give one of model, linear, physical, not {' and '.join(forms)}")
     for section, values in content.items():
-        if section in TEXT_SECTIONS:
+        if section in (*TEXT_SECTIONS, UNCERTAINTY):
             continue
         if not isinstance(values, Mapping):
             raise ParameterError(f"{section} must map names to values")
         if section not in _SECTIONS:
             raise ParameterError(f"unknown: {section}.{next(iter(values), '')}")
-        given |= {f"{section}.{name}": number_from_text(value) for name, value in values.items()}
+        given |= {f"{section}.{name}": _numbers(value) for name, value in values.items()}
     given = _normalised(given)
     known = [each.name for each in declared(Rig)]
     unknown = sorted(str(name) for name in given if name not in known)
     if unknown:
         raise ParameterError(f"unknown: {', '.join(unknown)}")
     return build(Rig, given)
+
+
+def _numbers(value: Any) -> Any:
+    """Text that is a number as such, in lists too."""
+    if isinstance(value, list):
+        return [number_from_text(each) for each in value]
+    return number_from_text(value)
 
 
 def _normalised(given: dict[str, Any]) -> dict[str, Any]:

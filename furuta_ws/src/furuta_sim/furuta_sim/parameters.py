@@ -20,6 +20,8 @@ from furuta_sim.parts.friction_variation import FrictionVariation
 from furuta_sim.parts.motion import Cogging, PendulumFriction
 from furuta_sim.parts.pushes import Pushes
 from furuta_sim.parts.sensor_faults import SensorFaults
+from furuta_sim.parts.tilt import Tilt
+from furuta_sim.parts.torque_waves import TorqueWaves
 
 CLOCKS = ("realtime", "lockstep")
 
@@ -65,6 +67,8 @@ class PlantParameters(NamedTuple):
     pendulum_friction: PendulumFriction = PendulumFriction()
     sensor_faults: SensorFaults = SensorFaults()
     pushes: Pushes = Pushes()
+    waves: TorqueWaves = TorqueWaves()
+    tilt: Tilt = Tilt()
     initial: InitialState = InitialState()
     sample_time: Annotated[float, About("time between samples", "s", 1e-5, 0.1, read_only=True)] = (
         0.001

@@ -30,6 +30,7 @@ from furuta_sim.parts.motion import (
 )
 from furuta_sim.parts.pushes import push_at
 from furuta_sim.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
+from furuta_sim.parts.tilt import Tilt, with_tilt
 from furuta_sim.plant_memory import MOVED, PLANT_MEMORY
 
 # Random numbers per sample: tachometer, potentiometer.
@@ -45,8 +46,10 @@ class Parts(NamedTuple):
     drive: Drive
     cogging: Cogging
     pendulum_friction: PendulumFriction
+    tilt: Tilt
     push_count: int
     pushes: np.ndarray
+    waves: np.ndarray
 
 
 class Plant(NamedTuple):
@@ -77,14 +80,17 @@ def design_plant(p: PlantParameters) -> Plant:
 
 
 def _design_parts(p: PlantParameters) -> Parts:
-    given = (p.friction.variation, p.drive, p.cogging, p.pendulum_friction)
+    given = (p.friction.variation, p.drive, p.cogging, p.pendulum_friction, p.tilt)
     law = friction_law(p.friction.law, p.friction.parameters).law
+    waves = p.waves.table
+    some = law.springs or p.pushes.number > 0 or len(waves) > 0
     return Parts(
-        law.springs or p.pushes.number > 0 or any(each != type(each)() for each in given),
+        some or any(each != type(each)() for each in given),
         p.friction.springs,
         *given,
         p.pushes.number,
         p.pushes.profile(p.sample_time),
+        waves,
     )
 
 
@@ -183,7 +189,7 @@ def _move_with_parts(x: np.ndarray, voltage: float, plant: Plant) -> None:
     friction = true_friction(x, plant)
     torque = mean_torque(x, voltage, dt, parts.drive)
     vary_level(x, torque, friction, x[PHI_DOT], dt, parts.variation)
-    push = push_at(x[MOVED], parts.pushes, parts.push_count)
+    push = with_tilt(push_at(x[MOVED], parts.pushes, parts.push_count), parts.tilt)
     body = Body(
         plant.model,
         parts.variation,
@@ -191,6 +197,7 @@ def _move_with_parts(x: np.ndarray, voltage: float, plant: Plant) -> None:
         parts.pendulum_friction,
         parts.springs,
         push,
+        parts.waves,
         x,
     )
     advance_with_parts(x, torque, dt, plant.substeps, body, plant.friction)

@@ -7,21 +7,24 @@ from typing import Any, NamedTuple
 
 import click
 import numpy as np
-import yaml
 from rich.console import Console
 
 from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange, NonZero
 from furuta_cli.options import json_option, print_json
+from furuta_graph.rigs import find_rig
+from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import node_parameters, summary
+from furuta_identification.fitting.report import summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
 from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
+from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
+from furuta_rig.rig import Rig
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
@@ -115,7 +118,15 @@ class Zero(click.ParamType):
     "--write",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
-    help="Write a parameter file for the nodes.",
+    help="Write a rig file, for --rig of other verbs.",
+)
+@click.option(
+    "--rig",
+    "base",
+    default="",
+    metavar="NAME|FILE",
+    help="Rig whose sensors, line and limits the written rig has; default: according to the "
+    "recording.",
 )
 @json_option
 def command(
@@ -134,6 +145,7 @@ def command(
     validation_paths: tuple[Path, ...],
     out: Path | None,
     write: Path | None,
+    base: str,
     as_json: bool,
 ) -> None:
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
@@ -143,6 +155,9 @@ def command(
     """
     mapping = Mapping(arm, pendulum, command_name, states, time)
     options = Options(zero, window, angles, command_scale, float(DIRECTIONS[direction]), ceiling)
+    if base and write is None:
+        raise ParameterError("--rig is the rig that --write completes; give --write too")
+    given = find_rig(base) if base else None
     with Console(stderr=True).status("reading") as status:
         options = options._replace(report=status.update)
         identified = _identify(paths, validation_paths, mapping, options)
@@ -153,8 +168,9 @@ def command(
         draw_residuals(identified.fitted, identified.held_out, out)
         result["figure"] = str(out)
     if write is not None:
-        write.write_text(_parameter_file(identified.model, result))
-        result["parameter_file"] = str(write)
+        found = _write_rig(identified, write, given, paths[0])
+        result["findings"] += found
+        result["rig_file"] = str(write)
     if as_json:
         print_json(result)
     else:
@@ -218,13 +234,22 @@ def _fits(prediction: Prediction) -> dict[str, float]:
     return {**fits, "pendulum_angle_first_3_s": first}
 
 
-def _parameter_file(model: Model, result: dict[str, Any]) -> str:
-    lines = ["# Identified; load with --params."]
-    lines += [
-        f"# {name}: not determined by the data: {reason}"
-        for name, reason in result["undetermined"].items()
+def _write_rig(identified: Identified, file: Path, given: Rig | None, source: Path) -> list[str]:
+    """Write the rig file; returns where its sensors come from."""
+    from furuta_identification.rigs.base_rig import base_rig
+    from furuta_identification.rigs.identified_rig import identified_rig
+    from furuta_rig.rig_file_text import rig_file_text
+
+    model = identified.model
+    base, found = (given, []) if given is not None else base_rig(source, model.recordings[0])
+    rig, uncertainty = identified_rig(model, base)
+    comments = [
+        "Identified from recordings; load with --rig.",
+        *found,
+        *(f"{name}: not determined: {why}" for name, why in undetermined(model).items()),
     ]
-    return "\n".join(lines) + "\n" + yaml.safe_dump(node_parameters(model), sort_keys=False)
+    file.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
+    return found
 
 
 def _print(result: dict[str, Any]) -> None:
@@ -243,7 +268,7 @@ def _print(result: dict[str, Any]) -> None:
     _print_verdict(result["verdict"])
     for finding in result["findings"]:
         print(f"found: {finding}")
-    for name in ("figure", "parameter_file"):
+    for name in ("figure", "rig_file"):
         if name in result:
             print(f"{name.replace('_', ' ')}: {result[name]}")
 

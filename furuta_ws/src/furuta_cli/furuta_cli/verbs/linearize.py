@@ -24,7 +24,7 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
     phase, delay, and the disk margin.
     """
     parameters = loop(load_settings(files, assignments)).controller
-    a, b = linearize(parameters.model)
+    a, b = linearize(parameters.model, parameters.model_viscous)
     gain = np.array(parameters.feedback_gain)
 
     def poles(matrix: np.ndarray) -> list[list[float]]:
@@ -39,7 +39,8 @@ def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
         "closed_loop_poles": poles(a - np.outer(b, gain)),
     }
     if np.all(np.linalg.eigvals(a - np.outer(b, gain)).real < 0.0):
-        result["margins"] = margins(parameters.model, gain)._asdict()
+        found = margins(parameters.model, gain, parameters.model_viscous)
+        result["margins"] = found._asdict()
     if as_json:
         print_json(result)
         return

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from furuta_cli.number_types import FiniteRange
-from furuta_cli.options import model_options, namespace_option
+from furuta_cli.options import namespace_option, parameter_options, rig_option
 from furuta_graph.description import NODES
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.parameter_files import settings_file
@@ -25,12 +25,7 @@ from furuta_ros.spinning import StopSignal
 @click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True,
     help="Simulated plant or real rig.")  # fmt: skip
 @click.option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
-@click.option(
-    "--rig",
-    default="",
-    metavar="NAME|FILE",
-    help="Rig whose model, sensors and sample time every node uses.",
-)
+@rig_option
 @click.option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
 @click.option(
     "--lockstep",
@@ -59,7 +54,7 @@ from furuta_ros.spinning import StopSignal
 @click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector.")
 @click.option("--timing", type=click.Path(path_type=Path), metavar="FILE.csv",
     help="Write histograms of latency and lateness.")  # fmt: skip
-@model_options
+@parameter_options
 def command(
     plant: str,
     port: str,

@@ -116,7 +116,7 @@ def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarr
 
     Each is computed by one matrix exponential (Van Loan).
     """
-    a, b = linearize(rig.model)
+    a, b = linearize(rig.model, rig.viscous)
     dt = rig.sample_time
     system = np.zeros((SIGNALS + 1, SIGNALS + 1))
     system[:RIGID_STATES, :RIGID_STATES] = a

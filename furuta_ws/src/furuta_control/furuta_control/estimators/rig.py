@@ -9,8 +9,9 @@ from furuta_model.sensors import Sensors
 
 
 class NominalRig(NamedTuple):
-    """Nominal model, sensors, and the time between measurements [s]."""
+    """Nominal model, sensors, time between measurements [s], and viscous friction [V s/rad]."""
 
     model: FurutaPendulum = FurutaPendulum()
     sensors: Sensors = Sensors()
     sample_time: float = 0.001
+    viscous: float = 0.0

@@ -39,10 +39,10 @@ class SuperTwisting(NamedTuple):
 
 
 def design(
-    rate_bound: float, model: FurutaPendulum, gain: tuple[float, ...], dt: float
+    rate_bound: float, model: FurutaPendulum, viscous: float, gain: tuple[float, ...], dt: float
 ) -> SuperTwisting:
-    """The law for the feedback ``gain`` L (4,)."""
-    a, b = linearize(model)
+    """The law for the feedback ``gain`` L (4,); ``viscous`` friction [V s/rad] is in the model."""
+    a, b = linearize(model, viscous)
     a1, a2, a3, a4 = (float(each) for each in a[PHI_DOT] - b[PHI_DOT] * np.array(gain))
     return SuperTwisting(rate_bound, a1, a2, a3, a4, float(b[PHI_DOT]), dt)
 

@@ -1,4 +1,4 @@
-"""Reports a model: values with standard errors, reasons for those withheld, parameter files."""
+"""Reports a model: values with standard errors, reasons for those withheld."""
 
 from __future__ import annotations
 
@@ -98,28 +98,3 @@ def summary(model: Model) -> dict[str, Any]:
         "findings": model.findings,
         "window_s": None if np.isinf(model.window) else model.window,
     }
-
-
-def node_parameters(model: Model) -> dict[str, dict[str, Any]]:
-    """Content of a parameter file: the rig for plant, observer and controller."""
-    body = {name: float(value) for name, value in model.values.body._asdict().items()}
-    friction = _friction_parameters(model)
-    return {
-        "plant": {"ros__parameters": {"model": body, "friction": friction}},
-        "friction_observer": {"ros__parameters": friction},
-        "controller": {"ros__parameters": {"model": body}},
-    }
-
-
-def _friction_parameters(model: Model) -> dict[str, float]:
-    """The arm's friction without the parameters that the data do not determine.
-
-    Stiction or asymmetry that was not measured is not compensated.
-    """
-    reasons = undetermined(model)
-    friction = model.values.friction._asdict()
-    for name in ("alpha1", "asymmetry"):
-        if name in reasons:
-            friction[name] = 0.0
-    withheld = {name for name in LUGRE if name in reasons} - {"alpha1"}
-    return {name: float(value) for name, value in friction.items() if name not in withheld}

@@ -9,8 +9,9 @@ import numpy as np
 
 from furuta_model.parameters import ParameterError, build
 from furuta_model.time_stamps import NANOSECONDS
+from furuta_model.topic_names import MEASUREMENT
 from furuta_model.yaml_files import read_yaml
-from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import file_in
 from furuta_recordings.bags.damaged_message import DamagedError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
@@ -28,7 +29,7 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         types = {c.topic: c.msgtype for c in bag.connections}
         states = states_topic(path, types, mapping)
         command = command_topic(path, types, states, mapping)
-        content = _Content(path, mapping)
+        content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, message in bag.messages_in_memory(chosen):
             content.add(connection.topic == states, time / NANOSECONDS, message)
@@ -41,8 +42,8 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
 class _Content:
     """Samples and commands read so far, with their times of arrival [s]."""
 
-    def __init__(self, path: Path, mapping: Mapping) -> None:
-        self._path, self._mapping = path, mapping
+    def __init__(self, path: Path, mapping: Mapping, effort_is_past: bool) -> None:
+        self._path, self._mapping, self._effort_is_past = path, mapping, effort_is_past
         self._joints: tuple[str, str] | None = None
         self._arrivals: list[float] = []
         self._commands: list[tuple[float, float]] = []
@@ -67,7 +68,9 @@ class _Content:
         commands = self._commands
         if command_is_effort:
             efforts = [sample.effort for sample in self.samples]
-            commands = list(zip(time, efforts, strict=True))
+            # The effort of our measurements is the torque since the previous one.
+            begin = np.append(2 * time[0] - time[1], time[:-1]) if self._effort_is_past else time
+            commands = list(zip(begin, efforts, strict=True))
         u = np.array(commands) if commands else np.zeros((0, 2))
         measured = np.array([sample.state for sample in self.samples])
         start = time[0]

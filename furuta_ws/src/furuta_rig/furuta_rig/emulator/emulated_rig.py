@@ -28,6 +28,10 @@ def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> Pl
         friction=PlantFriction(parameters=rig.friction),
         sensors=rig.sensors,
         actuator=Actuator(rig.drive.range, 0),  # the drive's codes are quantised already
+        drive=rig.drive_dynamics,
+        pendulum_friction=rig.pendulum_friction,
+        waves=rig.waves,
+        tilt=rig.tilt,
         initial=initial or InitialState(),
         sample_time=rig.line.sample_time,
         seed=seed,

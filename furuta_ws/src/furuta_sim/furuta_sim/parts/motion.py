@@ -29,6 +29,7 @@ from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA_DOT
 from furuta_sim.parts.friction_variation import FrictionVariation, varied
 from furuta_sim.parts.pushes import Push, push_torques
 from furuta_sim.parts.springs import keep_springs, springs_force, springs_friction
+from furuta_sim.parts.torque_waves import wave_torque
 from furuta_sim.plant_memory import LEVEL_CHANGE
 
 # Most iterations for two sticking joints; the paper's rig needs 24 for all bits.
@@ -59,6 +60,7 @@ class Body(NamedTuple):
     pendulum_friction: PendulumFriction
     springs: int
     push: Push
+    waves: np.ndarray
     x: np.ndarray
 
 
@@ -82,6 +84,7 @@ def _stage(
     law = varied(law, phi, body.x[LEVEL_CHANGE], body.variation)
     arm, joint = push_torques(phi, sine, cosine, model.delta, body.push)
     torque = u - law.parameters.viscous * v + arm + cogging_torque(phi, body.cogging)
+    torque += wave_torque(phi, body.waves)
     joint -= joint_friction.damping * w
     arm_sticks = not HAS_BRISTLE[law.kind]
     end = 0.0

@@ -1,0 +1,1 @@
+"""From a fitted model to a rig: its values, their uncertainty, its sensors."""

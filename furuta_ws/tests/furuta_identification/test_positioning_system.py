@@ -1,0 +1,55 @@
+"""The model of one joint in benchmarks/positioning_model.py, against closed solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sources import ROOT
+
+
+@pytest.fixture(scope="module")
+def model() -> Iterator[Any]:
+    """The module, imported from where it is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "benchmarks"))
+        yield import_module("positioning_model")
+
+
+def record(model: Any, force: float, seconds: float = 1.0) -> Any:
+    """A joint at rest under a constant force."""
+    time = np.arange(0.0, seconds, 1e-3)
+    return model.Record(time, np.zeros(len(time)), np.full(len(time), force))
+
+
+@pytest.mark.parametrize(("force", "viscous"), [(60.0, 170.0), (-60.0, 230.0)])
+def test_sliding_joint(model: Any, force: float, viscous: float) -> None:
+    """Viscous friction by direction: x = (v_end)(t - T(1 - exp(-t/T)))."""
+    joint = model.Joint(direction=-30.0, delay=0.0)
+    given = record(model, force)
+    v_end, constant = (abs(force) - joint.coulomb) / viscous, joint.mass / viscous
+    t = given.time
+    expected = np.sign(force) * v_end * (t - constant * (1.0 - np.exp(-t / constant)))
+    np.testing.assert_allclose(model.predict(joint, given), expected, atol=5e-5)
+
+
+def test_sticking_joint(model: Any) -> None:
+    """Below the level it does not move at all; with presliding it moves its bristle."""
+    given = record(model, 5.0)
+    np.testing.assert_array_equal(model.predict(model.Joint(), given), 0.0)
+    moved = model.predict(model.Joint(stiffness=1e5), given)
+    # The bristle's deflection is -(F_c/σ₀) ln(1 - F/F_c), and more after the first overshoot.
+    assert 5.5e-5 < moved[-1] < 1.2e-4
+
+
+def test_another_table_is_refused(model: Any, tmp_path: Path) -> None:
+    """One line that says what is expected."""
+    file = tmp_path / "table.csv"
+    file.write_text("a,b\n1,2\n")
+    with pytest.raises(ValueError, match="must have four columns") as caught:
+        model.read_record(file)
+    assert "\n" not in str(caught.value)
