@@ -186,7 +186,14 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
         balancing,
         design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
         p.voltage_limit,
-        swing_up.design(p.swing_up, p.model, balancing, p.sample_time, used=mode == SWING_UP),
+        swing_up.design(
+            p.swing_up,
+            p.model,
+            balancing,
+            p.sample_time,
+            used=mode == SWING_UP,
+            own_gain=p.gain == POLE_PLACEMENT,
+        ),
     )
 
 
@@ -249,9 +256,7 @@ def _mode_command(
             return INACTIVE
         return balance.command(memory, BALANCE_MEMORY, x, friction, p.balance), True
     if p.mode == SWING_UP:
-        u = swing_up.command(
-            memory, SWING_UP_MEMORY, BALANCE_MEMORY, x, friction, p.balance, p.swing_up
-        )
+        u = swing_up.command(memory, SWING_UP_MEMORY, BALANCE_MEMORY, x, friction, p.swing_up)
         return (0.0, False) if np.isnan(u) else (u, True)
     balance.leave(memory, BALANCE_MEMORY)
     swing_up.start_anew(memory, SWING_UP_MEMORY)

@@ -18,7 +18,7 @@ from furuta_control.estimators import kalman, lowpass, whole_circle
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
 from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
 from furuta_control.estimators.rig import NominalRig
-from furuta_control.estimators.whole_circle import WholeCircle
+from furuta_control.estimators.whole_circle import WholeCircle, WholeCircleParameters
 from furuta_control.readings import ReadingLimits, reading_limits
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
@@ -94,6 +94,7 @@ class EstimatorParameters(NamedTuple):
     sensors: Sensors = Sensors()
     kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
     lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
+    whole_circle: Annotated[WholeCircleParameters, INLINE] = WholeCircleParameters()
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -145,7 +146,7 @@ def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
         p.sample_time,
         lowpass.design(p.rig, p.lowpass),
         kalman.design(p.rig, p.kalman),
-        whole_circle.design(p.rig, p.kalman)
+        whole_circle.design(p.rig, p.kalman, p.whole_circle)
         if method == WHOLE_CIRCLE
         else whole_circle.unused(p.rig),
     )

@@ -53,6 +53,7 @@ def rig_settings(rig: Rig) -> Settings:
         "actuator.bits": rig.drive.bits,
     }
     settings["estimator"] = model | sensors | time
+    settings["estimator"] |= {"viscous_friction": rig.friction.viscous}
     settings["friction_observer"] = values(rig.friction) | time
     settings["controller"] = model | time
     settings["controller"] |= {

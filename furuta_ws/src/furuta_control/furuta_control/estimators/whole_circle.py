@@ -1,7 +1,7 @@
 r"""Extended Kalman filter for the whole circle, with the gain scheduled by cos θ.
 
-The prediction is eq. (1) itself over one sample, by the midpoint rule, with the friction F as a
-random walk. The gain is that of the stationary Kalman filter
+The prediction is eq. (1) itself over one sample, by the midpoint rule. The friction F is a random
+walk, except for its viscous part, which changes with the speed as is known. The gain is that of the stationary Kalman filter
 (:mod:`furuta_control.estimators.kalman`), designed once about upright and once about hanging:
 
 .. math::
@@ -15,7 +15,7 @@ well. The arm angle is treated as there: integrated, and kept within half a coun
 from __future__ import annotations
 
 from math import cos
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from furuta_control.estimators import kalman
 from furuta_control.estimators.kalman import KalmanParameters
 from furuta_control.estimators.rig import NominalRig
 from furuta_model.compiled import inlined
+from furuta_model.parameters import About
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -38,9 +39,19 @@ CORRECTED = 4
 SENSORS = 2
 
 
+class WholeCircleParameters(NamedTuple):
+    """What this filter knows besides :class:`KalmanParameters`."""
+
+    viscous_friction: Annotated[
+        float,
+        About("whole_circle: viscous friction of the arm, back-EMF included", "V s/rad", 0, 100),
+    ] = 0.0
+
+
 class WholeCircle(NamedTuple):
     """The sampled filter: nominal model, gains (4, 2), sample time [s], half a count [rad]."""
 
+    viscous: float
     model: FurutaPendulum
     upright: np.ndarray
     hanging: np.ndarray
@@ -48,9 +59,10 @@ class WholeCircle(NamedTuple):
     half_count: float
 
 
-def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
+def design(rig: NominalRig, p: KalmanParameters, own: WholeCircleParameters) -> WholeCircle:
     """The filter for a rig."""
     return WholeCircle(
+        own.viscous_friction,
         rig.model,
         kalman.stationary_gain(rig, p),
         kalman.stationary_gain(rig._replace(model=hanging(rig.model)), p),
@@ -60,9 +72,9 @@ def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
 
 
 def unused(rig: NominalRig) -> WholeCircle:
-    """A filter without gain, for a controller with another method; it takes no time to design."""
+    """A filter without gain, for an estimator with another method; it takes no time to design."""
     zero = np.zeros((CORRECTED, SENSORS))
-    return WholeCircle(rig.model, zero, zero, rig.sample_time, kalman.half_count(rig.sensors))
+    return WholeCircle(0.0, rig.model, zero, zero, rig.sample_time, kalman.half_count(rig.sensors))
 
 
 def hanging(p: FurutaPendulum) -> FurutaPendulum:
@@ -82,6 +94,7 @@ def update(memory: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
     memory[PHI] += h * v_mid
     memory[PHI_DOT], memory[THETA] = v + h * v_dot, theta + h * w_mid
     memory[THETA_DOT] = w + h * w_dot
+    memory[OBSERVED_FRICTION] += p.viscous * h * v_dot
     _correct(memory, measurement, p)
     phi = measurement[PHI]
     memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)

@@ -14,12 +14,14 @@ from furuta_model.compiled import compiled
 from furuta_model.pendulum import FurutaPendulum
 
 # Parts of the limits that are used; the rest is for noise, delay and errors of the model.
-USED_TRAVEL = 0.85
+USED_TRAVEL = 0.8
 USED_SPEED = 0.8
+# The same for a trajectory, which uses less than this.
+PLANNED_SHARE = 0.95
 # Part of the voltage that is planned for braking; the rest is for friction and coupling.
 BRAKING_VOLTAGE = 0.4
 # Part of the voltage that viscous friction may take at the highest speed.
-DRIVING_VOLTAGE = 0.7
+DRIVING_VOLTAGE = 0.85
 # Samples in which a speed that is not allowed is corrected.
 RESPONSE = 10.0
 # Braking, relative to the planned one, at which an arm that cannot stop counts as out of control.
@@ -58,6 +60,15 @@ def design(
     braking = BRAKING_VOLTAGE * voltage / (model.alpha + model.beta)
     return ArmLimits(
         USED_TRAVEL * angle_limit, speed, braking, RESPONSE * dt, angle_limit, speed_limit
+    )
+
+
+def for_trajectory(p: ArmLimits) -> ArmLimits:
+    """The limits while a trajectory is tracked: it is planned to the end and needs less reserve."""
+    return p._replace(
+        travel=PLANNED_SHARE * p.last_travel,
+        speed=PLANNED_SHARE * p.last_speed,
+        braking=HARDEST_BRAKING * p.braking,
     )
 
 

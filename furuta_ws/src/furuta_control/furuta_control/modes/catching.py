@@ -30,6 +30,8 @@ from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 # Pendulum angle [rad] within which it is caught, and beyond which it has been missed.
 CATCH_ANGLE = 0.5
 MISSED_ANGLE = 0.7
+# Part of the used travel within which the arm must be.
+CATCH_TRAVEL = 0.8
 # Shares of the arm's speed, and of the travel left, that catching may need.
 USED_SHARE = 0.5
 USED_TRAVEL_SHARE = 0.25
@@ -79,7 +81,7 @@ def unused() -> tuple[Catching, np.ndarray]:
 @inlined
 def can_catch(x: np.ndarray, limits: ArmLimits, p: Catching) -> bool:
     """Whether the pendulum can be caught in state ``x``."""
-    if abs(x[THETA]) > CATCH_ANGLE:
+    if abs(x[THETA]) > CATCH_ANGLE or abs(x[PHI]) > CATCH_TRAVEL * limits.travel:
         return False
     # The arm's speed [rad/s] that stops the unstable part, and the travel in its direction [rad].
     speed = x[PHI_DOT] + (x[THETA_DOT] + p.frequency * x[THETA]) / p.ratio

@@ -1,12 +1,12 @@
 """Mode ``swing_up``: swings the pendulum up, catches and balances it. Its phases follow each other:
 
-=========  ===============================================  =====================================
+=========  ================================================  =====================================
 phase      what it does                                     ends
 =========  ===============================================  =====================================
 swinging   energy shaping                                   when the pendulum can be caught
 tracking   the optimised trajectory, if there is one        the same, or when it deviates
 catching   linear-quadratic regulator                       near upright: balancing; missed: brake
-balancing  the mode ``balance``                             after a fall: brake
+balancing  as the mode ``balance``, own gain if none is set  after a fall: brake
 braking    brings the arm to rest                           at rest: swinging again, or off
 off        0 V                                              when the state is known
 =========  ===============================================  =====================================
@@ -50,7 +50,7 @@ MEMORY = ENERGY + energy_shaping.MEMORY
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
-# Time constant of the brake [s], and share of the speed at which the arm counts as at rest.
+# Time constant of the brake and its shortest time [s], and share of the speed at which the arm counts as at rest.
 BRAKE_TIME = 0.03
 AT_REST = 0.05
 
@@ -85,17 +85,28 @@ class SwingUp(NamedTuple):
     recover: bool
     model: FurutaPendulum
     limits: ArmLimits
+    trajectory_limits: ArmLimits
     energy: EnergyShaping
     catching: Catching
+    balancing: Balance
     tracking: Tracking
     settled_samples: float
-    sample_time: float
+    brake_samples: float
 
 
 def design(
-    p: SwingUpParameters, model: FurutaPendulum, balancing: Balance, dt: float, used: bool
+    p: SwingUpParameters,
+    model: FurutaPendulum,
+    balancing: Balance,
+    dt: float,
+    used: bool,
+    own_gain: bool,
 ) -> SwingUp:
-    """The mode for a rig. If it is not ``used``, nothing that takes time is computed."""
+    """The mode for a rig. If it is not ``used``, nothing that takes time is computed.
+
+    With ``own_gain`` it balances with the gain with which it catches, not with that of the mode
+    ``balance``: poles that suit one rig let another one fall.
+    """
     voltage = balancing.voltage_limit
     limits = arm_limits.design(
         model,
@@ -110,6 +121,10 @@ def design(
         if used
         else catching.unused()
     )
+    if own_gain:
+        balancing = balancing._replace(
+            l1=regulator.l1, l2=regulator.l2, l3=regulator.l3, l4=regulator.l4
+        )
     trajectory = tracking.unused()
     if used and p.torques != NO_TRAJECTORY:
         deviations = (catching.ARM_DEVIATION * limits.travel, limits.speed)
@@ -118,11 +133,13 @@ def design(
         p.recover,
         model,
         limits,
+        arm_limits.for_trajectory(limits),
         energy_shaping.design(model, voltage, limits),
         regulator,
+        balancing,
         trajectory,
         ceil(SETTLED_TIME / dt),
-        dt,
+        ceil(BRAKE_TIME / dt),
     )
 
 
@@ -140,19 +157,18 @@ def command(
     balance_at: int,
     x: np.ndarray,
     friction: float,
-    balancing: Balance,
     p: SwingUp,
 ) -> float:
     """Command u [V] for state ``x`` and friction estimate [V]; NaN if the mode does not drive.
 
     The mode's memory begins at ``at``, that of the mode ``balance`` at ``balance_at``.
     """
-    phase = _next_phase(memory, at, balance_at, x, balancing, p)
+    phase = _next_phase(memory, at, balance_at, x, p)
     memory[at + PHASE] = phase
     if phase == OFF:
         return np.nan
     if phase == BALANCING:
-        u = balance.command(memory, balance_at, x, friction, balancing)
+        u = balance.command(memory, balance_at, x, friction, p.balancing)
     elif phase == CATCHING:
         u = catching.command(x, friction, p.catching)
     elif phase == TRACKING:
@@ -166,16 +182,15 @@ def command(
         wanted = -x[PHI_DOT] / BRAKE_TIME
     else:
         wanted = (u - friction - torque) / inertia
-    allowed = arm_limits.limited(wanted, x[PHI], x[PHI_DOT], p.limits)
+    limits = p.trajectory_limits if phase == TRACKING else p.limits
+    allowed = arm_limits.limited(wanted, x[PHI], x[PHI_DOT], limits)
     if allowed == wanted and not np.isnan(u):
         return u
     return friction + torque + inertia * allowed
 
 
 @inlined
-def _next_phase(
-    memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, balancing: Balance, p: SwingUp
-) -> int:
+def _next_phase(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
     """The phase of this sample."""
     if np.isnan(x[PHI] + x[PHI_DOT] + x[THETA] + x[THETA_DOT]):
         balance.leave(memory, balance_at)
@@ -185,15 +200,15 @@ def _next_phase(
     phase = int(memory[at + PHASE])
     in_control = arm_limits.can_stop(x[PHI], x[PHI_DOT], p.limits)
     if phase == OFF:
-        return _begin(memory, at, balance_at, x, balancing, p)
+        return _begin(memory, at, balance_at, x, p)
     if phase == BALANCING:
-        upright = balance.balances(memory, balance_at, x, balancing)
-        return BALANCING if upright and in_control else _brake(memory, balance_at)
+        upright = balance.balances(memory, balance_at, x, p.balancing)
+        return BALANCING if upright and in_control else _brake(memory, at, balance_at)
     if not in_control or (phase == CATCHING and abs(x[THETA]) > catching.MISSED_ANGLE):
-        return _brake(memory, balance_at)
+        return _brake(memory, at, balance_at)
     if phase == CATCHING:
-        return _hand_over(memory, at, balance_at, x, balancing, p)
-    if phase == BRAKING and abs(x[PHI_DOT]) > AT_REST * p.limits.speed:
+        return _hand_over(memory, at, balance_at, x, p)
+    if phase == BRAKING and _still_brakes(memory, at, x, p):
         return BRAKING
     if phase == BRAKING and _given_up(memory, at, p):
         return OFF
@@ -207,14 +222,17 @@ def _given_up(memory: np.ndarray, at: int, p: SwingUp) -> bool:
 
 
 @inlined
-def _begin(
-    memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, balancing: Balance, p: SwingUp
-) -> int:
-    """The phase after ``off``: one that swings up, unless only a pendulum held upright will do."""
-    if balance.balances(memory, balance_at, x, balancing):
-        memory[at + CAUGHT] = 1.0
-        return BALANCING
-    return OFF if _given_up(memory, at, p) else _swing(memory, at, x, p)
+def _begin(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
+    """The phase after ``off``: the brake, unless only a pendulum held upright will do.
+
+    The brake needs the arm's state only, which is measured. The estimate of the pendulum's speed
+    settles meanwhile.
+    """
+    if not _given_up(memory, at, p):
+        return _brake(memory, at, balance_at)
+    if memory[at + BEYOND] != 0.0:
+        return OFF
+    return BALANCING if balance.balances(memory, balance_at, x, p.balancing) else OFF
 
 
 @inlined
@@ -238,14 +256,12 @@ def _swing(memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> int:
 
 
 @inlined
-def _hand_over(
-    memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, balancing: Balance, p: SwingUp
-) -> int:
+def _hand_over(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
     """Balance once the pendulum has been near upright and slow for long enough."""
     near = (
-        abs(x[THETA]) <= balancing.catch_angle
-        and abs(x[THETA_DOT]) <= balancing.catch_speed
-        and abs(x[PHI] - balancing.arm_reference) <= balancing.arm_error_limit
+        abs(x[THETA]) <= p.balancing.catch_angle
+        and abs(x[THETA_DOT]) <= p.balancing.catch_speed
+        and abs(x[PHI] - p.balancing.arm_reference) <= p.balancing.arm_error_limit
     )
     memory[at + SAMPLES] = memory[at + SAMPLES] + 1.0 if near else 0.0
     if memory[at + SAMPLES] <= p.settled_samples:
@@ -258,6 +274,14 @@ def _hand_over(
 
 
 @inlined
-def _brake(memory: np.ndarray, balance_at: int) -> int:
+def _brake(memory: np.ndarray, at: int, balance_at: int) -> int:
     balance.leave(memory, balance_at)
+    memory[at + SAMPLES] = 0.0
     return BRAKING
+
+
+@inlined
+def _still_brakes(memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> bool:
+    """Whether the arm is not yet at rest, or the estimate may still be settling."""
+    memory[at + SAMPLES] += 1.0
+    return abs(x[PHI_DOT]) > AT_REST * p.limits.speed or memory[at + SAMPLES] <= p.brake_samples
