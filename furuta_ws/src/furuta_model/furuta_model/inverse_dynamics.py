@@ -22,7 +22,7 @@ from furuta_model.pendulum import FurutaPendulum
 def arm_dynamics(
     phi_dot: float, theta: float, theta_dot: float, p: FurutaPendulum
 ) -> tuple[float, float]:
-    """Inertia [V s²/rad] and torque at zero acceleration [V] of the arm: u − F = inertia φ̈ + torque.
+    """Inertia [V s²/rad] and torque [V] of the arm: u − F = inertia φ̈ + torque.
 
     The inertia is that of the arm with the pendulum free in its joint.
     """

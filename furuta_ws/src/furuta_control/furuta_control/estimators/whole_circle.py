@@ -1,8 +1,9 @@
 r"""Extended Kalman filter for the whole circle, with the gain scheduled by cos θ.
 
 The prediction is eq. (1) itself over one sample, by the midpoint rule. The friction F is a random
-walk, except for its viscous part, which changes with the speed as is known. The gain is that of the stationary Kalman filter
-(:mod:`furuta_control.estimators.kalman`), designed once about upright and once about hanging:
+walk, except for its viscous part, which changes with the speed as is known. The gain is that of the
+stationary Kalman filter (:mod:`furuta_control.estimators.kalman`), designed once about upright and
+once about hanging:
 
 .. math::
     K(θ) = \tfrac12 (1 + \cosθ) K_{upright} + \tfrac12 (1 - \cosθ) K_{hanging}

@@ -14,7 +14,7 @@ from furuta_model.compiled import compiled
 from furuta_model.pendulum import FurutaPendulum
 
 # Parts of the limits that are used; the rest is for noise, delay and errors of the model.
-USED_TRAVEL = 0.8
+USED_TRAVEL = 0.7
 USED_SPEED = 0.8
 # The same for a trajectory, which uses less than this.
 PLANNED_SHARE = 0.95

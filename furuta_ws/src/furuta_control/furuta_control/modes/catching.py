@@ -1,4 +1,4 @@
-r"""Catches the pendulum that arrives near upright: when it can be caught, and the feedback that does.
+r"""Catches a pendulum that arrives near upright: when it can be caught, and with which feedback.
 
 Near upright βθ̈ + γφ̈ = δθ. The unstable part of the motion is
 
@@ -6,11 +6,11 @@ Near upright βθ̈ + γφ̈ = δθ. The unstable part of the motion is
     z = \dot θ + ωθ + \frac{γ}{β}\dot φ, \qquad \dot z = ω\Bigl(z - \frac{γ}{β}\dot φ\Bigr),
     \qquad ω^2 = δ/β
 
-An arm whose speed is at most V can therefore only stop a |z| below Vγ/β, and needs a travel of about
-zβ/(γω). The pendulum is caught within the catch angle if z needs at most :data:`USED_SHARE` of that
-speed and of the travel that is left. The feedback is a linear-quadratic regulator; its weights are
-the inverse squares of what the limits allow (Bryson's rule). It brings the pendulum to where the
-mode ``balance`` takes over.
+An arm whose speed is at most V can therefore only stop a |z| below Vγ/β, and needs a travel of
+about zβ/(γω). The pendulum is caught within the catch angle if z needs at most :data:`USED_SHARE`
+of that speed and :data:`USED_TRAVEL_SHARE` of the travel that is left. The feedback is a
+linear-quadratic regulator; its weights are the inverse squares of what the limits allow (Bryson's
+rule). It brings the pendulum to where balancing takes over.
 """
 
 from __future__ import annotations

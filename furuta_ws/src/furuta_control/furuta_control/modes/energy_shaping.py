@@ -37,7 +37,7 @@ USED_VOLTAGE = 0.7
 # The target: at first, its largest size, its rise per missing energy and fall per fast pass.
 FIRST_TARGET = 0.04
 LARGEST_TARGET = 0.3
-RISE = 0.7
+RISE = 0.5
 FALL = 0.04
 # cos θ above which a change of sign of θ is a pass through upright.
 NEAR_UPRIGHT = 0.9

@@ -1,15 +1,15 @@
-"""Mode ``swing_up``: swings the pendulum up, catches and balances it. Its phases follow each other:
+"""Mode ``swing_up``: swings the pendulum up, catches and balances it, in phases.
 
-=========  ================================================  =====================================
-phase      what it does                                     ends
-=========  ===============================================  =====================================
-swinging   energy shaping                                   when the pendulum can be caught
-tracking   the optimised trajectory, if there is one        the same, or when it deviates
-catching   linear-quadratic regulator                       near upright: balancing; missed: brake
-balancing  as the mode ``balance``, own gain if none is set  after a fall: brake
-braking    brings the arm to rest                           at rest: swinging again, or off
-off        0 V                                              when the state is known
-=========  ===============================================  =====================================
+=========  ===================================  ==========================================
+phase      what it does                         ends
+=========  ===================================  ==========================================
+swinging   energy shaping                       when the pendulum can be caught
+tracking   follows the optimised trajectory     the same, or when it deviates
+catching   linear-quadratic regulator           near upright: balancing; missed: braking
+balancing  as ``balance``, see :func:`design`   after a fall: braking
+braking    brings the arm to rest               at rest: swinging or tracking, or off
+off        0 V                                  when the state is known
+=========  ===================================  ==========================================
 
 Every phase keeps the arm within its travel and speed (:mod:`furuta_control.modes.arm_limits`). A
 pendulum that falls after it has been balanced is only swung up again with ``recover``; otherwise it
@@ -50,7 +50,8 @@ MEMORY = ENERGY + energy_shaping.MEMORY
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
-# Time constant of the brake and its shortest time [s], and share of the speed at which the arm counts as at rest.
+# Time constant of the brake and its shortest time [s]; share of the speed at which the arm is at
+# rest.
 BRAKE_TIME = 0.03
 AT_REST = 0.05
 
@@ -198,16 +199,29 @@ def _next_phase(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: 
     if abs(x[PHI]) > p.limits.last_travel:
         memory[at + BEYOND] = 1.0
     phase = int(memory[at + PHASE])
-    in_control = arm_limits.can_stop(x[PHI], x[PHI_DOT], p.limits)
     if phase == OFF:
         return _begin(memory, at, balance_at, x, p)
-    if phase == BALANCING:
-        upright = balance.balances(memory, balance_at, x, p.balancing)
-        return BALANCING if upright and in_control else _brake(memory, at, balance_at)
-    if not in_control or (phase == CATCHING and abs(x[THETA]) > catching.MISSED_ANGLE):
+    if _lost(phase, memory, balance_at, x, p):
         return _brake(memory, at, balance_at)
     if phase == CATCHING:
         return _hand_over(memory, at, balance_at, x, p)
+    return phase if phase == BALANCING else _on_the_way(phase, memory, at, x, p)
+
+
+@inlined
+def _lost(phase: int, memory: np.ndarray, balance_at: int, x: np.ndarray, p: SwingUp) -> bool:
+    """Whether the pendulum has fallen, or the arm can no longer be stopped within its limits."""
+    if phase == BRAKING:
+        return False
+    if phase == BALANCING and not balance.balances(memory, balance_at, x, p.balancing):
+        return True
+    missed = phase == CATCHING and abs(x[THETA]) > catching.MISSED_ANGLE
+    return missed or not arm_limits.can_stop(x[PHI], x[PHI_DOT], p.limits)
+
+
+@inlined
+def _on_the_way(phase: int, memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> int:
+    """The phase after braking, swinging or tracking."""
     if phase == BRAKING and _still_brakes(memory, at, x, p):
         return BRAKING
     if phase == BRAKING and _given_up(memory, at, p):

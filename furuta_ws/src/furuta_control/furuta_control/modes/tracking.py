@@ -28,7 +28,7 @@ ROWS = 512
 TORQUE = RIGID_STATES
 GAIN = TORQUE + 1
 COLUMNS = GAIN + RIGID_STATES
-# Deviations from the trajectory [rad], speed relative to ω: in the weights, and at which it is lost.
+# Deviations from the trajectory [rad], speed relative to ω: in the weights, and when it is lost.
 DEVIATION = 0.1
 LOST = 0.6
 # Hanging at rest: largest angle [rad], pendulum speed relative to ω, arm angle [rad].

@@ -103,14 +103,12 @@ def _coarse(problem: _Problem) -> Trajectory | None:
 
 
 def rig_trajectory(loop: Loop, share: float = TRACKED_SHARE, torques: int = TORQUES) -> Trajectory:
-    """The fastest swing-up of a loop's model with that ``share`` of the limits; the rest is control's.
+    """The fastest swing-up of a loop's model with that ``share`` of the limits.
 
     Its friction is that of the compensator's model.
     """
     p, friction = loop.controller, loop.observer.friction
-    limits = Limits(
-        share * p.voltage_limit, share * p.arm_angle_limit, share * p.arm_speed_limit
-    )
+    limits = Limits(share * p.voltage_limit, share * p.arm_angle_limit, share * p.arm_speed_limit)
     return optimise(p.model, ArmFriction(friction.alpha0, friction.viscous), limits, torques)
 
 
@@ -129,9 +127,7 @@ def states(trajectory: Trajectory, model: FurutaPendulum) -> np.ndarray:
 
 
 @compiled
-def _fill(
-    table: np.ndarray, torques: np.ndarray, duration: float, model: FurutaPendulum
-) -> None:
+def _fill(table: np.ndarray, torques: np.ndarray, duration: float, model: FurutaPendulum) -> None:
     """Write torques, linear between the given ones, and the states that follow from them."""
     last = len(torques) - 1
     for k in range(len(table)):

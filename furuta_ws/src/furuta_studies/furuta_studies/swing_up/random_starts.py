@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from math import pi, sqrt
+from math import cos, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,8 @@ DEADLINE = 10.0
 DEVIATION = 0.1
 # Part of the arm's speed limit up to which starts have speed.
 START_SPEED = 0.95
+# Part of the voltage for the pendulum's centrifugal torque on the arm.
+HOLDING_VOLTAGE = 0.7
 
 
 class StartResults(NamedTuple):
@@ -61,7 +63,7 @@ def summary(runs: list[SwingUpRun]) -> StartResults:
 
 
 def with_friction(loop: Loop, factor: float) -> Loop:
-    """The loop with friction levels times ``factor``, in the plant and in the compensator's model."""
+    """The loop with friction levels times ``factor``, both true and in the compensator's model."""
     plant, observer = loop.plant, loop.observer
     true = _scaled(plant.friction.parameters, factor, 1.0)
     return loop._replace(
@@ -89,30 +91,28 @@ def _random_start(loop: Loop, generator: np.random.Generator, seed: int) -> Loop
         *(value * factor for value, factor in zip(plant.model, factors[:4], strict=True))
     )
     friction = _scaled(plant.friction.parameters, *factors[4:])
-    changed = plant._replace(
-        model=model, friction=plant.friction._replace(parameters=friction)
-    )
+    changed = plant._replace(model=model, friction=plant.friction._replace(parameters=friction))
     state = _random_state(loop, generator)
     return with_initial(loop._replace(plant=changed), state, seed)
 
 
-def _random_state(
-    loop: Loop, generator: np.random.Generator
-) -> tuple[float, float, float, float]:
+def _random_state(loop: Loop, generator: np.random.Generator) -> tuple[float, float, float, float]:
     """Any pendulum angle, and speeds up to what the limits allow.
 
     The arm can be stopped within the used travel by half of the planned braking. The pendulum is at
-    most as fast as after a fall from upright, and so slow that half of the voltage holds the arm
-    against its centrifugal torque γθ̇².
+    most as fast as after a fall from upright, and passes the horizontal so slowly that a part of
+    the voltage, :data:`HOLDING_VOLTAGE`, holds the arm against its centrifugal torque γθ̇².
     """
     p = loop.controller
     limits = design_controller(p).swing_up.limits
-    frequency = sqrt(p.model.delta / p.model.beta)
+    squared = p.model.delta / p.model.beta
     travel = min(limits.travel, 2.0 * pi)
     while True:
         phi = generator.uniform(-travel, travel)
         speed = START_SPEED * p.arm_speed_limit * generator.uniform(-1.0, 1.0)
-        if abs(phi + speed * abs(speed) / limits.braking) < limits.travel:
-            break
-    fastest = min(2.0 * frequency, sqrt(0.5 * p.voltage_limit / p.model.gamma))
-    return phi, speed, generator.uniform(-pi, pi), fastest * generator.uniform(-1.0, 1.0)
+        theta = generator.uniform(-pi, pi)
+        pendulum_speed = 2.0 * sqrt(squared) * generator.uniform(-1.0, 1.0)
+        at_horizontal = p.model.gamma * (pendulum_speed**2 + 2.0 * squared * cos(theta))
+        stops = abs(phi + speed * abs(speed) / limits.braking) < limits.travel
+        if stops and at_horizontal < HOLDING_VOLTAGE * p.voltage_limit:
+            return phi, speed, theta, pendulum_speed

@@ -1,4 +1,4 @@
-"""The loop in mode ``swing_up`` on a rig, and when a run counts as upright and within the limits."""
+"""The loop in mode ``swing_up`` on a rig, and when a run counts as upright within the limits."""
 
 from __future__ import annotations
 
