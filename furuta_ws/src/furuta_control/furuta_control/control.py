@@ -34,10 +34,10 @@ from furuta_model.pendulum import FurutaPendulum
 MODES = {
     "balance": "state feedback about upright with friction compensation",
     "open_loop": "the excitation signal alone, at any pendulum angle, for identification",
-    "off": "0 V",
     "swing_up": "swing the pendulum up from any angle, catch it and balance",
+    "off": "0 V",
 }
-BALANCE, OPEN_LOOP, OFF, SWING_UP = range(4)
+BALANCE, OPEN_LOOP, SWING_UP, OFF = range(4)
 _MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
 
 # The controller's memory: the phase of the excitation, then the memory of each mode.
