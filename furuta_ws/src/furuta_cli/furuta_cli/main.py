@@ -18,6 +18,7 @@ VERBS = {
     "run": "Run the graph until Ctrl-C.",
     "simulate": "Simulate the same closed loop without ROS.",
     "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
+    "swing-up": "Swing up from random states, and optimise the swing-up.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
     "compare": "Compare compensations on rigs that they do not know.",

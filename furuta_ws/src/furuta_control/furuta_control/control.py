@@ -22,8 +22,9 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, super_twisting
+from furuta_control.modes import balance, super_twisting, swing_up
 from furuta_control.modes.balance import Balance
+from furuta_control.modes.swing_up import SwingUp, SwingUpParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.parameters import INLINE, About, EarlierName, ParameterError, shortened
@@ -33,21 +34,41 @@ from furuta_model.pendulum import FurutaPendulum
 MODES = {
     "balance": "state feedback about upright with friction compensation",
     "open_loop": "the excitation signal alone, at any pendulum angle, for identification",
+    "swing_up": "swing the pendulum up from any angle, catch it and balance",
     "off": "0 V",
 }
-BALANCE, OPEN_LOOP, OFF = range(3)
+BALANCE, OPEN_LOOP, SWING_UP, OFF = range(4)
 _MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
 
 # The controller's memory: the phase of the excitation, then the memory of each mode.
 PHASE = 0
 BALANCE_MEMORY = 1
-MEMORY = BALANCE_MEMORY + balance.MEMORY
+SWING_UP_MEMORY = BALANCE_MEMORY + balance.MEMORY
+MEMORY = SWING_UP_MEMORY + swing_up.MEMORY
 
 INACTIVE = (0.0, False)
+
+# What the controller does in a sample, for those who watch it.
+MODES_IN_FORCE = (*swing_up.PHASES, "open_loop")
+OPEN_LOOP_IN_FORCE = len(swing_up.PHASES)
 
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
 POLE_PLACEMENT = (0.0,)
+
+
+class SensorRange(NamedTuple):
+    """The pendulum's sensor, as the estimator has it (:class:`furuta_model.sensors.Sensors`)."""
+
+    ideal: Annotated[bool, About("the sensors are ideal: any pendulum angle is measured")] = False
+    potentiometer_range: Annotated[
+        float, About("pendulum angle at full scale; swing_up needs π", "rad", 1e-3, 2 * pi)
+    ] = pi / 4
+
+    @property
+    def covers_circle(self) -> bool:
+        """Whether the sensor measures any pendulum angle."""
+        return self.ideal or self.potentiometer_range >= pi
 
 
 class ControllerParameters(NamedTuple):
@@ -116,12 +137,14 @@ class ControllerParameters(NamedTuple):
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
+    swing_up: SwingUpParameters = SwingUpParameters()
+    sensors: SensorRange = SensorRange()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
 
     def check(self) -> None:
-        """Reject a gain of the wrong length, and a catch angle larger than the fall angle."""
+        """Reject a gain of the wrong length, catch beyond fall angle, swing-up without sensor."""
         if len(self.gain) != 4 and self.gain != POLE_PLACEMENT:
             raise ParameterError(
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
@@ -136,6 +159,12 @@ class ControllerParameters(NamedTuple):
             raise ParameterError(
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
                 f"{self.fall_angle:g}"
+            )
+
+        if self.mode == "swing_up" and not self.sensors.covers_circle:
+            raise ParameterError(
+                "mode swing_up needs a pendulum sensor of a full turn: sensors.potentiometer_range "
+                f"must be at least {pi:.6f} rad, given {self.sensors.potentiometer_range:g} rad"
             )
 
     @property
@@ -157,17 +186,27 @@ class ControllerDesign(NamedTuple):
     balance: Balance
     excitation: Excitation
     voltage_limit: float
+    swing_up: SwingUp
 
 
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe."""
-    mode = list(MODES).index(p.mode)
+    mode, balancing = list(MODES).index(p.mode), _balance(p)
     return ControllerDesign(
         p.enabled,
         mode,
-        _balance(p),
+        balancing,
         design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
         p.voltage_limit,
+        swing_up.design(
+            p.swing_up,
+            p.model,
+            p.model_viscous,
+            balancing,
+            p.sample_time,
+            used=mode == SWING_UP,
+            own_gain=p.gain == POLE_PLACEMENT,
+        ),
     )
 
 
@@ -219,9 +258,23 @@ def continue_control(
 
 
 @inlined
+def mode_in_force(memory: np.ndarray, p: ControllerDesign) -> int:
+    """What the controller does: the index of its name in :data:`MODES_IN_FORCE`."""
+    if not p.enabled or p.mode == OFF:
+        return swing_up.OFF
+    if p.mode == SWING_UP:
+        return int(memory[SWING_UP_MEMORY + swing_up.PHASE])
+    if p.mode == OPEN_LOOP:
+        return OPEN_LOOP_IN_FORCE
+    balancing = memory[BALANCE_MEMORY + balance.BALANCING] != 0.0
+    return swing_up.BALANCING if balancing else swing_up.OFF
+
+
+@inlined
 def start_anew(memory: np.ndarray) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
     balance.start_anew(memory, BALANCE_MEMORY)
+    swing_up.start_anew(memory, SWING_UP_MEMORY)
 
 
 @inlined
@@ -233,7 +286,11 @@ def _mode_command(
         if not balance.balances(memory, BALANCE_MEMORY, x, p.balance):
             return INACTIVE
         return balance.command(memory, BALANCE_MEMORY, x, friction, p.balance), True
+    if p.mode == SWING_UP:
+        u = swing_up.command(memory, SWING_UP_MEMORY, BALANCE_MEMORY, x, friction, p.swing_up)
+        return (0.0, False) if np.isnan(u) else (u, True)
     balance.leave(memory, BALANCE_MEMORY)
+    swing_up.start_anew(memory, SWING_UP_MEMORY)
     if p.mode == OPEN_LOOP:
         return 0.0, True
     return INACTIVE

@@ -8,13 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, String
 
 from furuta_control.control import (
     MEMORY,
+    MODES_IN_FORCE,
     ControllerParameters,
     control,
     design_controller,
+    mode_in_force,
     start_anew,
 )
 from furuta_model.block import block
@@ -24,7 +26,14 @@ from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_float, read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, QOS
+from furuta_ros.topics import (
+    COMMAND,
+    FRICTION_ESTIMATE,
+    JOINT_STATES,
+    LATCHED,
+    MODE_IN_FORCE,
+    QOS,
+)
 
 # Largest number of estimates in transit: the depth of the topic's queue.
 MAX_IN_TRANSIT = QOS.depth
@@ -45,6 +54,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     A state may be repeated (same stamp) because its estimate seems lost. If the estimate was only
     late, the estimates for the repetitions are surplus and are ignored. If a state that has been
     answered is repeated, its command is published again without a new step.
+
+    Publishes ``mode_in_force``, what the controller does, whenever that changes. Until the first
+    message it is what the parameter ``mode`` says.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -63,6 +75,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
+        self._mode_in_force = self.parameters.mode
+        self._mode_publisher = self.create_publisher(
+            MODE_IN_FORCE.type, MODE_IN_FORCE.name, LATCHED
+        )
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
 
@@ -125,14 +141,26 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _publish(self, friction: float) -> None:
         if not self._is_repeat:
-            self._command.data = _control(self._memory, self._x, friction, self._design)
+            self._command.data, mode = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
+            self._report_mode(mode)
         self._publisher.publish(self._command)
+
+    def _report_mode(self, mode: int) -> None:
+        """Publish what the controller does, if it is something else than before."""
+        name = MODES_IN_FORCE[mode]
+        if name != self._mode_in_force:
+            self._mode_in_force = name
+            self._mode_publisher.publish(String(data=name))
 
 
 @compiled
-def _control(memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray) -> float:
-    return control(memory, x, friction, design[0])
+def _control(
+    memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray
+) -> tuple[float, int]:
+    """Command u [V], and the index of the mode in force."""
+    u = control(memory, x, friction, design[0])
+    return u, mode_in_force(memory, design[0])
 
 
 def main() -> None:

@@ -8,16 +8,17 @@ a row of :data:`METHODS`, its parameters, its design, and its branch in the func
 from __future__ import annotations
 
 from functools import lru_cache
-from math import nan
+from math import floor, nan, pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_control import readings
-from furuta_control.estimators import kalman, lowpass
+from furuta_control.estimators import kalman, lowpass, whole_circle
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
 from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
 from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, reading_limits
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
@@ -36,12 +37,16 @@ from furuta_model.state import (
 
 
 class Method(NamedTuple):
-    """A method: whether it observes the friction, and whether it needs the applied torque."""
+    """A method: whether it observes the friction, needs the applied torque, covers the circle.
+
+    A method that does not cover the circle is for the pendulum near upright.
+    """
 
     name: str
     meaning: str
     observes_friction: bool
     needs_applied_torque: bool
+    covers_circle: bool = False
 
 
 METHODS = (
@@ -57,8 +62,15 @@ METHODS = (
         observes_friction=False,
         needs_applied_torque=False,
     ),
+    Method(
+        "whole_circle",
+        "kalman for any pendulum angle, with the nonlinear model",
+        observes_friction=True,
+        needs_applied_torque=True,
+        covers_circle=True,
+    ),
 )
-KALMAN, LOWPASS = range(2)
+KALMAN, LOWPASS, WHOLE_CIRCLE = range(3)
 
 _NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
@@ -128,18 +140,23 @@ class EstimatorDesign(NamedTuple):
     sample_time: float
     lowpass: Lowpass
     kalman: Kalman
+    whole_circle: WholeCircle
 
 
 @lru_cache(maxsize=64)
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
+    method = _NAMES.index(p.method)
     return EstimatorDesign(
-        _NAMES.index(p.method),
+        method,
         p.sensors.ideal,
         reading_limits(p.rig, p.chosen.needs_applied_torque),
         p.sample_time,
         lowpass.design(p.rig, p.lowpass),
         kalman.design(p.rig, p.kalman),
+        whole_circle.design(p.rig, p.kalman)
+        if method == WHOLE_CIRCLE
+        else whole_circle.unused(p.rig),
     )
 
 
@@ -152,7 +169,8 @@ def estimate_state(
     Unusable readings in ``measurement`` are replaced (:mod:`furuta_control.readings`). Without an
     estimate ``estimate`` is what the usable readings say, NaN where they say nothing. After a
     change of method the new one starts from the estimate of the previous one. Ideal measurements
-    are not filtered; the method is then used only to observe the friction, if it can.
+    are not filtered; the method is then used only to observe the friction, if it can. A method
+    that covers the circle gives θ from −π to π.
     """
     if continues(memory, measurement, p):
         continue_estimate(memory, measurement, p, estimate)
@@ -198,6 +216,8 @@ def _finish(
     if p.ideal:
         for i in range(RIGID_STATES):
             estimate[i] = measurement[i]
+        if p.method == WHOLE_CIRCLE:
+            estimate[THETA] -= 2.0 * pi * floor(estimate[THETA] / (2.0 * pi) + 0.5)
 
 
 @inlined
@@ -311,6 +331,8 @@ def _update(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> 
         kalman.update(memory, measurement, p.kalman)
     elif p.method == LOWPASS:
         lowpass.update(memory, memory[READINGS + THETA], measurement, p.lowpass)
+    elif p.method == WHOLE_CIRCLE:
+        whole_circle.update(memory, measurement, p.whole_circle)
 
 
 @inlined

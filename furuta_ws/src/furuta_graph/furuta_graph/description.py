@@ -106,6 +106,7 @@ def check_graph(parameters: Mapping[str, Any]) -> None:
     """
     check_sample_times(parameters)
     check_observed_friction(parameters)
+    check_whole_circle(parameters)
 
 
 def check_sample_times(parameters: Mapping[str, Any]) -> None:
@@ -126,4 +127,16 @@ def check_observed_friction(parameters: Mapping[str, Any]) -> None:
         raise ParameterError(
             f"compensation {observer.compensation} needs an estimator that observes the friction, "
             f"such as estimator.method=kalman; given {estimator.method}"
+        )
+
+
+def check_whole_circle(parameters: Mapping[str, Any]) -> None:
+    """The controller can swing up only with an estimator for any pendulum angle."""
+    controller, estimator = parameters.get("controller"), parameters.get("estimator")
+    if controller is None or estimator is None or controller.mode != "swing_up":
+        return
+    if not estimator.chosen.covers_circle:
+        raise ParameterError(
+            "mode swing_up needs an estimator of the whole circle, such as "
+            f"estimator.method=whole_circle; given {estimator.method}"
         )

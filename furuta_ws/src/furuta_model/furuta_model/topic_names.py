@@ -12,6 +12,7 @@ JOINT_STATES: Final = "joint_states"
 FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
+MODE_IN_FORCE: Final = "mode_in_force"
 TIMING: Final = "timing"
 # Simulated time.
 CLOCK: Final = "clock"

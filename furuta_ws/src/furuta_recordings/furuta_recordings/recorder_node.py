@@ -22,7 +22,7 @@ from furuta_recordings.bags.mcap_records import BagTopic
 from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.bags.offered_qos import offered_qos
-from furuta_ros.topics import QOS, TIMING, TOPICS, Topic, deep
+from furuta_ros.topics import MODE_IN_FORCE, QOS, TIMING, TOPICS, Topic, deep
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
 RECEIVE_DEPTH = 100_000
@@ -30,10 +30,11 @@ RECEIVE_DEPTH = 100_000
 COLLECT_EVERY = 0.005
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 ROSOUT = Topic(topic_names.ROSOUT, Log)
-# What every ROS 2 node offers on these two: rcl keeps a log message for 10 s for late subscribers.
+# What is offered on these: rcl keeps a log message for 10 s for late subscribers.
 _OFFERED = {
     PARAMETER_EVENTS: offered_qos(depth=1000),
     ROSOUT: offered_qos(1000, "transient_local", lifespan={"sec": 10, "nsec": 0}),
+    MODE_IN_FORCE: offered_qos(QOS.depth, "transient_local"),
 }
 RECORDABLE = (*TOPICS, TIMING)
 # Seconds and nanoseconds of the stamp in a serialized JointState, after the four bytes that name
@@ -55,7 +56,8 @@ class RecorderNode(Node):
     that were passed on and those that the middleware dropped.
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
-    records each change of a parameter (/parameter_events) and what the nodes log (/rosout).
+    records each change of a parameter (/parameter_events), what the nodes log (/rosout), and what
+    the controller does (mode_in_force).
     """
 
     def __init__(
@@ -70,7 +72,7 @@ class RecorderNode(Node):
         self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
-        chosen = [*topics, PARAMETER_EVENTS, ROSOUT]
+        chosen = [*topics, PARAMETER_EVENTS, ROSOUT, MODE_IN_FORCE]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
         self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
         self._inputs = [
@@ -171,9 +173,9 @@ def _never_called(message: Any) -> None:
 
 
 def _qos(topic: Topic) -> QoSProfile:
-    """A long queue; on /rosout also what was logged before the recorder began."""
+    """A long queue; on some topics also what was published before the recorder began."""
     qos = deep(RECEIVE_DEPTH)
-    if topic is ROSOUT:
+    if topic in (ROSOUT, MODE_IN_FORCE):
         qos.durability = QoSDurabilityPolicy.TRANSIENT_LOCAL
     return qos
 

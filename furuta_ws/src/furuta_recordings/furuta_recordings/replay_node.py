@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 
 from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
-from furuta_model.topic_names import PARAMETER_EVENTS, ROSOUT
+from furuta_model.topic_names import MODE_IN_FORCE, PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
 from furuta_ros.simulated_clock import SimulatedClock
@@ -117,10 +117,10 @@ class ReplayNode(Node):
         self.latest = max(self.latest, monotonic() - due)
 
     def _wait_for_subscribers(self, stop: Callable[[], bool]) -> None:
-        """Return when every topic has a subscriber, but for those of ROS itself."""
+        """Return when every topic of the loop has a subscriber."""
         deadline = monotonic() + SUBSCRIBER_TIMEOUT
         every = self._topic_publishers.items()
-        publishers = [each for topic, each in every if topic not in (PARAMETER_EVENTS, ROSOUT)]
+        publishers = [each for topic, each in every if _is_of_the_loop(topic)]
         while not stop():
             missing = [p.topic_name for p in publishers if not p.get_subscription_count()]
             if not missing:
@@ -130,6 +130,12 @@ class ReplayNode(Node):
                     f"no subscriber on {', '.join(missing)} (waited {SUBSCRIBER_TIMEOUT:g} s)"
                 )
             sleep(0.02)
+
+
+def _is_of_the_loop(topic: str) -> bool:
+    """Whether a topic is neither one of ROS itself nor one that only reports."""
+    reports = topic.rpartition("/")[2] == MODE_IN_FORCE
+    return topic not in (PARAMETER_EVENTS, ROSOUT) and not reports
 
 
 def _absolute(topic: str) -> str:

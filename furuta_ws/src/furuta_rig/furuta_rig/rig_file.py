@@ -1,12 +1,14 @@
 """Reads rig files: YAML with a section for each part of a :class:`Rig`.
 
 The model is given in one of three forms: ``model`` (α, β, γ, δ), ``linear`` (the four identified
-coefficients of (3)) or ``physical``. Values that a file does not give are those of the paper's rig.
+coefficients of (3)) or ``physical``. The arm's travel is given as ``limits.arm_angle`` [rad] or as
+``limits.arm_turns``. Values that a file does not give are those of the paper's rig.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import pi
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -33,6 +35,8 @@ class LinearCoefficients(NamedTuple):
     b41: Annotated[float, About("θ̈ per u", "rad/(V s²)", high=0.0)] = -29.0
 
 
+# The arm's travel in turns, an alternative to ``limits.arm_angle`` in radians.
+ARM_TURNS = "limits.arm_turns"
 # Sections of a rig file that hold text for the reader, and one that has its own reader.
 TEXT_SECTIONS = ("name", "sources", "notes")
 UNCERTAINTY = "uncertainty"
@@ -79,7 +83,7 @@ def _rig(content: Mapping[str, Any]) -> Rig:
         if section not in _SECTIONS:
             raise ParameterError(f"unknown: {section}.{next(iter(values), '')}")
         given |= {f"{section}.{name}": _numbers(value) for name, value in values.items()}
-    given = _normalised(given)
+    given = _normalised(_with_arm_angle(given))
     known = [each.name for each in declared(Rig)]
     unknown = sorted(str(name) for name in given if name not in known)
     if unknown:
@@ -112,6 +116,19 @@ def _normalised(given: dict[str, Any]) -> dict[str, Any]:
 
 _FORMS = ("linear", "physical")
 _SECTIONS = {*_FORMS, *(each.name.partition(".")[0] for each in declared(Rig))}
+
+
+def _with_arm_angle(given: dict[str, Any]) -> dict[str, Any]:
+    """Convert ``limits.arm_turns``, which cables allow to either side, to ``limits.arm_angle``."""
+    if ARM_TURNS not in given:
+        return given
+    if "limits.arm_angle" in given:
+        raise ParameterError(f"give one of limits.arm_angle and {ARM_TURNS}")
+    turns = given[ARM_TURNS]
+    if isinstance(turns, bool) or not isinstance(turns, (int, float)) or not 0.0 < turns <= 1e5:
+        raise ParameterError(f"{ARM_TURNS} must be above 0 and at most 100000, given {turns}")
+    others = {name: value for name, value in given.items() if name != ARM_TURNS}
+    return others | {"limits.arm_angle": 2.0 * pi * turns}
 
 
 def _model(model: FurutaPendulum) -> dict[str, Any]:

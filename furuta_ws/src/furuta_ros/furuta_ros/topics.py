@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64, UInt64MultiArray
+from std_msgs.msg import Float64, String, UInt64MultiArray
 
 from furuta_model import topic_names
 
@@ -42,6 +42,15 @@ JOINT_STATES = Topic(topic_names.JOINT_STATES, JointState)
 FRICTION_ESTIMATE = Topic(topic_names.FRICTION_ESTIMATE, Float64)
 COMMAND = Topic(topic_names.COMMAND, Float64)
 GROUND_TRUTH = Topic(topic_names.GROUND_TRUTH, JointState)
+
+# What the controller does, published when it changes; until then it is what its parameter mode
+# says. A late subscriber gets the last one.
+MODE_IN_FORCE = Topic(topic_names.MODE_IN_FORCE, String)
+LATCHED = QoSProfile(
+    depth=QOS.depth,
+    reliability=QoSReliabilityPolicy.RELIABLE,
+    durability=QoSDurabilityPolicy.TRANSIENT_LOCAL,
+)
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 

@@ -12,7 +12,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from furuta_analysis.simulation.closed_loop import simulate
 from furuta_cli.options import MEASURED_SECONDS, json_option, model_options, print_json
+from furuta_graph.rigs import find_rig
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.experiments import (
     EXPERIMENTS,
@@ -20,11 +22,19 @@ from furuta_studies.experiments import (
     encoder_resolution,
     run_experiment,
 )
+from furuta_studies.swing_up.rig_loop import judge, swing_up_settings
 from furuta_studies.tuning.result import observer_parameters
+
+# The experiment beside those of the paper, its rig, and its simulated time [s].
+SWING_UP = "swing-up"
+FULL_TURN_RIG = "paper_full_turn"
+SWING_UP_TIME = 8.0
 
 
 @click.command()
-@click.argument("names", nargs=-1, type=click.Choice([*EXPERIMENTS, "all"]), required=True)
+@click.argument(
+    "names", nargs=-1, type=click.Choice([*EXPERIMENTS, SWING_UP, "all"]), required=True
+)
 @click.option(
     "--seconds",
     type=MEASURED_SECONDS,
@@ -45,9 +55,16 @@ def command(
 ) -> None:
     """Repeat experiments of the paper (fig5 to fig9, or all), and compare with the prediction.
 
+    swing-up is not of the paper: from hanging to upright, with a full-turn encoder.
+
     The simulation uses the same functions as the nodes. From fig6 on the true friction differs by
     direction, by 5 % unless it is set with --set.
     """
+    if SWING_UP in names:
+        if len(names) > 1:
+            raise click.UsageError("swing-up is an experiment of its own: name no other with it")
+        _swing_up(out, files, assignments, as_json)
+        return
     nominal = loop(load_settings(files, assignments))
     rows = []
     console = Console(stderr=True, quiet=as_json)
@@ -65,6 +82,25 @@ def command(
         print_json({"experiments": rows, "encoder_count_rad": encoder_resolution(nominal)})
     else:
         _print(rows, encoder_resolution(nominal))
+
+
+def _swing_up(
+    out: Path | None, files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
+) -> None:
+    """Swing the paper's rig with a full-turn encoder up, and draw it."""
+    settings = load_settings(files, assignments, swing_up_settings(find_rig(FULL_TURN_RIG)))
+    nominal = loop(settings)
+    record = simulate(nominal, SWING_UP_TIME)
+    if out is not None:
+        from furuta_figures.run import draw_run
+
+        draw_run(record, out / f"{SWING_UP}.png")
+    result = judge(record, nominal)._asdict()
+    if as_json:
+        print_json({"experiment": SWING_UP, **result})
+    else:
+        for name, value in result.items():
+            print(f"{name:18} {value}")
 
 
 def _row(name: str, result: ExperimentResult) -> dict[str, Any]:

@@ -106,6 +106,12 @@ def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
     return step
 
 
+def stationary_gain(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
+    """Stationary Kalman gain (4, 2) of (φ̇, θ, θ̇, F) for tachometer and potentiometer."""
+    dynamics, _, covariance = _sampled(rig, p)
+    return _gain(dynamics[1:, 1:], covariance[1:, 1:], rig.sensors)
+
+
 def half_count(sensors: Sensors) -> float:
     """Half an encoder count [rad], 0 without quantisation."""
     return pi / sensors.encoder_counts if sensors.encoder_counts else 0.0

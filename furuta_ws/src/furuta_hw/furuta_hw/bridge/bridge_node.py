@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from math import isfinite, nan
+from math import isfinite, nan, pi
 from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -26,7 +26,7 @@ from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
 from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
-from furuta_rig.rig import Rig
+from furuta_rig.rig import Rig, SafetyLimits
 from furuta_rig.rig_file import load_rig
 from furuta_ros.discovery import describe_discovery, reaches_network
 from furuta_ros.messages import JointWriter, RefusedError
@@ -108,7 +108,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             connection.open()
         except (RigError, ParameterError) as error:
             return self._fail(str(error))
-        self.guard = Guard(self.rig.limits, self.rig.line.sample_time)
+        self.guard = Guard(self._limits(), self.rig.line.sample_time)
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
         self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
@@ -116,6 +116,11 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             self._steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
+
+    def _limits(self) -> SafetyLimits:
+        """The rig's limits; none on the pendulum's angle if the user allows any."""
+        limits = self.rig.limits
+        return limits._replace(pendulum_angle=pi) if self.parameters.any_pendulum_angle else limits
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make arming possible."""

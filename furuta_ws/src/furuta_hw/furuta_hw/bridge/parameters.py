@@ -26,6 +26,10 @@ class BridgeParameters(NamedTuple):
     read_only: Annotated[
         bool, About("never drive: the node cannot be activated", read_only=True)
     ] = False
+    any_pendulum_angle: Annotated[
+        bool,
+        About("do not stop on the pendulum's angle, as swing-up needs it", read_only=True),
+    ] = False
     network_commands: Annotated[
         bool,
         About(

@@ -1,0 +1,103 @@
+r"""Extended Kalman filter for the whole circle, with the gain scheduled by cos θ.
+
+The prediction is eq. (1) itself over one sample, by the midpoint rule. Viscous
+friction is part of the model; the rest of the friction is a random walk. The gain is that of the
+stationary Kalman filter (:mod:`furuta_control.estimators.kalman`), designed once about upright and
+once about hanging:
+
+.. math::
+    K(θ) = \tfrac12 (1 + \cosθ) K_{upright} + \tfrac12 (1 - \cosθ) K_{hanging}
+
+Upright and hanging this is the stationary filter of the linear model. Between them the coupling of
+the joints, on which the entries of K between arm and pendulum depend, is proportional to cos θ as
+well. The arm angle is treated as there: integrated, and kept within half a count of the encoder.
+"""
+
+from __future__ import annotations
+
+from math import cos
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_control.estimators import kalman
+from furuta_control.estimators.kalman import KalmanParameters
+from furuta_control.estimators.rig import NominalRig
+from furuta_model.compiled import inlined
+from furuta_model.pendulum import FurutaPendulum, accelerations
+from furuta_model.state import (
+    APPLIED_TORQUE,
+    OBSERVED_FRICTION,
+    PHI,
+    PHI_DOT,
+    THETA,
+    THETA_DOT,
+)
+
+# Corrected states: φ̇, θ, θ̇, F. Columns of a gain: tachometer, pendulum's sensor.
+CORRECTED = 4
+SENSORS = 2
+
+
+class WholeCircle(NamedTuple):
+    """The sampled filter: nominal model, gains (4, 2), sample time [s], half a count [rad]."""
+
+    viscous: float
+    model: FurutaPendulum
+    upright: np.ndarray
+    hanging: np.ndarray
+    sample_time: float
+    half_count: float
+
+
+def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
+    """The filter for a rig."""
+    return WholeCircle(
+        rig.viscous,
+        rig.model,
+        kalman.stationary_gain(rig, p),
+        kalman.stationary_gain(rig._replace(model=hanging(rig.model)), p),
+        rig.sample_time,
+        kalman.half_count(rig.sensors),
+    )
+
+
+def unused(rig: NominalRig) -> WholeCircle:
+    """A filter without gain, for an estimator with another method; it takes no time to design."""
+    zero = np.zeros((CORRECTED, SENSORS))
+    return WholeCircle(0.0, rig.model, zero, zero, rig.sample_time, kalman.half_count(rig.sensors))
+
+
+def hanging(p: FurutaPendulum) -> FurutaPendulum:
+    """The model whose linear model about upright is that of ``p`` about hanging: cos θ is −1."""
+    return p._replace(gamma=-p.gamma, delta=-p.delta)
+
+
+@inlined
+def update(memory: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
+    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``."""
+    v, theta, w = memory[PHI_DOT], memory[THETA], memory[THETA_DOT]
+    torque, h = measurement[APPLIED_TORQUE] - memory[OBSERVED_FRICTION], p.sample_time
+    half = 0.5 * h
+    v_dot, w_dot = accelerations(v, theta, w, torque - p.viscous * v, p.model)
+    v_mid, w_mid = v + half * v_dot, w + half * w_dot
+    left = torque - p.viscous * v_mid
+    v_dot, w_dot = accelerations(v_mid, theta + half * w, w_mid, left, p.model)
+    memory[PHI] += h * v_mid
+    memory[PHI_DOT], memory[THETA] = v + h * v_dot, theta + h * w_mid
+    memory[THETA_DOT] = w + h * w_dot
+    _correct(memory, measurement, p)
+    phi = measurement[PHI]
+    memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)
+
+
+@inlined
+def _correct(memory: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
+    """Correct the prediction in ``memory`` by the readings of arm speed and pendulum angle."""
+    speed = measurement[PHI_DOT] - memory[PHI_DOT]
+    angle = measurement[THETA] - memory[THETA]
+    share = 0.5 + 0.5 * cos(memory[THETA])
+    for i in range(CORRECTED):
+        of_speed = p.hanging[i, 0] + share * (p.upright[i, 0] - p.hanging[i, 0])
+        of_angle = p.hanging[i, 1] + share * (p.upright[i, 1] - p.hanging[i, 1])
+        memory[PHI_DOT + i] += of_speed * speed + of_angle * angle

@@ -1,0 +1,99 @@
+r"""Catches a pendulum that arrives near upright: when it can be caught, and with which feedback.
+
+Near upright βθ̈ + γφ̈ = δθ. The unstable part of the motion is
+
+.. math::
+    z = \dot θ + ωθ + \frac{γ}{β}\dot φ, \qquad \dot z = ω\Bigl(z - \frac{γ}{β}\dot φ\Bigr),
+    \qquad ω^2 = δ/β
+
+An arm whose speed is at most V can therefore only stop a |z| below Vγ/β, and needs a travel of
+about zβ/(γω). The pendulum is caught within the catch angle if z needs at most :data:`USED_SHARE`
+of that speed and :data:`USED_TRAVEL_SHARE` of the travel that is left. The feedback is a
+linear-quadratic regulator; its weights are the inverse squares of what the limits allow (Bryson's
+rule). It brings the pendulum to where balancing takes over.
+"""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_continuous_are
+
+from furuta_control.modes.arm_limits import ArmLimits
+from furuta_model.compiled import inlined
+from furuta_model.linear import linearize
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
+
+# Pendulum angle [rad] within which it is caught, and beyond which it has been missed.
+CATCH_ANGLE = 0.5
+MISSED_ANGLE = 0.7
+# Part of the used travel within which the arm must be.
+CATCH_TRAVEL = 0.8
+# Shares of the arm's speed, and of the travel left, that catching may need.
+USED_SHARE = 0.5
+USED_TRAVEL_SHARE = 0.25
+# Bryson's weights: deviations [rad], the speed of the pendulum relative to its frequency.
+ARM_DEVIATION = 0.5
+PENDULUM_DEVIATION = 0.3
+# Largest arm error [rad] that is fed back, and travel [rad] that weights and errors assume.
+ARM_ERROR = 1.0
+
+
+class Catching(NamedTuple):
+    """Gain L [V per unit of state], γ/β, ω [rad/s] and the arm's reference [rad]."""
+
+    l1: float
+    l2: float
+    l3: float
+    l4: float
+    ratio: float
+    frequency: float
+    arm_reference: float
+
+
+def design(
+    model: FurutaPendulum, voltage: float, limits: ArmLimits, arm_reference: float
+) -> tuple[Catching, np.ndarray]:
+    """The feedback for a rig, and its cost (4, 4) of a deviation."""
+    frequency = sqrt(model.delta / model.beta)
+    a, b = linearize(model)
+    deviations = np.array(
+        (
+            ARM_DEVIATION * min(limits.travel, pi),
+            limits.speed,
+            PENDULUM_DEVIATION,
+            PENDULUM_DEVIATION * frequency,
+        )
+    )
+    cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), np.eye(1) / voltage**2)
+    l1, l2, l3, l4 = (float(each) for each in voltage**2 * b @ cost)
+    return Catching(l1, l2, l3, l4, model.gamma / model.beta, frequency, arm_reference), cost
+
+
+def unused() -> tuple[Catching, np.ndarray]:
+    """No feedback, for a controller in another mode."""
+    return Catching(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0), np.zeros((RIGID_STATES, RIGID_STATES))
+
+
+@inlined
+def can_catch(x: np.ndarray, limits: ArmLimits, p: Catching) -> bool:
+    """Whether the pendulum can be caught in state ``x``."""
+    if abs(x[THETA]) > CATCH_ANGLE or abs(x[PHI]) > CATCH_TRAVEL * limits.travel:
+        return False
+    # The arm's speed [rad/s] that stops the unstable part, and the travel in its direction [rad].
+    speed = x[PHI_DOT] + (x[THETA_DOT] + p.frequency * x[THETA]) / p.ratio
+    travel = limits.travel - (x[PHI] if speed > 0.0 else -x[PHI])
+    return (
+        abs(speed) < USED_SHARE * limits.speed
+        and abs(speed) < USED_TRAVEL_SHARE * p.frequency * travel
+    )
+
+
+@inlined
+def command(x: np.ndarray, friction: float, p: Catching) -> float:
+    """Command u [V], unsaturated, for state ``x`` and friction estimate [V]."""
+    error = min(max(x[PHI] - p.arm_reference, -ARM_ERROR), ARM_ERROR)
+    return friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]

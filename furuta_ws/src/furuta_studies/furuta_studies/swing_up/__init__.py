@@ -1,0 +1,1 @@
+"""Swing-up: random starts, optimised trajectories, and the criteria of a competition."""

@@ -1,0 +1,80 @@
+"""Estimator of the whole circle: the stationary filter upright and hanging, the seam, friction."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+import reference
+
+from furuta_control.estimation import (
+    MEMORY,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+)
+from furuta_control.estimators import kalman, whole_circle
+from furuta_control.estimators.kalman import KalmanParameters
+from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.whole_circle import WholeCircleParameters
+from furuta_model.linear import linearize
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+
+MODEL = FurutaPendulum()
+SENSORS = Sensors(encoder_counts=4096, potentiometer_range=pi, potentiometer_bits=0)
+DT = 0.001
+
+
+def test_hanging_model_is_the_linear_model_about_hanging() -> None:
+    """Its linear model is the derivative of the reference accelerations at θ = π."""
+    a, b = linearize(whole_circle.hanging(MODEL))
+    h = 1e-6
+    above, below = (reference.accelerations(0.0, pi + each, 0.0, 0.0, MODEL) for each in (h, -h))
+    np.testing.assert_allclose(a[[1, 3], 2], (np.array(above) - below) / (2.0 * h), rtol=1e-6)
+    driven = reference.accelerations(0.0, pi, 0.0, 1.0, MODEL)
+    np.testing.assert_allclose(b[[1, 3]], driven, rtol=1e-9)
+
+
+def test_upright_it_is_the_stationary_filter() -> None:
+    """For small motions one step is that of the Kalman filter for the linear model."""
+    rig, noise = NominalRig(MODEL, SENSORS, DT), KalmanParameters()
+    filters = kalman.design(rig, noise), whole_circle.design(rig, noise, WholeCircleParameters())
+    state = 1e-4 * np.array((0.3, 1.0, -0.4, 0.8, 2.0))
+    reading = 1e-4 * np.array((0.3, 1.2, -0.5, np.nan, 3.0))
+    linear, nonlinear = state.copy(), state.copy()
+    kalman.update(linear, reading, filters[0])
+    whole_circle.update(nonlinear, reading, filters[1])
+    np.testing.assert_allclose(nonlinear, linear, rtol=1e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.5])
+def test_follows_a_turning_pendulum_through_the_seam(viscous: float) -> None:
+    """Over more than a turn: angles within ±π, speeds and friction known, also at high speed."""
+    p = EstimatorParameters(
+        method="whole_circle",
+        sensors=SENSORS,
+        whole_circle=WholeCircleParameters(viscous),
+    )
+    design, memory, estimate = design_estimator(p), np.zeros(MEMORY), np.zeros(5)
+    x, level = np.array((0.0, 0.0, -2.0, 14.0)), 0.2
+    generator = np.random.default_rng(3)
+    errors = []
+    for k in range(3000):
+        u = 2.0 * np.sin(0.004 * k)
+        friction = level * np.tanh(x[1] / 0.05) + viscous * x[1]
+        v_dot, w_dot = reference.accelerations(x[1], x[2], x[3], u - friction, MODEL)
+        middle = x + 0.5 * DT * np.array((x[1], v_dot, x[3], w_dot))
+        v_dot, w_dot = reference.accelerations(middle[1], middle[2], middle[3], u - friction, MODEL)
+        x = x + DT * np.array((middle[1], v_dot, middle[3], w_dot))
+        noise = generator.normal(size=2) * (SENSORS.tachometer_noise, SENSORS.potentiometer_noise)
+        theta = (x[2] + pi) % (2.0 * pi) - pi
+        reading = np.array((x[0], x[1] + noise[0], theta + noise[1], np.nan, u))
+        estimate_state(memory, reading, design, estimate)
+        error = estimate[:4] - x
+        errors.append(np.append((error + pi) % (2.0 * pi) - pi, estimate[4] - friction))
+        assert abs(estimate[2]) < pi + 0.1
+    assert abs(x[2]) > 2.0 * pi
+    rms = np.sqrt(np.mean(np.square(errors[300:]), axis=0))
+    assert np.all(rms < (0.002, 0.05, 0.003, 0.15, 0.15))
