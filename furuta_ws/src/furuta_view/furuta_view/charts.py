@@ -1,0 +1,104 @@
+"""The charts of the page: angles and voltages over time, and two planes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import viser
+
+from furuta_view.samples import COMMAND, ESTIMATE, FRICTION, PHI, PHI_DOT, THETA, TIME
+from furuta_view.xy_chart import Curve, Plane, xy_chart
+
+# Time on the axis [s], and time that the planes show [s].
+SECONDS = 10.0
+PLANE_SECONDS = 5.0
+HEIGHT = 160  # [pixels]
+ARM, PENDULUM, TRUE, ESTIMATED, VOLTAGE, EXACT = (
+    *("#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8", "#94a3b8"),
+)
+FONT = "13px system-ui, sans-serif"
+FRICTION_PLANE = Plane("Friction over speed", "arm speed [rad/s]", "friction [V]", 0.6, 0.3)
+PHASE_PLANE = Plane("Phase plane", "arm angle φ [rad]", "arm speed [rad/s]", 0.3, 0.6)
+
+
+class TimeChart:
+    """Curves over the last seconds; the axis of values reaches at least from -reach to reach."""
+
+    def __init__(
+        self, gui: Any, name: str, curves: list[tuple[str, str, int]], reach: float
+    ) -> None:
+        self._columns = [column for _, _, column in curves]
+        empty = np.array([-SECONDS, 0.0])
+        series: list[Any] = [{"label": "time [s]"}]
+        series += [{"label": label, "stroke": colour, "width": 2} for label, colour, _ in curves]
+        end = {"pad": 0.05, "soft": reach, "mode": 1}
+        self._handle = gui.add_uplot(
+            data=(empty, *(np.full(2, np.nan) for _ in curves)),
+            series=tuple(series),
+            scales={
+                "x": {"time": False},
+                "y": {"range": {"min": end | {"soft": -reach}, "max": end}},
+            },
+            axes=(_axis("time before now [s]"), _axis(name)),
+            legend={"show": True, "live": False},
+            height=HEIGHT,
+            padding=(8, 12, 0, 0),
+        )
+
+    def draw(self, samples: np.ndarray) -> None:
+        """Draw samples (n, 8)."""
+        if len(samples) < 2:
+            return
+        time = samples[:, TIME] - samples[-1, TIME]
+        self._handle.data = (time, *(samples[:, column] for column in self._columns))
+
+
+def _axis(label: str) -> dict[str, Any]:
+    return {"label": label, "font": FONT, "labelFont": FONT, "labelSize": 22}
+
+
+class Charts:
+    """All charts; ``cycle`` (n, 6) is the exact limit cycle behind the motion, or None."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        gui = server.gui
+        truth = ("friction F [V]", TRUE, FRICTION)
+        estimate = ("estimate F̂ [V]", ESTIMATED, ESTIMATE)
+        self._time = [
+            TimeChart(
+                gui,
+                "angle [rad]",
+                [("arm φ [rad]", ARM, PHI), ("pendulum θ [rad]", PENDULUM, THETA)],
+                0.3,
+            ),
+            TimeChart(gui, "voltage [V]", [("u [V]", VOLTAGE, COMMAND), truth, estimate], 0.5),
+        ]
+        self._friction = gui.add_html("")
+        self._phase = gui.add_html("")
+        self.cycle: np.ndarray | None = None
+
+    def draw(self, samples: np.ndarray) -> None:
+        """Draw the newest samples (n, 8)."""
+        for chart in self._time:
+            chart.draw(samples)
+        newest = samples[samples[:, TIME] > samples[-1, TIME] - PLANE_SECONDS]
+        self._friction.content = xy_chart(FRICTION_PLANE, _friction_curves(newest))
+        self._phase.content = xy_chart(PHASE_PLANE, self._phase_curves(newest))
+
+    def _phase_curves(self, samples: np.ndarray) -> list[Curve]:
+        exact = []
+        if self.cycle is not None:
+            phi = self.cycle[:, 1] - 0.5 * (self.cycle[:, 1].max() + self.cycle[:, 1].min())
+            exact = [Curve("exact, no compensation", EXACT, phi, self.cycle[:, 2], 4.0)]
+        return [*exact, Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])]
+
+
+def _friction_curves(samples: np.ndarray) -> list[Curve]:
+    speed = samples[:, PHI_DOT]
+    curves = [("true F", TRUE, FRICTION), ("estimate F̂", ESTIMATED, ESTIMATE)]
+    return [
+        Curve(name, colour, speed, samples[:, column])
+        for name, colour, column in curves
+        if np.isfinite(samples[:, column]).any()
+    ]
