@@ -7,7 +7,7 @@ NAME = "furuta_description"
 setup(
     name=NAME,
     version="0.1.0",
-    description="Robot description of the Furuta pendulum, and layouts for RViz, PlotJuggler and Foxglove.",
+    description="Robot description of the Furuta pendulum, and layouts of display tools.",
     license="Apache-2.0",
     url="https://github.com/furuta_ws/furuta_ws",
     author="The furuta_ws developers",

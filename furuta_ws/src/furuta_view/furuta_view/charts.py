@@ -13,7 +13,7 @@ from furuta_view.xy_chart import Curve, Plane, xy_chart
 # Time on the axis [s], and time that the planes show [s].
 SECONDS = 10.0
 PLANE_SECONDS = 5.0
-HEIGHT = 160  # [pixels]
+HEIGHT = 148  # [pixels]
 ARM, PENDULUM, TRUE, ESTIMATED, VOLTAGE, EXACT = (
     *("#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8", "#94a3b8"),
 )
@@ -40,10 +40,10 @@ class TimeChart:
                 "x": {"time": False},
                 "y": {"range": {"min": end | {"soft": -reach}, "max": end}},
             },
-            axes=(_axis("time before now [s]"), _axis(name)),
+            axes=(_axis("time before now [s]", 30), _axis(name, 48)),
             legend={"show": True, "live": False},
             height=HEIGHT,
-            padding=(8, 12, 0, 0),
+            padding=(6, 12, 0, 0),
         )
 
     def draw(self, samples: np.ndarray) -> None:
@@ -54,8 +54,8 @@ class TimeChart:
         self._handle.data = (time, *(samples[:, column] for column in self._columns))
 
 
-def _axis(label: str) -> dict[str, Any]:
-    return {"label": label, "font": FONT, "labelFont": FONT, "labelSize": 22}
+def _axis(label: str, size: int) -> dict[str, Any]:
+    return {"label": label, "font": FONT, "labelFont": FONT, "labelSize": 20, "size": size}
 
 
 class Charts:

@@ -54,5 +54,5 @@ def _ideal_loop(values: dict[str, dict[str, Any]]) -> IdealLoop:
     else:
         observer = build(ObserverParameters, values["friction_observer"])
         model, law, friction = controller.model, "lugre", observer.friction
-    gains = [-each for each in controller.feedback_gain]
-    return IdealLoop(model, analysed_law(law, friction), *gains)
+    l1, l2, l3, l4 = (-each for each in controller.feedback_gain)
+    return IdealLoop(model, analysed_law(law, friction), l1, l2, l3, l4)

@@ -8,7 +8,7 @@ up no publisher.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import nan
+from math import nan, pi, remainder
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,7 @@ from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.messages import RefusedError, read_joints
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH, JOINT_STATES, TIMING, Topic
-from furuta_view.samples import COLUMNS, ESTIMATE, FRICTION, PHI, TIME, Samples
+from furuta_view.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, Samples
 from furuta_view.samples import COMMAND as COMMAND_COLUMN
 
 # Messages that wait between two collections; in fast lock-step the older ones are dropped.
@@ -102,6 +102,7 @@ class LiveNode(Node):
         sample = np.full(COLUMNS, nan)
         sample[TIME] = self._last_stamp / NANOSECONDS
         sample[PHI : PHI + RIGID_STATES] = self._x[:RIGID_STATES]
+        sample[THETA] = remainder(sample[THETA], 2 * pi)  # a pendulum that fell may have turned
         if self._state_topic is GROUND_TRUTH:
             sample[FRICTION] = self._x[RIGID_STATES]
         sample[ESTIMATE], sample[COMMAND_COLUMN] = estimate, command

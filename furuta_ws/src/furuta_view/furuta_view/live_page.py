@@ -110,8 +110,9 @@ class LivePage:
             ("pendulum, peak to peak", _number(shown.theta_peak_to_peak, 4, "rad")),
             ("period", _number(shown.period, 2, "s")),
             ("arm in encoder counts", _number(shown.counts, 1, "")),
-            ("late samples", late_samples(self._node.timing, self._node.status)),
         ]
+        if not self._lockstep:
+            rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
         seconds = f", t = {time:.1f} s" if self._lockstep else ""
         return status_html(kind + seconds, rows)
 

@@ -20,12 +20,8 @@ from furuta_view.parameters_on_page import ParametersOnPage
 
 # A push: torque [V], and how long it lasts [s].
 PUSH_TIME = 0.1
-PUSHES = {
-    "arm −": ("pushes.arm", -1.0),
-    "arm +": ("pushes.arm", 1.0),
-    "pendulum −": ("pushes.pendulum", -1.0),
-    "pendulum +": ("pushes.pendulum", 1.0),
-}
+PUSHES = {"push arm": "pushes.arm", "push pendulum": "pushes.pendulum"}
+LEFT, RIGHT = "− ←", "→ +"
 # A push that has begun and does not end by itself.
 BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
 LARGEST_PARAMETER_FILE = 2**21
@@ -57,8 +53,8 @@ class SimulationControls:
     def __init__(self, gui: Any, link: GraphLink, note: Note, pacer: Pacer) -> None:
         self._link, self._note, self.pacer = link, note, pacer
         self._push_size = gui.add_slider("push size [V]", 0.1, 5.0, 0.1, 1.0)
-        pushes = gui.add_button_group("push", list(PUSHES))
-        pushes.on_click(lambda event: self._push(event.target.value))
+        for label, parameter in PUSHES.items():
+            gui.add_button_group(label, (LEFT, RIGHT)).on_click(partial(self._push, parameter))
         reset = gui.add_button("Reset: pendulum upright", icon=viser.Icon.RESTORE)
         reset.on_click(lambda _: link.try_job("reset", link.reset, note.fail))
         self._speed = gui.add_dropdown("speed", list(SPEEDS), initial_value=FASTEST, visible=False)
@@ -71,9 +67,9 @@ class SimulationControls:
         if self._pause.visible != lockstep:
             self._pause.visible = self._speed.visible = lockstep
 
-    def _push(self, name: str) -> None:
-        parameter, sign = PUSHES[name]
-        work = partial(self._push_now, parameter, sign * self._push_size.value)
+    def _push(self, parameter: str, event: Any) -> None:
+        size = self._push_size.value * (1.0 if event.target.value == RIGHT else -1.0)
+        work = partial(self._push_now, parameter, size)
         self._link.try_job("push", work, self._note.fail)
 
     def _push_now(self, parameter: str, size: float) -> None:

@@ -29,6 +29,8 @@ class Control:
         self.described = self.described._replace(value=value)
         self._refusal.visible = False
         self._show()
+        if self._is_number and not self.described.read_only:
+            self._ends = self._handle.min, self._handle.max
 
     def refuse(self, reason: str) -> None:
         """Show why the node refuses a value, and the value that it has."""
@@ -38,6 +40,8 @@ class Control:
         )
         self._refusal.visible = True
         self._show()
+        if self._is_number and not self.described.read_only:
+            self._handle.min, self._handle.max = self._ends
 
     def _make(self, order: float) -> Any:
         gui, it = self._gui, self.described
@@ -59,6 +63,7 @@ class Control:
     def _slider(self, about: dict[str, Any]) -> Any:
         it = self.described
         low, high, step = slider_range(it.value, it.low, it.high)
+        self._ends = low, high
         return self._gui.add_slider(it.label, low, high, step, it.value, **about)
 
     def _text(self, about: dict[str, Any], order: float) -> Any:

@@ -12,7 +12,7 @@ from viser.transforms import SO3
 
 GROUND = (226, 232, 240)
 # Distance of the camera in heights of the joint above the ground.
-CAMERA = (1.9, -2.3, 1.75)
+CAMERA = (1.6, -2.0, 1.65)
 
 
 class Scene:
@@ -23,6 +23,8 @@ class Scene:
         self._axes: dict[str, np.ndarray] = {}
         self._frames: dict[str, Any] = {}
         self._root: Any = None
+        self._height = 0.0
+        server.on_client_connect(self._place_camera)
         server.scene.set_up_direction("+z")
 
     def show(self, description: str) -> None:
@@ -61,7 +63,7 @@ class Scene:
         place: dict[str, Any] = {
             "color": tuple(round(255 * part) for part in colour),
             "position": tuple(origin.xyz),
-            "wxyz": tuple(SO3.from_rpy_radians(*map(float, origin.rpy or (0, 0, 0))).wxyz),
+            "wxyz": SO3.from_rpy_radians(*map(float, origin.rpy or (0, 0, 0))).wxyz,
         }
         if isinstance(shape, Cylinder):
             scene.add_cylinder(path, shape.radius, shape.length, **place)
@@ -79,6 +81,17 @@ class Scene:
             cell_color=GROUND,
             section_color=GROUND,
         )
-        camera = server.initial_camera
-        camera.position = tuple(height * each for each in CAMERA)
-        camera.look_at = (0.0, 0.0, 1.05 * height)
+        self._height = height
+        for client in server.get_clients().values():
+            self._place_camera(client)
+
+    def _place_camera(self, client: viser.ClientHandle) -> None:
+        """Look at the pendulum; in a narrow page it is above the controls."""
+        if not self._height:
+            return
+        narrow = client.camera.aspect < 1.0
+        distance, centre = (1.7, 0.0) if narrow else (1.0, 1.05)
+        x, y, z = (self._height * distance * each for each in CAMERA)
+        with client.atomic():
+            client.camera.position = (x, y, z)
+            client.camera.look_at = (0.0, 0.0, self._height * centre)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from html import escape
 from math import ceil, floor, log10
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-WIDTH, HEIGHT = 420, 190
-LEFT, RIGHT, TOP, BOTTOM = 58, 10, 30, 44
+WIDTH, HEIGHT = 420, 172
+LEFT, RIGHT, TOP, BOTTOM = 58, 14, 26, 40
 # Largest number of intervals between ticks.
 INTERVALS = 6
+Number = TypeVar("Number", float, np.ndarray)
+
 GRID, INK = "#e3e8ef", "#334155"
 
 
@@ -63,11 +65,11 @@ def _step(reach: float) -> float:
     return float(next(each * power for each in (1, 2, 5, 10) if each * power >= rough * 0.999))
 
 
-def _to_x(x: np.ndarray | float, reach: float) -> np.ndarray | float:
+def _to_x(x: Number, reach: float) -> Number:
     return LEFT + (x / reach + 1.0) / 2.0 * (WIDTH - LEFT - RIGHT)
 
 
-def _to_y(y: np.ndarray | float, reach: float) -> np.ndarray | float:
+def _to_y(y: Number, reach: float) -> Number:
     return TOP + (1.0 - y / reach) / 2.0 * (HEIGHT - TOP - BOTTOM)
 
 
@@ -76,7 +78,7 @@ def _polyline(curve: Curve, reach_x: float, reach_y: float) -> str:
     if not known.any():
         return ""
     x, y = _to_x(curve.x[known], reach_x), _to_y(curve.y[known], reach_y)
-    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(np.atleast_1d(x), np.atleast_1d(y)))
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
     dash = f' stroke-dasharray="{curve.dash}"' if curve.dash else ""
     return (
         f'<polyline fill="none" stroke="{curve.colour}" stroke-width="{curve.width}" '
@@ -122,11 +124,11 @@ def _legend(curves: list[Curve]) -> str:
     )
 
 
-def _line(x1: object, y1: object, x2: object, y2: object) -> str:
+def _line(x1: float, y1: float, x2: float, y2: float) -> str:
     return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{GRID}"/>'
 
 
-def _text(x: object, y: float, text: str, anchor: str, size: int, weight: str = "400") -> str:
+def _text(x: float, y: float, text: str, anchor: str, size: int, weight: str = "400") -> str:
     return (
         f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}" '
         f'font-weight="{weight}" fill="{INK}">{escape(text)}</text>'
