@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isnan
 from time import monotonic
 from typing import Any
 
@@ -67,7 +68,7 @@ class Page:
             "if (at > 0) return Array.from(one.chart.data[at]); } return []; }"
         )
         values = self.page.evaluate(code, label)
-        return [each for each in values if each is not None and each == each]
+        return [each for each in values if each is not None and not isnan(each)]
 
     def text(self, selector: str) -> str:
         """All visible text of the elements."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from math import isfinite
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -16,9 +15,11 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import exact_cycle, relevant
 from furuta_view.figures import Figures, figures
+from furuta_view.figures_text import figure_rows
 from furuta_view.graph_link import GraphLink
 from furuta_view.live_node import LiveNode
 from furuta_view.main_controls import FileControls, Note, RigControls, SimulationControls
+from furuta_view.model_of import model_of
 from furuta_view.pacer import Pacer
 from furuta_view.page_layout import Layout, status_html
 from furuta_view.page_recorder import PageRecorder
@@ -104,13 +105,7 @@ class LivePage:
 
     def _status(self, time: float) -> str:
         kind = "rig" if self._rig else "simulated, lock-step" if self._lockstep else "simulated"
-        shown = self._figures
-        rows = [
-            ("arm, peak to peak", _number(shown.phi_peak_to_peak, 3, "rad")),
-            ("pendulum, peak to peak", _number(shown.theta_peak_to_peak, 4, "rad")),
-            ("period", _number(shown.period, 2, "s")),
-            ("arm in encoder counts", _number(shown.counts, 1, "")),
-        ]
+        rows = figure_rows(self._figures)
         if not self._lockstep:
             rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
         seconds = f", t = {time:.1f} s" if self._lockstep else ""
@@ -138,8 +133,8 @@ class LivePage:
     def _parameters_changed(self, node: str) -> None:
         """Draw the pendulum at its lengths, and the cycle of its parameters."""
         values = self._parameters.values
-        model = _model(values)
-        if model is not None and model != self._drawn_model:
+        model = model_of(values)
+        if model != self._drawn_model:
             self._drawn_model = model
             self._scene.show(robot_description(lengths(model)))
         if relevant(values) != self._cycle_of:
@@ -148,16 +143,3 @@ class LivePage:
 
     def _compute_cycle(self) -> None:
         self._charts.cycle = exact_cycle(self._parameters.values)
-
-
-def _model(values: dict[str, dict[str, Any]]) -> FurutaPendulum | None:
-    """The model of the plant, or that which the estimator assumes."""
-    for node in (PLANT, "estimator"):
-        given = values.get(node, {})
-        if "model.alpha" in given:
-            return FurutaPendulum(*(given[f"model.{each}"] for each in FurutaPendulum._fields))
-    return None
-
-
-def _number(value: float, digits: int, unit: str) -> str:
-    return f"{value:.{digits}f} {unit}".rstrip() if isfinite(value) else "–"

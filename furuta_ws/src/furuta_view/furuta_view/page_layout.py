@@ -11,9 +11,12 @@ BRAND = (29, 95, 180)
 
 
 class Layout:
-    """The places of the page, each to be used with ``with``, and the status at the top."""
+    """The places of the page, each to be used with ``with``, and the status at the top.
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    Only a ``live`` page has controls of the graph.
+    """
+
+    def __init__(self, server: viser.ViserServer, live: bool = True) -> None:
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
         gui.set_panel_label("Furuta pendulum")
@@ -23,8 +26,12 @@ class Layout:
         self.charts = panel.add_tab("Charts")
         panel.dock_left()
         panel.set_width(CHARTS_WIDTH)
-        self.status = gui.add_html(status_html("waiting for a running graph", []), order=0.0)
-        self.main = gui.add_folder("Main parameters", order=1.0)
+        self.status = gui.add_html(
+            status_html("waiting for a running graph" if live else "", []), order=0.0
+        )
+        self.main = gui.add_folder("Main parameters" if live else "Time", order=1.0)
+        if not live:
+            return
         self.controls = gui.add_folder("Simulation", order=2.0)
         self.parameters = gui.add_folder("All parameters", order=3.0)
         self.files = gui.add_folder("Files", order=4.0)

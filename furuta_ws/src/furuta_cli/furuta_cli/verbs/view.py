@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import sys
 from ipaddress import ip_address
+from pathlib import Path
 
 import click
 
 from furuta_cli.options import namespace_option
+
+# Recordings that are shown over each other.
+MOST_BAGS = 2
 
 
 def _address(ctx: click.Context, param: click.Parameter, value: str) -> str:
@@ -19,6 +23,8 @@ def _address(ctx: click.Context, param: click.Parameter, value: str) -> str:
 
 @click.command(context_settings={"ignore_unknown_options": False})
 @click.option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
+@click.option("--bag", "bags", multiple=True, type=click.Path(path_type=Path), metavar="DIR",
+    help="Show a recording instead of a graph; given twice, two over each other.")  # fmt: skip
 @click.option("--no-open", is_flag=True, help="Open no browser.")
 @click.option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @click.option(
@@ -33,6 +39,7 @@ def _address(ctx: click.Context, param: click.Parameter, value: str) -> str:
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(
     attach: bool,
+    bags: tuple[Path, ...],
     no_open: bool,
     port: int | None,
     address: str,
@@ -44,6 +51,16 @@ def command(
     The address of the page is the first line on standard output. OPTIONS are those of furuta run,
     after --; for example: furuta view -- --lockstep
     """
+    if len(bags) > MOST_BAGS:
+        raise click.UsageError(f"--bag can be given {MOST_BAGS} times, given {len(bags)}")
+    if bags and (attach or options or namespace):
+        raise click.UsageError("--bag shows no graph: it takes no other option of one")
+    if bags:
+        from furuta_view.page_process import run_bag_page
+        from furuta_view.server import PageServer
+
+        run_bag_page(PageServer(address, port), bags, opens=not no_open)
+        return
     if attach and options:
         raise click.UsageError("--attach starts no graph, so it takes no options for one")
     if attach:
