@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import ExitStack
 from functools import lru_cache
-from math import nan, pi, remainder
+from math import floor, nan, pi, remainder
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +21,18 @@ from furuta_model.topic_names import (
     JOINTS,
     MEASUREMENT,
 )
-from furuta_recordings.bags.bag import Bag, Topic, last_part
+from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.readers.joint_states import joint_sample
 from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
 
 # Topics with the state, the best one first.
 STATES = (GROUND_TRUTH, JOINT_STATES, MEASUREMENT)
-# Most samples of a window; the others are not decoded.
-MOST = 1000
-# Windows that are kept after they have been read.
-KEPT_WINDOWS = 16
+# Length of the blocks in which a recording is read [s], and how many are kept.
+BLOCK = 1.0
+KEPT_BLOCKS = 64
+# Most samples of a block; the others are not decoded.
+MOST = 100
 
 
 class BagSamples:
@@ -53,7 +53,7 @@ class BagSamples:
             self._topics = [self._state, *(topics[n] for _, n in floats if n in topics)]
             self._opened = opened.pop_all()
         self.seconds = self._bag.seconds
-        self.window = lru_cache(KEPT_WINDOWS)(self._window)
+        self._block = lru_cache(KEPT_BLOCKS)(self._read_block)
 
     def close(self) -> None:
         """Close its files."""
@@ -66,13 +66,20 @@ class BagSamples:
             return {}
         return {node: values(each) for node, each in parameters_of(read_file(file)).items()}
 
-    def _window(self, end: float, seconds: float) -> np.ndarray:
+    def window(self, end: float, seconds: float) -> np.ndarray:
         """The samples (n, 8) of the ``seconds`` before ``end``; times count from the start."""
+        first, last = max(0, floor((end - seconds) / BLOCK)), max(0, floor(end / BLOCK))
+        samples = np.vstack([self._block(number) for number in range(first, last + 1)])
+        times = samples[:, TIME]
+        return samples[(times > end - seconds) & (times <= end)]
+
+    def _read_block(self, number: int) -> np.ndarray:
+        """The samples (n, 8) of a block."""
         start = self._bag.start
-        first, last = (start + round(each * NANOSECONDS) for each in (end - seconds, end))
+        first, last = (start + round(k * BLOCK * NANOSECONDS) for k in (number, number + 1))
         states: list[tuple[int, bytes]] = []
         numbers: dict[int, list[tuple[int, float]]] = {column: [] for column in (ESTIMATE, COMMAND)}
-        for topic, time, data in self._messages((max(first, 0), last + 1)):
+        for topic, time, data in self._bag.messages(self._topics, (first, last)):
             if topic is self._state:
                 states.append((time, data))
             else:
@@ -86,9 +93,6 @@ class BagSamples:
         for column, found in numbers.items():
             _fill_numbers(samples, column, found, start)
         return samples
-
-    def _messages(self, between: tuple[int, int]) -> Iterable[tuple[Topic, int, bytes]]:
-        return self._bag.messages(self._topics, between)
 
     def _fill(self, row: np.ndarray, data: bytes) -> None:
         message = self._bag.deserialize(data, self._state.msgtype)

@@ -102,14 +102,14 @@ class Charts:
         exact = []
         if self.cycle is not None:
             phi = self.cycle[:, 1] - 0.5 * (self.cycle[:, 1].max() + self.cycle[:, 1].min())
-            exact = [Curve("exact, no compensation", EXACT, phi, self.cycle[:, 2], 4.0)]
+            exact = [Curve("exact cycle", EXACT, phi, self.cycle[:, 2], 4.0)]
         now = Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])
         return [*exact, now, *_second(samples, "second", SECOND_ARM, PHI, PHI_DOT)]
 
 
 def _friction_curves(samples: np.ndarray) -> list[Curve]:
     speed = samples[:, PHI_DOT]
-    curves = [("true F", TRUE, FRICTION), ("estimate F̂", ESTIMATED, ESTIMATE)]
+    curves = [("true F", TRUE, FRICTION), ("F̂", ESTIMATED, ESTIMATE)]
     first = [
         Curve(name, colour, speed, samples[:, column])
         for name, colour, column in curves
