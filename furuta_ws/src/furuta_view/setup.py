@@ -18,6 +18,6 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    extras_require={"page": ["viser"], "test": ["pytest"]},
+    extras_require={"page": ["viser", "websockets"], "test": ["pytest", "viser", "websockets"]},
     zip_safe=False,
 )

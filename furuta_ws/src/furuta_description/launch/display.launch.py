@@ -23,6 +23,7 @@ def nodes(context: LaunchContext) -> list[Node]:
         Node(
             package=each.package,
             executable=each.executable,
+            name=each.executable,
             namespace=each.namespace or None,
             parameters=[each.parameters] if each.parameters else [],
             arguments=each.arguments,
