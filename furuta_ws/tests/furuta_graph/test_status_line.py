@@ -46,9 +46,11 @@ class HeldTerminal(StringIO):
         self.asked, self.goes_on = threading.Event(), threading.Event()
 
     def isatty(self) -> bool:
+        """It is a terminal."""
         return True
 
     def write(self, text: str) -> int:
+        """Wait until the terminal goes on."""
         self.asked.set()
         self.goes_on.wait()
         return len(text)

@@ -28,7 +28,8 @@ class Figures(NamedTuple):
 
 
 def figures(samples: np.ndarray, encoder_counts: int) -> Figures:
-    """The figures of samples (n, 8); without encoder (0 counts) there are no counts."""
+    """The figures of the newest samples (n, 8); without encoder (0 counts) there are no counts."""
+    samples = samples[samples[:, TIME] > samples[-1:, TIME] - MEASURED]
     states = samples[:, PHI : THETA_DOT + 1]
     known = np.isfinite(states).all(axis=1)
     if known.sum() < FEWEST:

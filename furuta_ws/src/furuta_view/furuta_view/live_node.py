@@ -30,7 +30,7 @@ from furuta_view.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, S
 from furuta_view.samples import COMMAND as COMMAND_COLUMN
 
 # Messages that wait between two collections; in fast lock-step the older ones are dropped.
-DEPTH = 64
+DEPTH = 256
 # Samples kept per second of the loop's time, and for how long [s].
 RATE = 100
 KEPT = 12

@@ -11,7 +11,9 @@ from urdf_parser_py.urdf import URDF, Cylinder, Sphere
 from viser.transforms import SO3
 
 GROUND = (226, 232, 240)
-# Distance of the camera in heights of the joint above the ground.
+# Width of the picture [pixels] below which the controls cover its lower half.
+PHONE = 450
+# Position of the camera in heights of the joint above the ground.
 CAMERA = (1.6, -2.0, 1.65)
 
 
@@ -97,7 +99,7 @@ class Scene:
         """Look at the pendulum; in a narrow page it is above the controls."""
         if not self._height:
             return
-        narrow = client.camera.aspect < 1.0
+        narrow = client.camera.image_width < PHONE
         distance, centre = (1.7, 0.0) if narrow else (1.0, 1.05)
         x, y, z = (self._height * distance * each for each in CAMERA)
         with client.atomic():
