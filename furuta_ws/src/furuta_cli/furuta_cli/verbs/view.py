@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from ipaddress import ip_address
 from pathlib import Path
@@ -10,6 +11,8 @@ import click
 
 from furuta_cli.options import namespace_option
 
+# How far the page stands back for the loop when both want a core.
+NICENESS = 10
 # Recordings that are shown over each other.
 MOST_BAGS = 2
 
@@ -64,6 +67,7 @@ def command(
     if attach and options:
         raise click.UsageError("--attach starts no graph, so it takes no options for one")
     if attach:
+        os.nice(NICENESS)  # before any thread starts: each has its own
         from furuta_view.page_process import run_page
         from furuta_view.server import PageServer
 
