@@ -5,7 +5,8 @@ demo:
 
 test:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
-		--requirement firmware/requirements.lock
+		--requirement firmware/requirements.lock \
+		--requirement furuta_ws/tests/requirements.lock
 	tools/in_environment python -m pytest furuta_ws/tests -m "not realtime" --numprocesses auto
 	tools/in_environment python -m pytest furuta_ws/tests -m realtime
 

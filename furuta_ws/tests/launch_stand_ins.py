@@ -70,6 +70,8 @@ class Node(NamedTuple):
     respawn: bool = False
     respawn_delay: float | None = None
     on_exit: list[Any] | None = None
+    parameters: list[dict[str, str]] = []  # noqa: RUF012 - as the original
+    arguments: list[str] = []  # noqa: RUF012 - as the original
 
     @property
     def command(self) -> list[str]:
@@ -96,7 +98,16 @@ def launch_arguments(monkeypatch: pytest.MonkeyPatch) -> list[DeclareLaunchArgum
 
 def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
     """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
-    entities = _entities(monkeypatch)
+    return _started(_entities(monkeypatch), arguments)
+
+
+def displayed_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
+    """The nodes that ``ros2 launch furuta_description display.launch.py name:=value`` starts."""
+    entities = _entities(monkeypatch, "furuta_description", "display.launch.py")
+    return _started(entities, arguments)
+
+
+def _started(entities: list[Any], arguments: dict[str, str]) -> list[Node]:
     declared = {e.name: e.default_value for e in entities if isinstance(e, DeclareLaunchArgument)}
     assert arguments.keys() <= declared.keys()
     (function,) = (each for each in entities if isinstance(each, OpaqueFunction))
@@ -104,19 +115,23 @@ def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[No
     return nodes
 
 
-def _entities(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def _entities(
+    monkeypatch: pytest.MonkeyPatch,
+    package: str = "furuta_bringup",
+    file: str = "furuta.launch.py",
+) -> list[Any]:
     """What the launch file describes, with the stand-ins in place of ``launch``."""
     for name, classes in STAND_INS.items():
         module = ModuleType(name)
         for each in classes:
             setattr(module, each.__name__, each)
         monkeypatch.setitem(sys.modules, name, module)
-    entities: list[Any] = _launch_file().generate_launch_description().entities
+    entities: list[Any] = _launch_file(package, file).generate_launch_description().entities
     return entities
 
 
-def _launch_file() -> ModuleType:
-    file = Path(get_package_share_directory("furuta_bringup")) / "launch" / "furuta.launch.py"
+def _launch_file(package: str, name: str) -> ModuleType:
+    file = Path(get_package_share_directory(package)) / "launch" / name
     specification = spec_from_file_location("furuta_launch", file)
     assert specification is not None
     assert specification.loader is not None

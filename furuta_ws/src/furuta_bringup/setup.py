@@ -34,7 +34,7 @@ setup(
             "graph = furuta_bringup.graph:main",
         ]
     },
-    extras_require={"test": ["pytest", "distributed"]},
+    extras_require={"test": ["pytest", "distributed", "playwright"]},
     options={"build_scripts": {"executable": INTERPRETER}},
     zip_safe=False,
 )

@@ -17,7 +17,6 @@ from furuta_control.estimation import (
 from furuta_control.estimators import kalman, whole_circle
 from furuta_control.estimators.kalman import KalmanParameters
 from furuta_control.estimators.rig import NominalRig
-from furuta_control.estimators.whole_circle import WholeCircleParameters
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -40,7 +39,7 @@ def test_hanging_model_is_the_linear_model_about_hanging() -> None:
 def test_upright_it_is_the_stationary_filter() -> None:
     """For small motions one step is that of the Kalman filter for the linear model."""
     rig, noise = NominalRig(MODEL, SENSORS, DT), KalmanParameters()
-    filters = kalman.design(rig, noise), whole_circle.design(rig, noise, WholeCircleParameters())
+    filters = kalman.design(rig, noise), whole_circle.design(rig, noise)
     state = 1e-4 * np.array((0.3, 1.0, -0.4, 0.8, 2.0))
     reading = 1e-4 * np.array((0.3, 1.2, -0.5, np.nan, 3.0))
     linear, nonlinear = state.copy(), state.copy()
@@ -55,7 +54,7 @@ def test_follows_a_turning_pendulum_through_the_seam(viscous: float) -> None:
     p = EstimatorParameters(
         method="whole_circle",
         sensors=SENSORS,
-        whole_circle=WholeCircleParameters(viscous),
+        model_viscous=viscous,
     )
     design, memory, estimate = design_estimator(p), np.zeros(MEMORY), np.zeros(5)
     x, level = np.array((0.0, 0.0, -2.0, 14.0)), 0.2

@@ -15,7 +15,10 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_cli.main import main
+from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
+from furuta_view.bag_samples import BagSamples
+from furuta_view.samples import COMMAND, FRICTION, PHI, THETA_DOT, TIME
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +42,22 @@ def test_info(furuta: Any, bag: Path) -> None:
     assert result["messages"] == 10_000
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
     assert Path(result["parameters"]).is_file()
+
+
+def test_view_reads_windows_of_a_bag(bag: Path) -> None:
+    """The same numbers as a reader of the whole bag finds, also for a part of it."""
+    run, samples = read_recorded_run(bag), BagSamples(bag)
+    for end, seconds in ((1.9, 10.0), (1.5, 0.4)):
+        window = samples.window(end, seconds)
+        rows = np.searchsorted(run.time, window[:, TIME] - 1e-6)
+        assert end - 0.03 < window[-1, TIME] <= end
+        assert np.diff(window[:, TIME]).max() < 0.025
+        assert np.array_equal(window[:, PHI : THETA_DOT + 1], run.state[rows])
+        assert np.array_equal(window[:, FRICTION], run.friction[rows])
+        # In lock-step all messages of a sample have its time; the command is the newest of them.
+        assert np.array_equal(window[:, COMMAND], run.command[rows])
+    assert samples.parameters()["friction_observer"]["compensation"] == "lugre"
+    samples.close()
 
 
 def test_recompute(furuta: Any, bag: Path) -> None:
@@ -124,6 +143,7 @@ def test_bad_recordings_give_one_line(
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),
         (["bag", "info", empty], "not a readable bag"),
+        (["view", "--no-open", "--bag", empty], "not a readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
         (["bag", "recompute", states], "nothing to recompute"),

@@ -31,6 +31,7 @@ APT = {
 ROS = {
     *("ament_index_python", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs", "rclpy"),
     *("rcl_interfaces", "ros2launch", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs"),
+    *("robot_state_publisher", "rviz2", "urdfdom_py", "xacro"),
 }
 # pip refuses these there (PEP 668) unless PIP_BREAK_SYSTEM_PACKAGES is set, as README says.
 PIP = {
@@ -42,7 +43,7 @@ PIP = {
 }
 # rosdep has no key for these: setup.py declares them as extras, and README says how to install
 # them.
-WITHOUT_KEY = {"distributed", "unicorn", "ziglang"}
+WITHOUT_KEY = {"distributed", "playwright", "unicorn", "viser", "websockets", "ziglang"}
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {
@@ -52,6 +53,7 @@ KEY_OF_IMPORT = {
     **dict.fromkeys({"lz4", "mcap", "zstandard"}, "mcap-ros2-support"),
     "rosbags": "python3-rosbags-pip",
     "ruff": "python3-ruff-pip",
+    "urdf_parser_py": "urdfdom_py",
     **{name.removeprefix("python3-"): name for name in APT},
 }
 # What tests need without importing it: plugins, and commands with the types that they check.
@@ -65,10 +67,13 @@ REQUIREMENT_OF_IMPORT = {
     "serial": "pyserial",
     "yaml": "pyyaml",
     "dask": "distributed",
+    "urdf_parser_py": "urdf-parser-py",
     **dict.fromkeys(ROS, "ros-jazzy-rclpy"),
     **dict.fromkeys({"diagnostic_msgs", "sensor_msgs", "std_msgs"}, "ros-jazzy-common-interfaces"),
     "std_srvs": "ros-jazzy-common-interfaces",
 }
+# Folders with a ``requirements.in``.
+REQUIREMENTS = (".", "benchmarks", "firmware", "furuta_ws/tests")
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 
@@ -110,6 +115,8 @@ def test_imports_are_declared(package: str) -> None:
     names = imported([*modules(package), *(SOURCES / package / "launch").glob("*.py")]) - {package}
     if package == "furuta_bringup":  # its launch file starts executables of other packages
         names |= {"ros2launch", "furuta_cli", *(node.package for node in NODES.values())}
+    if package == "furuta_description":  # its launch file starts these
+        names |= {"robot_state_publisher", "rviz2"}
     optional = [each for name, group in extras(package).items() if name != "test" for each in group]
     assert_declared(names, keys(package, "depend", "exec_depend"), optional)
 
@@ -142,7 +149,7 @@ def test_readme_allows_pip_where_rosdep_needs_it() -> None:
 
 def test_imports_are_required() -> None:
     """``requirements.in`` names directly whatever is imported, not what happens to come along."""
-    files = (ROOT / folder / "requirements.in" for folder in (".", "benchmarks", "firmware"))
+    files = (ROOT / folder / "requirements.in" for folder in REQUIREMENTS)
     required = set(re.findall(r"^[\w-]+", "\n".join(f.read_text() for f in files), re.MULTILINE))
     scripts = {*(ROOT / "benchmarks").glob("*.py"), *(ROOT / "examples").glob("*.py")}
     tests = [TESTS.parent / "conftest.py", *TESTS.rglob("*.py")]

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from launch_stand_ins import Node, launch_arguments, launched_nodes
+from launch_stand_ins import Node, displayed_nodes, launch_arguments, launched_nodes
 from sources import ROOT
 
 from furuta_graph.description import HARDWARE_BRIDGE, PLANT, graph_nodes
@@ -194,3 +194,22 @@ def test_an_error_starts_no_node(
     file.write_text(content)
     with pytest.raises(ParameterError, match=reason):
         launched_nodes(monkeypatch, params_file=str(file), **arguments)
+
+
+def test_view_adds_rviz_to_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At the lengths of the rig, in the namespace; the same as display.launch.py starts."""
+    given = {"rig": "qube_servo_2", "namespace": "left"}
+    graph = launched_nodes(monkeypatch, **given)
+    added = launched_nodes(monkeypatch, view="true", **given)[len(graph) :]
+    shown = displayed_nodes(monkeypatch, **given)
+    assert [each.executable for each in shown] == ["robot_state_publisher", "rviz2"]
+    for ours, theirs in zip(added, shown, strict=True):
+        assert (ours.parameters, ours.arguments) == (theirs.parameters, theirs.arguments)
+        assert ours.namespace == theirs.namespace == "/left"
+    assert 'xyz="0.085 0 0"' in added[0].parameters[0]["robot_description"]
+
+
+def test_view_is_true_or_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing starts otherwise."""
+    with pytest.raises(ParameterError, match="view must be one of true, false, given 'yes'"):
+        launched_nodes(monkeypatch, view="yes")

@@ -30,8 +30,8 @@ LAYERS = [
     {"furuta_analysis", "furuta_rig", "furuta_recordings"},
     {"furuta_hw"},
     {"furuta_identification", "furuta_graph"},
-    {"furuta_studies"},
-    {"furuta_figures"},
+    {"furuta_studies", "furuta_description"},
+    {"furuta_figures", "furuta_view"},
     {"furuta_cli"},
     {"furuta_bringup"},
 ]
@@ -213,6 +213,6 @@ def test_lint_and_types(command: list[str]) -> None:
 
 def test_no_machine_of_ours_is_named() -> None:
     """Pinned requirements carry versions and no addresses."""
-    for folder in (".", "benchmarks", "firmware"):
+    for folder in (".", "benchmarks", "firmware", "furuta_ws/tests"):
         for name in ("requirements.in", "requirements.lock"):
             assert "://" not in (ROOT / folder / name).read_text()

@@ -10,8 +10,9 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from furuta_description.display import DisplayNode, display_nodes
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.launching import LOG_LEVELS, LaunchedNode, launched_nodes
+from furuta_graph.launching import LOG_LEVELS, LaunchedNode, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
 # Time between the end of a node and its next start [s].
@@ -35,13 +36,32 @@ ARGUMENTS = {
         "true or false: start estimator, friction observer and controller again when they end; "
         "the launch ends with the plant or the bridge",
     ),
+    "view": ("false", "true or false: show the pendulum in RViz, at the lengths of the rig"),
 }
 
 
 def nodes(context: LaunchContext) -> list[Node]:
     """All nodes with their parameters; a wrong argument raises an error and starts none."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    return [_node(each) for each in launched_nodes(**given)]
+    view = given.pop("view")
+    check_choice("view", view, ("true", "false"))
+    graph = [_node(each) for each in launched_nodes(**given)]
+    return [*graph, *(map(_display_node, _displayed(given)) if view == "true" else [])]
+
+
+def _displayed(given: dict[str, str]) -> list[DisplayNode]:
+    return display_nodes(given["rig"], given["namespace"])
+
+
+def _display_node(display: DisplayNode) -> Node:
+    return Node(
+        package=display.package,
+        executable=display.executable,
+        name=display.executable,
+        namespace=display.namespace or None,
+        parameters=[display.parameters] if display.parameters else [],
+        arguments=display.arguments,
+    )
 
 
 def _node(launched: LaunchedNode) -> Node:

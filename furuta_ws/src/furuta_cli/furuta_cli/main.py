@@ -10,12 +10,13 @@ import click
 
 from furuta_cli.printing import printable
 from furuta_model.parameters import ParameterError
-from furuta_model.process_start import INTERRUPTED, exit_on_interrupt
+from furuta_model.process_start import INTERRUPTED, end_with_parent, exit_on_interrupt
 from furuta_ros.errors import UserError
 
 VERBS = {
     "demo": "Compare four compensations on the real node graph.",
     "run": "Run the graph until Ctrl-C.",
+    "view": "Show the graph in a browser, with all parameters.",
     "simulate": "Simulate the same closed loop without ROS.",
     "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
     "swing-up": "Swing up from random states, and optimise the swing-up.",
@@ -72,12 +73,14 @@ def furuta() -> None:
 def main() -> None:
     """Entry point of the executable ``furuta``."""
     exit_on_interrupt()
+    end_with_parent()
     run_command(furuta, "furuta")
 
 
 def run_verb(verb: str, name: str) -> None:
     """Run one verb as the executable ``name``."""
     exit_on_interrupt()
+    end_with_parent()
     run_command(_load(verb), name)
 
 

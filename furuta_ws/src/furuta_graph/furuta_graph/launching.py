@@ -54,8 +54,8 @@ def launched_nodes(
     Raises:
         ParameterError: An argument is wrong; nothing must be started.
     """
-    _check_choice("log_level", log_level, LOG_LEVELS)
-    _check_choice("respawn", respawn, TRUTH)
+    check_choice("log_level", log_level, LOG_LEVELS)
+    check_choice("respawn", respawn, TRUTH)
     if port and clock:
         raise ParameterError(f"a rig has its own clock: no clock with port, given {clock!r}")
     options = GraphOptions(
@@ -104,6 +104,7 @@ def _recorders(graph: Graph, directory: str) -> list[NodeProcess]:
     return [NodeProcess("furuta_recordings", "recorder", "recorder", graph.namespace, parameters)]
 
 
-def _check_choice(name: str, given: str, allowed: Iterable[str]) -> None:
+def check_choice(name: str, given: str, allowed: Iterable[str]) -> None:
+    """Reject the value of a launch argument that is not one of ``allowed``."""
     if given not in allowed:
         raise ParameterError(f"{name} must be one of {', '.join(allowed)}, given {given!r}")

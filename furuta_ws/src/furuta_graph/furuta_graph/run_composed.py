@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_graph.graph_plan import Graph
+from furuta_graph.status_line import Status, status_line
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_model.state import PHI, THETA
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
 from furuta_ros.scheduling import Scheduling, apply_scheduling
@@ -32,7 +36,10 @@ def run_simulated(
     """
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
-        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        with status_line(
+            partial(_simulated_status, running), plant.parameters.plant.sensors.encoder_counts
+        ):
+            spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
         _report(running)
         if timing is not None:
             _write_timing(running, timing)
@@ -53,11 +60,29 @@ def run_hardware(
         period = bridge.rig.line.sample_time
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
-        spin_until(
-            running.executor,
-            lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
-        )
+        with status_line(partial(_rig_status, bridge), bridge.rig.arm.counts_per_turn):
+            spin_until(
+                running.executor,
+                lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
+            )
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+
+
+def _simulated_status(graph: SimulatedGraph) -> Status:
+    """The true state, and in real time the samples whose command came after the next one."""
+    x, pacing = graph.plant.x, graph.plant.pacing
+    if not isinstance(pacing, RealTime):
+        return Status(float(x[PHI]), float(x[THETA]))
+    count = pacing.timing_counts
+    late = max(0, count.samples - count.on_time - 1)  # the newest sample still has time
+    return Status(float(x[PHI]), float(x[THETA]), late, count.samples)
+
+
+def _rig_status(bridge: HardwareBridgeNode) -> Status:
+    """The angles that the rig measures, and the samples that were skipped."""
+    connection = bridge.connection
+    skipped = connection.skipped_samples if connection else 0
+    return Status(*bridge.angles, skipped, bridge.samples)
 
 
 @contextmanager

@@ -83,6 +83,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         """The connection to the rig, None while unconfigured."""
         return self.guarded_rig.connection if self.guarded_rig else None
 
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Angles of arm and pendulum in the newest sample [rad]."""
+        arm, pendulum = self._writer.message.position
+        return arm, pendulum
+
     def start(self) -> None:
         """Enter the state of the parameter ``autostart``; called when the node starts to spin."""
         if self._start_timer is None:

@@ -81,9 +81,15 @@ class Bag:
         self.seconds = max(0, end - self.start - 1) / NANOSECONDS
 
     def messages(
-        self, connections: Iterable[Topic] | None = None
+        self,
+        connections: Iterable[Topic] | None = None,
+        between: tuple[int | None, int | None] = (None, None),
     ) -> Iterator[tuple[Topic, int, bytes]]:
-        """Messages of ``connections``, by default of all, with their times [ns]."""
+        """Messages of ``connections``, by default of all, with their times [ns].
+
+        ``between`` is the first time [ns] and the one after the last; only their part of an indexed
+        file is read.
+        """
         chosen = {
             (each.topic, each.msgtype): each
             for each in (self.connections if connections is None else connections)
@@ -91,7 +97,7 @@ class Bag:
         with self._one_line_errors():
             for reader in self._readers:
                 own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
-                for c, time, data in reader.messages(own) if own else ():
+                for c, time, data in reader.messages(own, *between) if own else ():
                     yield chosen[c.topic, c.msgtype], time, self._plain(data)
 
     def messages_in_memory(self, connections: Iterable[Topic]) -> Iterator[tuple[Topic, int, Any]]:

@@ -1,0 +1,1 @@
+"""The robot description of the Furuta pendulum."""

@@ -1,0 +1,43 @@
+"""The nodes that show a rig in RViz, for launch files."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from furuta_description.lengths import lengths
+from furuta_description.robot_description import robot_description, share
+from furuta_graph.graph_plan import full_namespace
+from furuta_graph.rigs import find_rig
+
+DEFAULT_RIG = "paper"
+
+
+class DisplayNode(NamedTuple):
+    """A node as ``launch_ros.actions.Node`` starts it."""
+
+    package: str
+    executable: str
+    namespace: str
+    parameters: dict[str, str]
+    arguments: list[str]
+
+
+def display_nodes(rig: str = "", namespace: str = "") -> list[DisplayNode]:
+    """The robot state publisher with the description of a rig, and RViz.
+
+    Raises:
+        ParameterError: There is no such rig, or the namespace is not valid.
+    """
+    where = full_namespace(namespace)
+    urdf = robot_description(lengths(find_rig(rig or DEFAULT_RIG).model))
+    layout = ["-d", str(share("config", "furuta.rviz"))]
+    return [
+        DisplayNode(
+            "robot_state_publisher",
+            "robot_state_publisher",
+            where,
+            {"robot_description": urdf},
+            [],
+        ),
+        DisplayNode("rviz2", "rviz2", where, {}, layout),
+    ]

@@ -1,0 +1,24 @@
+"""Makes the robot description (URDF) of a rig from its lengths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import xacro
+from ament_index_python.packages import get_package_share_directory
+
+from furuta_description.lengths import Lengths
+
+PACKAGE = "furuta_description"
+
+
+def share(folder: str, name: str) -> Path:
+    """An installed file of this package."""
+    return Path(get_package_share_directory(PACKAGE)) / folder / name
+
+
+def robot_description(of: Lengths) -> str:
+    """The URDF of a pendulum with these lengths."""
+    given = {"arm_length": f"{of.arm:.6g}", "pendulum_length": f"{of.pendulum:.6g}"}
+    document = xacro.process_file(str(share("urdf", "furuta.urdf.xacro")), mappings=given)
+    return str(document.toxml())

@@ -1,0 +1,125 @@
+"""Reads the samples of a recording around a time, without reading the rest of it."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from functools import lru_cache
+from math import floor, nan, pi, remainder
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from furuta_graph.settings import parameters_of, read_file
+from furuta_model.parameters import ParameterError, values
+from furuta_model.time_stamps import NANOSECONDS
+from furuta_model.topic_names import COMMAND as COMMAND_TOPIC
+from furuta_model.topic_names import (
+    FRICTION_ESTIMATE,
+    GROUND_TRUTH,
+    JOINT_STATES,
+    JOINTS,
+    MEASUREMENT,
+)
+from furuta_recordings.bags.bag import Bag, last_part
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.readers.joint_states import joint_sample
+from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
+
+# Topics with the state, the best one first.
+STATES = (GROUND_TRUTH, JOINT_STATES, MEASUREMENT)
+# Length of the blocks in which a recording is read [s], and how many are kept.
+BLOCK = 1.0
+KEPT_BLOCKS = 64
+# Most samples of a block; the others are not decoded.
+MOST = 100
+
+
+class BagSamples:
+    """A recording, to be closed; ``seconds`` is its length."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with ExitStack() as opened:
+            self._bag = opened.enter_context(Bag(path))
+            topics = {last_part(each.topic): each for each in self._bag.connections}
+            found = [each for each in STATES if each in topics]
+            if not found:
+                raise ParameterError(f"{path} has none of the topics {', '.join(STATES)}")
+            self._state = topics[found[0]]
+            self._has_truth = found[0] == GROUND_TRUTH
+            floats = ((ESTIMATE, FRICTION_ESTIMATE), (COMMAND, COMMAND_TOPIC))
+            self._floats = {topics[n].topic: column for column, n in floats if n in topics}
+            self._topics = [self._state, *(topics[n] for _, n in floats if n in topics)]
+            self._opened = opened.pop_all()
+        self.seconds = self._bag.seconds
+        self._block = lru_cache(KEPT_BLOCKS)(self._read_block)
+
+    def close(self) -> None:
+        """Close its files."""
+        self._opened.close()
+
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """The recorded parameters of all nodes, or the defaults if there are none."""
+        file = self.path / PARAMETERS_FILE
+        if not file.is_file():
+            return {}
+        return {node: values(each) for node, each in parameters_of(read_file(file)).items()}
+
+    def window(self, end: float, seconds: float) -> np.ndarray:
+        """The samples (n, 8) of the ``seconds`` before ``end``; times count from the start."""
+        first, last = max(0, floor((end - seconds) / BLOCK)), max(0, floor(end / BLOCK))
+        samples = np.vstack([self._block(number) for number in range(first, last + 1)])
+        times = samples[:, TIME]
+        return samples[(times > end - seconds) & (times <= end)]
+
+    def _read_block(self, number: int) -> np.ndarray:
+        """The samples (n, 8) of a block."""
+        start = self._bag.start
+        first, last = (start + round(k * BLOCK * NANOSECONDS) for k in (number, number + 1))
+        states: list[tuple[int, bytes]] = []
+        numbers: dict[int, list[tuple[int, float]]] = {column: [] for column in (ESTIMATE, COMMAND)}
+        for topic, time, data in self._bag.messages(self._topics, (first, last)):
+            if topic is self._state:
+                states.append((time, data))
+            else:
+                column = self._floats[topic.topic]
+                numbers[column].append((time, float(np.frombuffer(data, "<f8", 1, 4)[0])))
+        chosen = states[:: len(states) // MOST + 1]
+        samples = np.full((len(chosen), COLUMNS), nan)
+        for row, (time, data) in zip(samples, chosen, strict=True):
+            self._fill(row, data)
+            row[TIME] = (time - start) / NANOSECONDS
+        for column, found in numbers.items():
+            _fill_numbers(samples, column, found, start)
+        return samples
+
+    def _fill(self, row: np.ndarray, data: bytes) -> None:
+        message = self._bag.deserialize(data, self._state.msgtype)
+        sample = joint_sample(message, *JOINTS)
+        row[PHI : THETA_DOT + 1] = sample.state
+        row[THETA] = remainder(row[THETA], 2 * pi) if np.isfinite(row[THETA]) else nan
+        if self._has_truth:
+            row[FRICTION] = sample.effort
+
+
+def _fill_numbers(
+    samples: np.ndarray, column: int, found: list[tuple[int, float]], start: int
+) -> None:
+    """To each sample the newest number before it, or the first one."""
+    if not found or not len(samples):
+        return
+    times = (np.array([time for time, _ in found]) - start) / NANOSECONDS
+    rows = np.searchsorted(times, samples[:, TIME], side="right") - 1
+    samples[:, column] = np.array([value for _, value in found])[np.maximum(rows, 0)]
+
+
+def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Samples (n, 8) interpolated at other times; NaN outside of their own."""
+    result = np.full((len(times), COLUMNS), nan)
+    if len(samples):
+        for column in range(COLUMNS):
+            result[:, column] = np.interp(
+                times, samples[:, TIME], samples[:, column], left=nan, right=nan
+            )
+    return result

@@ -1,0 +1,114 @@
+"""Calls the services of a running graph from a thread of its own: parameters, reset, arming."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from furuta_graph.description import HARDWARE_BRIDGE, PLANT
+from furuta_graph.parameter_client import ParameterClient
+from furuta_model.ros_parameters import is_of_ros
+from furuta_ros.services import ServiceError, call_service
+from furuta_ros.spinning import executor_of
+from furuta_view.jobs import Jobs
+from furuta_view.parameter_types import Described
+
+# Nodes of the view itself and of the recorder, which are not part of the graph.
+OWN_NODES = ("view", "view_requests", "recorder", "furuta_hw")
+# Longest wait for the end of a call when the view ends [s].
+END_TIMEOUT = 1.0
+
+
+class GraphLink:
+    """Requests to the nodes of the graph; each method but :meth:`nodes` is called in a job."""
+
+    def __init__(self) -> None:
+        self._node = Node("view_requests", start_parameter_services=False)
+        self._executor = executor_of([self._node])
+        self._client = ParameterClient(self._node, self._executor)
+        self.jobs = Jobs()
+
+    def close(self) -> None:
+        """End the thread."""
+        self.jobs.close(END_TIMEOUT)
+
+    def nodes(self) -> list[str]:
+        """Names of the nodes in this namespace that have parameters, except those of the view."""
+        here = self._node.get_namespace()
+        found = {
+            name
+            for name, namespace in self._node.get_node_names_and_namespaces()
+            if namespace == here and not name.startswith("_") and name not in OWN_NODES
+        }
+        return sorted(name for name in found if self._has_parameters(name))
+
+    def described(self, node: str) -> list[Described]:
+        """All parameters of a node, as its services describe them."""
+        names = [each for each in self._client.names(node) if not is_of_ros(each)]
+        if not names:
+            return []
+        values = self._client.get(node, names)
+        descriptors = {each.name: each for each in self._client.describe(node, names)}
+        return [_described(name, values[name], descriptors.get(name)) for name in names]
+
+    def set(self, node: str, values: dict[str, Any]) -> None:
+        """Set parameters of a node, all or none."""
+        self._client.set_all(node, values)
+
+    def get(self, node: str, names: list[str]) -> dict[str, Any]:
+        """Values of parameters of a node."""
+        return self._client.get(node, names)
+
+    def reset(self) -> None:
+        """Put the simulated pendulum into its initial state."""
+        self._call(PLANT, Trigger, "reset", Trigger.Request())
+
+    def arm(self, armed: bool) -> None:
+        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""
+        answer = self._call(HARDWARE_BRIDGE, SetBool, "arm", SetBool.Request(data=armed))
+        if not answer.success:
+            raise ServiceError(f"not armed: {answer.message}")
+
+    def try_job(self, key: object, work: Callable[[], None], failed: Callable[[str], None]) -> None:
+        """Do ``work`` in the thread; if it fails, call ``failed`` with the reason."""
+
+        def job() -> None:
+            try:
+                work()
+            except Exception as error:  # the thread must go on, whatever a node answers
+                failed(str(error) or type(error).__name__)
+
+        self.jobs.submit(key, job)
+
+    def _call(self, node: str, kind: Any, service: str, request: Any) -> Any:
+        client = self._node.create_client(kind, f"{node}/{service}")
+        try:
+            send = partial(client.call_async, request)
+            return call_service(self._executor, node, client.wait_for_service, send)
+        finally:
+            self._node.destroy_client(client)
+
+    def _has_parameters(self, node: str) -> bool:
+        namespace = self._node.get_namespace()
+        services = self._node.get_service_names_and_types_by_node(node, namespace)
+        return any(name.endswith(f"{node}/list_parameters") for name, _ in services)
+
+
+def _described(name: str, value: Any, descriptor: ParameterDescriptor | None) -> Described:
+    if descriptor is None:
+        return Described(name, value)
+    ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
+    bounds = {"low": ranges[0].from_value, "high": ranges[0].to_value} if ranges else {}
+    return Described(
+        name,
+        value,
+        descriptor.description,
+        descriptor.additional_constraints,
+        read_only=descriptor.read_only,
+        **bounds,
+    )

@@ -1,0 +1,50 @@
+"""The layout of the page: charts at the left, the pendulum in the middle, controls at the right."""
+
+from __future__ import annotations
+
+from html import escape
+
+import viser
+
+CHARTS_WIDTH, CONTROLS_WIDTH = 440, 340  # [pixels]
+BRAND = (29, 95, 180)
+
+
+class Layout:
+    """The places of the page, each to be used with ``with``, and the status at the top.
+
+    Only a ``live`` page has controls of the graph.
+    """
+
+    def __init__(self, server: viser.ViserServer, live: bool = True) -> None:
+        gui = server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
+        gui.set_panel_label("Furuta pendulum")
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(CONTROLS_WIDTH)
+        panel = gui.add_panel()
+        self.charts = panel.add_tab("Charts")
+        panel.dock_left()
+        panel.set_width(CHARTS_WIDTH)
+        self.status = gui.add_html(
+            status_html("waiting for a running graph" if live else "", []), order=0.0
+        )
+        self.main = gui.add_folder("Main parameters" if live else "Time", order=1.0)
+        if not live:
+            return
+        self.controls = gui.add_folder("Simulation", order=2.0)
+        self.parameters = gui.add_folder("All parameters", order=3.0)
+        self.files = gui.add_folder("Files", order=4.0)
+
+
+def status_html(title: str, rows: list[tuple[str, str]]) -> str:
+    """A title and a table of figures."""
+    cells = "".join(
+        f'<tr><td style="color:#475569">{escape(name)}</td>'
+        f'<td style="text-align:right;font-weight:600">{escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    return (
+        f'<div class="status" style="padding:2px 10px;font-size:15px"><b>{escape(title)}</b>'
+        f'<table style="width:100%;font-variant-numeric:tabular-nums">{cells}</table></div>'
+    )

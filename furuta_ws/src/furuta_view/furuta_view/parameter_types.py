@@ -1,0 +1,101 @@
+"""What the page knows of a parameter: only what the parameter services of its node tell."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from furuta_model.parameters import ParameterError, number_from_text
+from furuta_model.yaml_files import parse_yaml
+
+CHOICES = "one of "
+# A range of at most this many times the value is a slider's range as it is.
+WHOLE_RANGE = 20.0
+# Otherwise the slider reaches so many times the value.
+REACH = 3.0
+# Steps of a slider.
+STEPS = 1000
+
+
+class Described(NamedTuple):
+    """A parameter: name, value, meaning with unit, range and choices where there are any."""
+
+    name: str
+    value: Any
+    meaning: str = ""
+    constraints: str = ""
+    low: float = float("-inf")
+    high: float = float("inf")
+    read_only: bool = False
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The allowed words, if the node lists them."""
+        if not isinstance(self.value, str) or not self.constraints.startswith(CHOICES):
+            return ()
+        return tuple(self.constraints.removeprefix(CHOICES).split(", "))
+
+    @property
+    def unit(self) -> str:
+        """The unit at the end of the meaning, in brackets, or nothing."""
+        before, bracket, unit = self.meaning.rpartition("[")
+        return f" [{unit}" if bracket and unit.endswith("]") and before else ""
+
+    @property
+    def label(self) -> str:
+        """Short name and unit."""
+        return self.name.rpartition(".")[2] + self.unit
+
+    @property
+    def hint(self) -> str:
+        """Full name, meaning and what is allowed."""
+        bounded = math.isfinite(self.low) and math.isfinite(self.high)
+        allowed = f"{self.low:g} to {self.high:g}" if bounded else self.constraints
+        return f"{self.name}: {self.meaning}" + (f"; {allowed}" if allowed else "")
+
+    @property
+    def text(self) -> str:
+        """The value as text, as a parameter file has it."""
+        is_list = not isinstance(self.value, (str, bool, int, float))
+        return str(list(self.value)) if is_list else str(self.value)
+
+    def parsed(self, text: str) -> Any:
+        """A value of this parameter's type from text. Raises ParameterError for other text."""
+        value = parse_yaml(text, self.name)
+        if isinstance(self.value, str):
+            return text
+        elements = [
+            number_from_text(each) for each in (value if isinstance(value, list) else [value])
+        ]
+        if not all(isinstance(each, (int, float)) for each in elements):
+            raise ParameterError(f"{self.name} must be a list of numbers, given {text!r}")
+        return [float(each) for each in elements]
+
+
+class SliderRange(NamedTuple):
+    """Ends and step of a slider, whole numbers for a parameter that is one."""
+
+    low: float
+    high: float
+    step: float
+
+
+def slider_range(value: float, low: float, high: float) -> SliderRange:
+    """A slider that moves ``value`` within the allowed range in useful steps.
+
+    The allowed range can be millions of times as wide as any useful value. The slider then reaches
+    a few times the present one.
+    """
+    size = abs(value) or 1.0
+    if not high - low <= WHOLE_RANGE * size:
+        reach = _round_up(REACH * size)
+        low, high = max(low, 0.0 if value > 0.0 and low == -math.inf else -reach), min(high, reach)
+    low, high = min(low, value), max(high, value)
+    if isinstance(value, int):
+        return SliderRange(math.floor(low), math.ceil(high), 1)
+    return SliderRange(low, high, 10.0 ** math.floor(math.log10((high - low or 1.0) / STEPS)))
+
+
+def _round_up(value: float) -> float:
+    power = 10.0 ** math.floor(math.log10(value))
+    return math.ceil(value / power - 1e-9) * power

@@ -1,0 +1,146 @@
+"""Keeps the parameters on the page the same as those of the nodes, in both directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import yaml
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.parameter import parameter_value_to_python
+
+from furuta_graph.settings import Settings
+from furuta_model.ros_parameters import is_of_ros
+from furuta_view.graph_link import GraphLink
+from furuta_view.parameter_panel import Control, NodeFolder
+from furuta_view.parameter_types import Described
+
+# The parameters that come first on the page, if their nodes run.
+MAIN = (
+    ("friction_observer", "compensation"),
+    ("friction_observer", "alpha0"),
+    ("controller", "super_twisting"),
+    ("controller", "enabled"),
+)
+# The order of the folders; a node with another name comes after these.
+ORDER = ("friction_observer", "controller", "estimator", "plant", "hardware_bridge")
+
+
+class ParametersOnPage:
+    """Folders for the nodes that run, and the main parameters before them.
+
+    ``changed`` is called with a node's name when its parameters have changed.
+    """
+
+    def __init__(
+        self, gui: Any, link: GraphLink, main: Any, folders: Any, changed: Callable[[str], None]
+    ) -> None:
+        self._gui, self._link, self._changed = gui, link, changed
+        self._main, self._place = main, folders
+        self._folders: dict[str, NodeFolder] = {}
+        self._first: dict[tuple[str, str], Control] = {}
+        self.values: dict[str, dict[str, Any]] = {}
+
+    def find_nodes(self) -> None:
+        """Add and remove folders as nodes come and go. Called in a job."""
+        running = self._link.nodes()
+        for node in [each for each in self._folders if each not in running]:
+            self._remove(node)
+        for node in running:
+            if node not in self._folders:
+                self._add(node)
+
+    def received(self, event: ParameterEvent) -> None:
+        """Show changed values; describe a node anew that has other parameters now."""
+        node = event.node.rpartition("/")[2]
+        if node not in self._folders:
+            return
+        known = self._folders[node].controls
+        declared = {each.name for each in event.new_parameters if not is_of_ros(each.name)}
+        deleted = {each.name for each in event.deleted_parameters}
+        if declared - set(known) or deleted & set(known):
+            self._link.try_job(("describe", node), partial(self._replace, node), _ignore)
+        for each in (*event.changed_parameters, *event.new_parameters):
+            if each.name in known:
+                self._show(node, each.name, parameter_value_to_python(each.value))
+        self._changed(node)
+
+    def file(self) -> str:
+        """A ROS parameter file with all values that can be set while the nodes run."""
+        nodes = {
+            node: {"ros__parameters": {name: _plain(each) for name, each in values.items()}}
+            for node, values in self.values.items()
+            if values
+        }
+        return yaml.safe_dump(nodes, sort_keys=False)
+
+    def load(self, settings: Settings, failed: Callable[[str], None]) -> None:
+        """Set the values of a parameter file, each node's all or none."""
+        for node, given in settings.items():
+            values = {
+                name: value
+                for name, value in given.items()
+                if name in self.values.get(node, {}) and not self._read_only(node, name)
+            }
+            if values:
+                self._link.try_job(("load", node), partial(self._link.set, node, values), failed)
+
+    def _read_only(self, node: str, name: str) -> bool:
+        return self._folders[node].controls[name].described.read_only
+
+    def _enter(self, node: str, name: str, value: Any) -> None:
+        """Set what the user has entered; a refusal is shown at its control."""
+        work = partial(self._link.set, node, {name: value})
+        self._link.try_job((node, name), work, partial(self._refuse, node, name))
+
+    def _refuse(self, node: str, name: str, reason: str) -> None:
+        for control in self._controls(node, name):
+            control.refuse(reason)
+
+    def _show(self, node: str, name: str, value: Any) -> None:
+        self.values[node][name] = value
+        if self._link.jobs.pending((node, name)):
+            return  # the user has moved on meanwhile
+        for control in self._controls(node, name):
+            control.update(value)
+
+    def _controls(self, node: str, name: str) -> list[Control]:
+        folder = self._folders.get(node)
+        found = [folder.controls.get(name) if folder else None, self._first.get((node, name))]
+        return [each for each in found if each is not None]
+
+    def _replace(self, node: str) -> None:
+        self._remove(node)
+        self._add(node)
+
+    def _add(self, node: str) -> None:
+        described = self._link.described(node)
+        self.values[node] = {each.name: each.value for each in described}
+        order = float(ORDER.index(node) if node in ORDER else len(ORDER))
+        with self._place:
+            enter = partial(self._enter, node)
+            self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
+        by_name = {each.name: each for each in described}
+        for order, (of, name) in enumerate(MAIN):
+            if of == node and name in by_name and (of, name) not in self._first:
+                self._add_first(float(order), node, by_name[name])
+        self._changed(node)
+
+    def _add_first(self, order: float, node: str, described: Described) -> None:
+        with self._main:
+            enter = partial(self._enter, node, described.name)
+            self._first[node, described.name] = Control(self._gui, order, described, enter)
+
+    def _remove(self, node: str) -> None:
+        self._folders.pop(node).remove()
+        self.values.pop(node)
+
+
+def _plain(value: Any) -> Any:
+    """A value as YAML has it."""
+    return value if isinstance(value, (bool, int, float, str)) else list(value)
+
+
+def _ignore(reason: str) -> None:
+    """A node that does not answer is asked again."""

@@ -1,0 +1,107 @@
+"""The pendulum in 3D, drawn from its robot description."""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+import viser
+from urdf_parser_py.urdf import URDF, Cylinder, Sphere
+from viser.transforms import SO3
+
+GROUND = (226, 232, 240)
+# Width of the picture [pixels] below which the controls cover its lower half.
+PHONE = 450
+# Position of the camera in heights of the joint above the ground.
+CAMERA = (1.6, -2.0, 1.65)
+
+
+class Scene:
+    """The links of a robot description as nested frames, a joint each.
+
+    ``name`` tells several apart; with an ``opacity`` below 1 the ground and the camera are those of
+    another one.
+    """
+
+    def __init__(
+        self, server: viser.ViserServer, name: str = "/robot", opacity: float = 1.0
+    ) -> None:
+        self._server, self._name, self._opacity = server, name, opacity
+        self._axes: dict[str, np.ndarray] = {}
+        self._frames: dict[str, Any] = {}
+        self._root: Any = None
+        self._height = 0.0
+        server.on_client_connect(self._place_camera)
+        server.scene.set_up_direction("+z")
+
+    def show(self, description: str) -> None:
+        """Draw the robot of this description instead of an earlier one."""
+        if self._root is not None:
+            self._root.remove()
+        robot = URDF.from_xml_string(description)
+        self._root = self._server.scene.add_frame(self._name, show_axes=False)
+        frames: dict[str, Any] = {}
+        self._add_link(robot, frames, robot.get_root(), self._name)
+        if self._opacity == 1.0:
+            self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
+        self._frames = frames
+
+    def move(self, angles: dict[str, float]) -> None:
+        """Turn the joints to their angles [rad]."""
+        with self._server.atomic():
+            for name, frame in self._frames.items():
+                x, y, z = sin(angles[name] / 2) * self._axes[name]
+                frame.wxyz = (cos(angles[name] / 2), x, y, z)
+
+    def _add_link(self, robot: Any, frames: dict[str, Any], name: str, path: str) -> None:
+        colours = {each.name: each.color.rgba[:3] for each in robot.materials}
+        for number, visual in enumerate(robot.link_map[name].visuals):
+            self._add_visual(f"{path}/visual_{number}", visual, colours[visual.material.name])
+        for joint in robot.joints:
+            if joint.parent == name:
+                below = f"{path}/{joint.name}"
+                self._axes[joint.name] = np.array(joint.axis)
+                frames[joint.name] = self._server.scene.add_frame(
+                    below, show_axes=False, position=tuple(joint.origin.xyz)
+                )
+                self._add_link(robot, frames, joint.child, below)
+
+    def _add_visual(self, path: str, visual: Any, colour: list[float]) -> None:
+        scene, shape, origin = self._server.scene, visual.geometry, visual.origin
+        place: dict[str, Any] = {
+            "color": tuple(round(255 * part) for part in colour),
+            "position": tuple(origin.xyz),
+            "opacity": None if self._opacity == 1.0 else self._opacity,
+            "wxyz": SO3.from_rpy_radians(*map(float, origin.rpy or (0, 0, 0))).wxyz,
+        }
+        if isinstance(shape, Cylinder):
+            scene.add_cylinder(path, shape.radius, shape.length, **place)
+        elif isinstance(shape, Sphere):
+            scene.add_icosphere(path, shape.radius, **place)
+
+    def _surroundings(self, height: float) -> None:
+        server = self._server
+        server.scene.add_grid(
+            "/ground",
+            width=8 * height,
+            height=8 * height,
+            cell_size=height / 4,
+            section_size=height,
+            cell_color=GROUND,
+            section_color=GROUND,
+        )
+        self._height = height
+        for client in server.get_clients().values():
+            self._place_camera(client)
+
+    def _place_camera(self, client: viser.ClientHandle) -> None:
+        """Look at the pendulum; in a narrow page it is above the controls."""
+        if not self._height:
+            return
+        narrow = client.camera.image_width < PHONE
+        distance, centre = (1.7, 0.0) if narrow else (1.0, 1.05)
+        x, y, z = (self._height * distance * each for each in CAMERA)
+        with client.atomic():
+            client.camera.position = (x, y, z)
+            client.camera.look_at = (0.0, 0.0, self._height * centre)

@@ -1,0 +1,104 @@
+"""A headless Chromium for tests of the page, and what a user sees and does in it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import isnan
+from time import monotonic
+from typing import Any
+
+import pytest
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# Software WebGL, and no request of the browser's own.
+OPTIONS = [
+    *("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync"),
+]
+TIMEOUT = 120.0  # [s]
+CANVAS = "canvas[data-engine]"  # of the pendulum in 3D
+CHARTS = "__viserTestpoints.uplots"
+
+
+def browser_path() -> str:
+    """The browser; skips the test, with the reason, where there is none or nothing to drive it."""
+    pytest.importorskip("playwright", reason="playwright is not installed; `make test` installs it")
+    found = next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None:
+        pytest.skip(f"no browser to show the page in: none of {', '.join(NAMES)} is installed")
+    return found
+
+
+class Page:
+    """An open page, with everything that went wrong in it and all that it requested."""
+
+    def __init__(self, page: Any, address: str) -> None:
+        self.page, self.address = page, address
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("console", self._keep_error)
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("websocket", lambda socket: self.requests.append(socket.url))
+        page.set_default_timeout(1e3 * TIMEOUT)
+        page.goto(address)
+        page.wait_for_selector(CANVAS)
+
+    def wait(self, condition: Callable[[], Any], what: str) -> Any:
+        """Wait until a condition holds; returns its value."""
+        end = monotonic() + TIMEOUT
+        while not (value := condition()):
+            assert monotonic() < end, f"never: {what}"
+            self.page.wait_for_timeout(100)
+        return value
+
+    def picture(self) -> bytes:
+        """The pendulum as it is shown now."""
+        box = self.page.locator(CANVAS).bounding_box()
+        return bytes(self.page.screenshot(clip=box, timeout=1e3 * TIMEOUT))
+
+    def curve(self, label: str) -> list[float]:
+        """The values of a curve in the charts over time."""
+        code = (
+            f"name => {{ for (const one of Object.values(window.{CHARTS} ?? {{}})) {{"
+            "const at = one.chart.series.findIndex(each => each.label === name);"
+            "if (at > 0) return Array.from(one.chart.data[at]); } return []; }"
+        )
+        values = self.page.evaluate(code, label)
+        return [each for each in values if each is not None and not isnan(each)]
+
+    def text(self, selector: str) -> str:
+        """All visible text of the elements."""
+        return " ".join(self.page.locator(selector).all_inner_texts())
+
+    def row(self, label: str) -> Any:
+        """The row of controls with this label that comes first."""
+        return self.page.get_by_text(label, exact=True).first.locator(
+            "xpath=ancestor::*[.//input][1]"
+        )
+
+    def _keep_error(self, message: Any) -> None:
+        if message.type == "error":
+            self.errors.append(message.text)
+
+
+@contextmanager
+def open_browser() -> Iterator[Callable[..., Page]]:
+    """A function that opens an address in a page of a width and height [pixels]."""
+    path = browser_path()
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
+        try:
+
+            def show(address: str, width: int = 1280, height: int = 800) -> Page:
+                size: Any = {"width": width, "height": height}
+                return Page(browser.new_page(viewport=size), address)
+
+            yield show
+        finally:
+            browser.close()

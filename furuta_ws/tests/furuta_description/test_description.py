@@ -1,0 +1,116 @@
+"""The robot description of each rig, and the layouts of display tools."""
+
+from __future__ import annotations
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from urdf_parser_py.urdf import URDF
+
+from furuta_description.display import display_nodes
+from furuta_description.lengths import Lengths, lengths
+from furuta_description.robot_description import robot_description, share
+from furuta_graph.rigs import find_rig, rig_directory
+from furuta_model import topic_names
+from furuta_model.parameters import ParameterError
+
+RIGS = sorted(file.stem for file in rig_directory().glob("*.yaml"))
+STATES = {topic_names.MEASUREMENT, topic_names.JOINT_STATES, topic_names.GROUND_TRUTH}
+NUMBERS = {topic_names.FRICTION_ESTIMATE, topic_names.COMMAND}
+
+
+def rotation(axis: list[float], angle: float) -> np.ndarray:
+    """Rotation matrix by the formula of Rodrigues."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + sin(angle) * cross + (1 - cos(angle)) * cross @ cross
+
+
+def parsed(rig: str) -> Any:
+    return URDF.from_xml_string(robot_description(lengths(find_rig(rig).model)))
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_joints_have_the_names_of_the_topics(rig: str) -> None:
+    """A robot state publisher finds the joints of ``joint_states`` by name."""
+    robot = parsed(rig)
+    assert [each.name for each in robot.joints] == list(topic_names.JOINTS)
+    assert {each.type for each in robot.joints} == {"continuous"}
+    assert robot.get_root() == "base"
+    assert all(link.visuals for link in robot.links)
+
+
+def test_lengths_are_those_of_the_data_sheet() -> None:
+    """Qube-Servo 2: arm 85 mm; pendulum as Quanser gives mass, length and inertia."""
+    mass, length, inertia = 0.024, 0.0645, 3.33e-5
+    arm, pendulum = lengths(find_rig("qube_servo_2").model)
+    assert arm == pytest.approx(0.085, rel=1e-12)
+    assert pendulum == pytest.approx((inertia + mass * length**2) / (mass * length), rel=1e-12)
+
+
+@pytest.mark.parametrize(("phi", "theta"), [(0.0, 0.0), (0.7, 0.2), (-2.0, 3.0)])
+def test_pendulum_stands_where_the_equations_have_it(phi: float, theta: float) -> None:
+    """θ = 0 is upright; the centre is at (L cosφ − l sinθ sinφ, L sinφ + l sinθ cosφ, l cosθ)."""
+    of = Lengths(0.3, 0.4)
+    robot = URDF.from_xml_string(robot_description(of))
+    arm, pendulum = (robot.joint_map[name] for name in topic_names.JOINTS)
+    turned = rotation(arm.axis, phi)
+    tip = turned @ (
+        np.array(pendulum.origin.xyz) + rotation(pendulum.axis, theta) @ [0.0, 0.0, of.pendulum]
+    )
+    expected = [
+        of.arm * cos(phi) - of.pendulum * sin(theta) * sin(phi),
+        of.arm * sin(phi) + of.pendulum * sin(theta) * cos(phi),
+        of.pendulum * cos(theta),
+    ]
+    assert tip == pytest.approx(expected, abs=1e-9)
+
+
+def test_display_starts_publisher_and_rviz_in_the_namespace() -> None:
+    """RViz gets its layout, the publisher the description of the rig that was named."""
+    publisher, rviz = display_nodes("qube_servo_2", "left")
+    assert (publisher.package, publisher.namespace) == ("robot_state_publisher", "/left")
+    assert 'xyz="0.085 0 0"' in publisher.parameters["robot_description"]
+    layout = yaml.safe_load(open(rviz.arguments[1]).read())  # noqa: SIM115
+    shown = {each["Class"]: each for each in layout["Visualization Manager"]["Displays"]}
+    model = shown["rviz_default_plugins/RobotModel"]
+    assert model["Description Topic"]["Value"] == "robot_description"
+    assert layout["Visualization Manager"]["Global Options"]["Fixed Frame"] == "base"
+    with pytest.raises(ParameterError, match="no rig other"):
+        display_nodes("other")
+
+
+def test_plotjuggler_layout_shows_the_five_topics() -> None:
+    """Curves are named by topic, joint and field."""
+    root = ET.parse(share("config", "plotjuggler.xml")).getroot()
+    topics = {each.get("name", "").strip("/") for each in root.iter("topic")}
+    assert topics == STATES | NUMBERS
+    curves = [each.get("name", "").strip("/").split("/") for each in root.iter("curve")]
+    assert {each[0] for each in curves} == topics
+    for topic, *rest in curves:
+        if topic in NUMBERS:
+            assert rest == ["data"]
+        else:
+            assert rest[0] in topic_names.JOINTS
+            assert rest[1] in ("position", "velocity", "effort")
+
+
+def test_foxglove_layout_shows_the_five_topics() -> None:
+    """Paths of messages that the topics have; every panel has its place."""
+    layout = json.loads(share("config", "foxglove.json").read_text())
+    panels = layout["configById"]
+    assert set(panels) == set(re.findall(r'"((?:3D|Plot)!\d)"', json.dumps(layout["layout"])))
+    paths = [path["value"] for panel in panels.values() for path in panel.get("paths", [])]
+    found = set()
+    for path in paths:
+        topic, field = re.fullmatch(r"/(\w+)\.(\w+(?:\[[01]\])?)", path).groups()  # type: ignore[union-attr]
+        found.add(topic)
+        allowed = r"data" if topic in NUMBERS else r"(position|velocity|effort)\[[01]\]"
+        assert re.fullmatch(allowed, field), path
+    assert found == STATES | NUMBERS
