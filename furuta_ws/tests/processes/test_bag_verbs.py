@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from furuta_cli.main import main
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
+from furuta_studies.series_columns import COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +47,34 @@ def test_recompute(furuta: Any, bag: Path) -> None:
     result = json.loads(furuta("bag", "recompute", bag, "--json")[1])
     assert result["identical"]
     assert result["samples"] == 2000
+
+
+def test_export(furuta: Any, bag: Path, tmp_path: Path) -> None:
+    """A row per measurement, every column of the graph, each sample with its own command."""
+    table = tmp_path / "bag.csv"
+    result = json.loads(furuta("bag", "export", bag, "--out", table, "--json")[1])
+    assert result["rows"] == 2000
+    header = table.read_text().splitlines()[0].split(",")
+    assert header == result["columns"]
+    # The paper's rig measures no pendulum speed.
+    assert set(COLUMNS) - set(header) == {"measured_theta_dot_rad_s"}
+    rows = dict(zip(header, np.loadtxt(table, delimiter=",", skiprows=1).T, strict=True))
+    assert rows["time_s"] == pytest.approx(np.arange(2000) * 1e-3)
+    # The torque applied in a sample is its command, rounded by the drive's 12 bits of ±10 V.
+    error = rows["applied_torque_v"][1:] - rows["command_v"][:-1]
+    assert np.max(np.abs(error)) < 20 / 2**12
+    assert np.max(np.abs(rows["true_phi_rad"] - rows["estimated_phi_rad"])) < 0.05
+
+
+def test_plot(furuta: Any, bag: Path, tmp_path: Path) -> None:
+    """A bag and its exported table give the same picture."""
+    table = tmp_path / "bag.csv"
+    assert furuta("bag", "export", bag, "--out", table)[0] == 0
+    for source, picture in ((bag, "bag.png"), (table, "table.png")):
+        status, out, err = furuta("plot", source, "--out", tmp_path / picture)
+        assert (status, err) == (0, "")
+        assert picture in out
+    assert (tmp_path / "bag.png").read_bytes() == (tmp_path / "table.png").read_bytes()
 
 
 def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:

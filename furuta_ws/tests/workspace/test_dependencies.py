@@ -36,7 +36,7 @@ PIP = {
 }
 # rosdep has no key for these: setup.py declares them as extras, and README says how to install
 # them.
-WITHOUT_KEY = {"distributed", "unicorn", "ziglang"}
+WITHOUT_KEY = {"distributed", "pyarrow", "unicorn", "ziglang"}
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {

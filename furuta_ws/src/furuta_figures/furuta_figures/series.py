@@ -26,7 +26,7 @@ COLOURS = {"measured": "0.6", "true": "C0", "estimated": "C1", "command": "C2", 
 
 
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
-GAP = 5.0
+GAP = 100.0
 
 
 def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:

@@ -32,9 +32,13 @@ def write_columns(path: Path, columns: Columns) -> None:
     """Write series (n,) of equal length; an existing file is replaced.
 
     Raises:
-        ParameterError: The suffix is none of :data:`SUFFIXES`, or Parquet is not installed.
+        ParameterError: The suffix is none of :data:`SUFFIXES`, Parquet is not installed, or the
+            series have different lengths.
     """
     write, _ = _format(path)
+    shapes = {np.shape(values) for values in columns.values()}
+    if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
+        raise ParameterError(f"series for {path} must have one and the same length, given {shapes}")
     path.parent.mkdir(parents=True, exist_ok=True)
     write(path, {name: np.ascontiguousarray(values) for name, values in columns.items()})
 

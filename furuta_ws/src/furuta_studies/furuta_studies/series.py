@@ -11,7 +11,7 @@ from furuta_analysis.simulation.closed_loop import Record
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import read
-from furuta_recordings.table_files import SUFFIXES
+from furuta_recordings.table_files import SUFFIXES, read_columns
 from furuta_studies.bag_series import bag_series, recorded_series
 from furuta_studies.series_columns import (
     COLUMNS,
@@ -53,7 +53,10 @@ def load_series(path: Path, names: Names | None = None) -> Series:
         return bag_series(path, names)
     columns = read_columns(path) if path.suffix.lower() in SUFFIXES else {}
     if TIME in columns and len(columns.keys() & COLUMNS.keys()) > 1:
-        return {name: columns[name] for name in COLUMNS if name in columns}
+        chosen = {name: columns[name] for name in COLUMNS if name in columns}
+        if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
+            raise ParameterError(f"{path}: its series have different lengths")
+        return chosen
     if {"state", "estimate", "time"} <= columns.keys():
         return _simulation_file(path, columns)
     if path.suffix.lower() in SUFFIXES and path.suffix.lower() != ".csv":
@@ -70,5 +73,5 @@ def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
             *(columns[name] for name in Record._fields[1:]),
         )
         return {**simulated_series(record), TIME: time}
-    except (KeyError, ValueError, IndexError) as error:
+    except (KeyError, ValueError, IndexError, TypeError) as error:
         raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None
