@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from furuta_cli.main import furuta as command_line
 from furuta_cli.main import main
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
 from furuta_studies.series_columns import COLUMNS
@@ -49,10 +51,13 @@ def test_recompute(furuta: Any, bag: Path) -> None:
     assert result["samples"] == 2000
 
 
-def test_export(furuta: Any, bag: Path, tmp_path: Path) -> None:
-    """A row per measurement, every column of the graph, each sample with its own command."""
+def test_export_and_plot(bag: Path, tmp_path: Path) -> None:
+    """A row per measurement, every column of the graph, each sample with its own command.
+
+    The table gives the same picture as the bag.
+    """
     table = tmp_path / "bag.csv"
-    result = json.loads(furuta("bag", "export", bag, "--out", table, "--json")[1])
+    result = json.loads(output("bag", "export", bag, "--out", table, "--json"))
     assert result["rows"] == 2000
     header = table.read_text().splitlines()[0].split(",")
     assert header == result["columns"]
@@ -64,17 +69,16 @@ def test_export(furuta: Any, bag: Path, tmp_path: Path) -> None:
     error = rows["applied_torque_v"][1:] - rows["command_v"][:-1]
     assert np.max(np.abs(error)) < 20 / 2**12
     assert np.max(np.abs(rows["true_phi_rad"] - rows["estimated_phi_rad"])) < 0.05
-
-
-def test_plot(furuta: Any, bag: Path, tmp_path: Path) -> None:
-    """A bag and its exported table give the same picture."""
-    table = tmp_path / "bag.csv"
-    assert furuta("bag", "export", bag, "--out", table)[0] == 0
     for source, picture in ((bag, "bag.png"), (table, "table.png")):
-        status, out, err = furuta("plot", source, "--out", tmp_path / picture)
-        assert (status, err) == (0, "")
-        assert picture in out
+        assert picture in output("plot", source, "--out", tmp_path / picture)
     assert (tmp_path / "bag.png").read_bytes() == (tmp_path / "table.png").read_bytes()
+
+
+def output(*arguments: str | Path) -> str:
+    """Standard output of a verb that succeeds."""
+    done = CliRunner().invoke(command_line, list(map(str, arguments)))
+    assert done.exit_code == 0, done.output
+    return done.output
 
 
 def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:

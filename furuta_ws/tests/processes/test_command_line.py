@@ -123,12 +123,13 @@ def test_simulate(furuta: Any, tmp_path: Path) -> None:
     assert np.load(series)["state"].shape == (30_000, 4)
 
 
-def test_simulate_with_a_law_into_a_table(furuta: Any, tmp_path: Path) -> None:
+def test_simulate_with_a_law_into_a_table(tmp_path: Path) -> None:
     """``--law`` sets the law of the plant, and the suffix the format of the series."""
     table, same = tmp_path / "run.csv", tmp_path / "same.npz"
-    assert furuta("simulate", "--seconds", "1", "--law", "coulomb", "--out", table)[0] == 0
-    law = "plant.friction.law=coulomb"
-    assert furuta("simulate", "--seconds", "1", "--set", law, "--out", same)[0] == 0
+    for arguments in (["--law=coulomb", table], ["--set=plant.friction.law=coulomb", same]):
+        law, out = arguments
+        given = ["simulate", "--seconds", "1", law, "--out", str(out)]
+        assert CliRunner().invoke(main.furuta, given).exit_code == 0
     header = table.read_text().splitlines()[0].split(",")
     rows = np.loadtxt(table, delimiter=",", skiprows=1)
     with np.load(same) as series:
@@ -137,10 +138,18 @@ def test_simulate_with_a_law_into_a_table(furuta: Any, tmp_path: Path) -> None:
         assert np.array_equal(rows[:, header.index("command_v")], series["command"])
 
 
-def test_version(furuta: Any) -> None:
+def test_version() -> None:
     """That of the packages, on one line."""
-    status, out, _ = furuta("--version")
-    assert (status, out) == (0, f"furuta {version('furuta_cli')}\n")
+    done = CliRunner().invoke(main.furuta, ["--version"])
+    assert (done.exit_code, done.output) == (0, f"furuta {version('furuta_cli')}\n")
+
+
+def test_completion(furuta: Any, monkeypatch: Any) -> None:
+    """What the shell asks after ``furuta li`` and the tab key."""
+    monkeypatch.setenv("_FURUTA_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "furuta li")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    assert furuta()[:2] == (0, "plain,linearize\nplain,limit-cycle\n")
 
 
 def test_reset(furuta: Any, processes: Any) -> None:

@@ -48,7 +48,7 @@ def make_loop(
     rig: Rig | str | Path | None = None,
     files: Iterable[str | Path] = (),
 ) -> Loop:
-    """Parameters of plant, estimator, friction observer and controller.
+    """A closed loop from parameters by name, a rig and parameter files.
 
     Args:
         values: Parameters by name, in the units that docs/parameters.md lists. ``alpha0`` sets the
