@@ -21,6 +21,7 @@ from furuta_cli.options import (
     model_options,
     print_json,
 )
+from furuta_cli.printing import rounded
 from furuta_graph.settings import load_settings, loop
 from furuta_model.state import LARGEST_VALUE
 from furuta_recordings.table_files import SUFFIXES, write_columns
@@ -93,7 +94,7 @@ def command(
         print_json(result)
     else:
         for name, value in result.items():
-            print(f"{name:24} {value}")
+            print(f"{name:24} {rounded(value)}")
 
 
 def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
