@@ -1,4 +1,4 @@
-.PHONY: demo test bench soak clean
+.PHONY: demo test bench wheel soak clean
 
 demo:
 	./furuta demo
@@ -14,6 +14,12 @@ bench:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
 		--requirement benchmarks/requirements.lock
 	tools/in_environment python benchmarks/run.py
+
+# One wheel with the library and the command line, for Python without ROS.
+wheel:
+	tools/in_environment python -m pip wheel --disable-pip-version-check --quiet --no-deps \
+		--no-build-isolation --wheel-dir output/wheel .
+	@ls output/wheel/*.whl
 
 # make soak MINUTES=60 SEED=1; SLICE=messages:4 STEPS=17 repeats the first steps of a slice.
 MINUTES ?= 10

@@ -21,6 +21,6 @@ setup(
     entry_points={
         "console_scripts": ["recorder = furuta_recordings.recorder_process:main"],
     },
-    extras_require={"test": ["pytest"]},
+    extras_require={"parquet": ["pyarrow"], "test": ["pytest"]},
     zip_safe=False,
 )

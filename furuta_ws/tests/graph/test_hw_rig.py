@@ -134,6 +134,7 @@ def test_the_papers_rig_has_the_default_parameters() -> None:
         ("drive: {bits: 40}", "drive.bits must be 2 to 16"),
         ("model: {alpha: 1}\nlinear: {a23: -1}", "one of model, linear, physical"),
         ("physical: {arm_length: 1}", "physical needs pendulum_mass"),
+        ("physical: {arm_length: 100}", "physical.arm_length must be 0 to 5 m, given 100"),
         ("physical: {weight: 1}", "unknown: physical.weight"),
         ("linear: {b41: 0}", "b41 must be below 0"),
         ("model: {gamma: 1.0}", "alpha * beta must exceed gamma²"),

@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from furuta_cli.main import furuta as command_line
 from furuta_cli.main import main
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
+from furuta_studies.series_columns import COLUMNS
 from furuta_view.bag_samples import BagSamples
 from furuta_view.samples import COMMAND, FRICTION, PHI, THETA_DOT, TIME
 
@@ -65,6 +68,36 @@ def test_recompute(furuta: Any, bag: Path) -> None:
     result = json.loads(furuta("bag", "recompute", bag, "--json")[1])
     assert result["identical"]
     assert result["samples"] == 2000
+
+
+def test_export_and_plot(bag: Path, tmp_path: Path) -> None:
+    """A row per measurement, every column of the graph, each sample with its own command.
+
+    The table gives the same picture as the bag.
+    """
+    table = tmp_path / "bag.csv"
+    result = json.loads(output("bag", "export", bag, "--out", table, "--json"))
+    assert result["rows"] == 2000
+    header = table.read_text().splitlines()[0].split(",")
+    assert header == result["columns"]
+    # The paper's rig measures no pendulum speed.
+    assert set(COLUMNS) - set(header) == {"measured_theta_dot_rad_s"}
+    rows = dict(zip(header, np.loadtxt(table, delimiter=",", skiprows=1).T, strict=True))
+    assert rows["time_s"] == pytest.approx(np.arange(2000) * 1e-3)
+    # The torque applied in a sample is its command, rounded by the drive's 12 bits of ±10 V.
+    error = rows["applied_torque_v"][1:] - rows["command_v"][:-1]
+    assert np.max(np.abs(error)) < 20 / 2**12
+    assert np.max(np.abs(rows["true_phi_rad"] - rows["estimated_phi_rad"])) < 0.05
+    for source, picture in ((bag, "bag.png"), (table, "table.png")):
+        assert picture in output("plot", source, "--out", tmp_path / picture)
+    assert (tmp_path / "bag.png").read_bytes() == (tmp_path / "table.png").read_bytes()
+
+
+def output(*arguments: str | Path) -> str:
+    """Standard output of a verb that succeeds."""
+    done = CliRunner().invoke(command_line, list(map(str, arguments)))
+    assert done.exit_code == 0, done.output
+    return done.output
 
 
 def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -122,6 +123,46 @@ def test_simulate(furuta: Any, tmp_path: Path) -> None:
     assert np.load(series)["state"].shape == (30_000, 4)
 
 
+def test_simulate_with_a_law_into_a_table(tmp_path: Path) -> None:
+    """``--law`` sets the law of the plant, and the suffix the format of the series."""
+    table, same = tmp_path / "run.csv", tmp_path / "same.npz"
+    for arguments in (["--law=coulomb", table], ["--set=plant.friction.law=coulomb", same]):
+        law, out = arguments
+        given = ["simulate", "--seconds", "1", law, "--out", str(out)]
+        assert CliRunner().invoke(main.furuta, given).exit_code == 0
+    header = table.read_text().splitlines()[0].split(",")
+    rows = np.loadtxt(table, delimiter=",", skiprows=1)
+    with np.load(same) as series:
+        assert np.array_equal(rows[:, header.index("time_s")], series["time"])
+        assert np.array_equal(rows[:, header.index("true_phi_rad")], series["state"][:, 0])
+        assert np.array_equal(rows[:, header.index("command_v")], series["command"])
+
+
+def test_version() -> None:
+    """That of the packages, on one line."""
+    done = CliRunner().invoke(main.furuta, ["--version"])
+    assert (done.exit_code, done.output) == (0, f"furuta {version('furuta_cli')}\n")
+
+
+def test_completion(furuta: Any, monkeypatch: Any) -> None:
+    """What the shell asks after ``furuta li`` and the tab key."""
+    monkeypatch.setenv("_FURUTA_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "furuta li")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    assert furuta()[:2] == (0, "plain,linearize\nplain,limit-cycle\n")
+
+
+def test_reset(furuta: Any, processes: Any) -> None:
+    """A running plant answers; without one there is one line."""
+    processes.node("plant", "clock:=lockstep")
+    status, out, err = furuta("reset", "--json")
+    assert status == 0, err
+    assert "initial state" in json.loads(out)["message"]
+    status, _, err = furuta("reset", "--namespace", "elsewhere")
+    assert status == 1
+    assert err.strip() == "error: no node plant answers (waited 5 s)"
+
+
 def test_simulate_explicit_feedback(furuta: Any) -> None:
     """``--feedback`` takes u = l·x: the gain of pole placement with the sign turned."""
     _, out, _ = furuta("linearize", "--json")
@@ -205,6 +246,11 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
     [
         (["simulate", "--no-such-option"], "No such option"),
         (["dance"], "No such command 'dance'"),
+        (["simulat"], "No such command 'simulat'. Did you mean 'simulate'?"),
+        (["simulate", "--law", "glue"], "'glue' is not one of 'coulomb', 'stiction'"),
+        (["bag", "export", "bag", "--out", "t.xlsx"], "t.xlsx does not end in .csv, .parquet"),
+        (["plot", "run.csv"], "Missing option '--out'"),
+        (["param", "set", "plant", "--sede", "1"], "expected NAME VALUE"),
         (["node", "run"], "Missing argument 'PACKAGE'"),
         (["simulate", "--seconds", "-1"], "'--seconds': -1.0 is not in the range 0<x<=1000000.0"),
         (["simulate", "--seconds", "nan"], "'--seconds': nan is not a finite number"),
@@ -305,13 +351,16 @@ def test_param_verbs(furuta: Any, processes: Any) -> None:
         (("sigma_0", "90"), "friction_observer has no parameter sigma_0"),
         (("sigma_0=90", "alpha0=0.3"), "friction_observer has no parameter sigma_0"),
         (("sigma0", "["), "cannot read the value '['"),
+        (("sigma0", "200mV"), "sigma0 must be a number without a unit, given '200mV'"),
     ):
         status, _, err = furuta("param", "set", "friction_observer", *assignments)
         assert status == 1
         assert reason in err
         assert len(err.strip().splitlines()) == 1
+    assert furuta("param", "set", "friction_observer", "observer_gain", "-0.1")[0] == 0
     values = json.loads(furuta("param", "list", "friction_observer", "--json")[1])
     assert (values["sigma0"], values["alpha0"]) == (90.0, 0.21)
+    assert values["observer_gain"] == -0.1
     assert "/friction_observer" in json.loads(furuta("node", "list", "--json")[1])["nodes"]
     status, _, err = furuta("param", "get", "nobody", "x")
     assert status == 1

@@ -43,7 +43,9 @@ PIP = {
 }
 # rosdep has no key for these: setup.py declares them as extras, and README says how to install
 # them.
-WITHOUT_KEY = {"distributed", "playwright", "unicorn", "viser", "websockets", "ziglang"}
+WITHOUT_KEY = {
+    *("distributed", "playwright", "pyarrow", "unicorn", "viser", "websockets", "ziglang"),
+}
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from furuta_recordings.table_files import SUFFIXES
+
 
 class OutputFile(click.Path):
     """A file to write, whose suffix determines its format."""
@@ -24,4 +26,5 @@ class OutputFile(click.Path):
 
 
 FIGURE = OutputFile(".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
-SERIES_OR_FIGURE = OutputFile(".npz", ".png", ".pdf", ".svg")
+SERIES = OutputFile(*SUFFIXES)
+SERIES_OR_FIGURE = OutputFile(".npz", ".png", ".pdf", ".svg", ".csv", ".mat", ".parquet")

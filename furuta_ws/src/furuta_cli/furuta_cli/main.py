@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import logging
 import sys
+from difflib import get_close_matches
+from importlib.metadata import packages_distributions, version
 
 import click
 
@@ -33,15 +35,22 @@ VERBS = {
     "convergence": "Passivity condition for convergence of the friction observer.",
     "identify": "Identify a model from recordings.",
     "rig": "Check a rig file: does the loop hold as surely as its values are known?",
-    "bag": "Show, recover, replay and recompute recorded bags.",
+    "bag": "Show, export, recover, replay and recompute recorded bags.",
+    "plot": "Draw a bag or a file of series.",
     "hw": "Commission a real rig, arm it, or emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",
+    "reset": "Put the simulated pendulum upright again.",
     "node": "List the running nodes, or run one.",
 }
 
 
 def _load(verb: str) -> click.Command:
-    module = importlib.import_module(f"furuta_cli.verbs.{verb.replace('-', '_')}")
+    try:
+        module = importlib.import_module(f"furuta_cli.verbs.{verb.replace('-', '_')}")
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("furuta"):
+            raise
+        raise UserError(f"furuta {verb} needs {error.name}, which is not installed") from None
     command: click.Command = module.command
     return command
 
@@ -59,13 +68,37 @@ class Verbs(click.Group):
             return None
         return _load(cmd_name)
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The verb's name, its command and the other arguments; suggests a verb after a typo."""
+        similar = get_close_matches(args[0], VERBS, n=1)
+        if similar and args[0] not in VERBS:
+            ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List all verbs without importing them."""
         with formatter.section("Verbs"):
             formatter.write_dl(list(VERBS.items()))
 
 
+def _print_version(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """Print the version of the workspace's package, or of the wheel that contains it."""
+    if value and not ctx.resilient_parsing:
+        print("furuta", version(packages_distributions()["furuta_cli"][0]))
+        ctx.exit()
+
+
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Print the version.",
+)
 def furuta() -> None:
     """Friction and friction compensation in the Furuta pendulum, on ROS 2."""
 

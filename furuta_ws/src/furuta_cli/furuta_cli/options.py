@@ -16,6 +16,7 @@ from furuta_graph.graph_plan import full_namespace
 from furuta_graph.rigs import rig_file
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError
+from furuta_recordings.readers import Mapping
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -70,11 +71,12 @@ def parameter_options(function: Function) -> Function:
 
 def ideal_options(function: Function) -> Function:
     """``--law`` and ``--feedback`` of the verbs that analyse the ideal loop."""
-    function = click.option(
-        "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
-    )(function)
-    return feedback_option(function)
+    return feedback_option(law_option(function))
 
+
+law_option = click.option(
+    "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
+)
 
 feedback_option = click.option(
     "--feedback",
@@ -99,6 +101,28 @@ namespace_option = click.option(
     callback=_namespace,
     help="ROS namespace of the graph.",
 )
+
+
+def names_options(function: Function) -> Function:
+    """``--arm``, ``--pendulum``, ``--command``, ``--states``: names in another rig's recording.
+
+    The verb receives them as ``names``.
+    """
+
+    @wraps(function)
+    def with_names(*args: Any, **others: Any) -> Any:
+        given = (others.pop(name) for name in ("arm", "pendulum", "command_name", "states"))
+        return function(*args, names=Mapping(*given), **others)
+
+    for parameters, text in (
+        (("--states",), "Topic of the joint states."),
+        (("--command", "command_name"), "Topic or column of the command, or `effort`."),
+        (("--pendulum",), "Name of the pendulum's joint."),
+        (("--arm",), "Name of the arm's joint, in a recording of another rig."),
+    ):
+        with_names = click.option(*parameters, help=text)(with_names)
+    return cast(Function, with_names)
+
 
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."

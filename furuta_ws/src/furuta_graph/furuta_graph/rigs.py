@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
-
 from furuta_graph.rig_parameters import rig_parameters
 from furuta_graph.settings import Settings, default_settings, parameters_of
+from furuta_model.installed_files import share_directory
 from furuta_model.parameters import ParameterError
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig, load_uncertain_rig
@@ -18,7 +17,7 @@ SUFFIX = ".yaml"
 
 def config_directory() -> Path:
     """Where the configuration that comes with the workspace is installed."""
-    return Path(get_package_share_directory("furuta_bringup")) / "config"
+    return share_directory("furuta_bringup") / "config"
 
 
 def rig_directory() -> Path:

@@ -13,7 +13,7 @@ UNITS = ("rad", "rad/s", "rad", "rad/s")
 
 
 class Recording(NamedTuple):
-    """Series of one recording.
+    """Series of one recording, called ``name`` in messages.
 
     ``time`` (n,) [s], increasing but not necessarily evenly spaced; ``measured`` (n, 4) of x = (φ,
     φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A

@@ -25,14 +25,16 @@ class PhysicalParameters(NamedTuple):
     """A rig's parameters as in its data sheet. The zero defaults are replaced by the rig file."""
 
     arm_inertia: Annotated[
-        float, About("J_a, arm about the motor's axis, without pendulum", "kg m²", 0.0)
+        float, About("J_a, arm about the motor's axis, without pendulum", "kg m²", 0.0, 100.0)
     ] = 0.0
-    rotor_inertia: Annotated[float, About("J_r, motor's rotor", "kg m²", 0.0)] = 0.0
+    rotor_inertia: Annotated[float, About("J_r, motor's rotor", "kg m²", 0.0, 10.0)] = 0.0
     gear_ratio: Annotated[float, About("N, turns of the motor per turn of the arm", "", 1e-3)] = 1.0
-    arm_length: Annotated[float, About("L, axis to pendulum joint", "m", 0.0)] = 0.0
-    pendulum_mass: Annotated[float, About("m", "kg", 0.0)] = 0.0
-    pendulum_length: Annotated[float, About("l, joint to centre of mass", "m", 0.0)] = 0.0
-    pendulum_inertia: Annotated[float, About("J_p, about its centre of mass", "kg m²", 0.0)] = 0.0
+    arm_length: Annotated[float, About("L, axis to pendulum joint", "m", 0.0, 5.0)] = 0.0
+    pendulum_mass: Annotated[float, About("m", "kg", 0.0, 20.0)] = 0.0
+    pendulum_length: Annotated[float, About("l, joint to centre of mass", "m", 0.0, 5.0)] = 0.0
+    pendulum_inertia: Annotated[
+        float, About("J_p, about its centre of mass", "kg m²", 0.0, 100.0)
+    ] = 0.0
     gravity: Annotated[float, About("g", "m/s²", 0.0)] = 9.81
     resistance: Annotated[float, About("R, motor's terminals", "Ω", 0.0)] = 0.0
     torque_constant: Annotated[float, About("k_t", "N m/A", 0.0)] = 0.0

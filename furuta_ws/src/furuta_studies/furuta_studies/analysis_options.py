@@ -8,12 +8,27 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.simulation.closed_loop import Loop
 from furuta_graph.parameter_names import parameters_named
 from furuta_graph.settings import load_settings, loop
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback, transfer
 from furuta_studies.parameter_range import GAINS
+
+
+def ideal_loop_of(
+    loop: Loop, law: str | None, feedback: tuple[float, float, float, float] | None, linear: bool
+) -> IdealLoop:
+    """The ideal loop with the plant of ``loop``, another law and feedback u = l·x if given.
+
+    Raises:
+        ParameterError: The law has no limit cycles that can be analysed.
+    """
+    l1, l2, l3, l4 = feedback or (-each for each in loop.controller.feedback_gain)
+    friction = loop.plant.friction
+    analysed = analysed_law(law or friction.law, friction.parameters)
+    return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
 
 
 class AnalysisOptions(NamedTuple):
@@ -37,10 +52,8 @@ class AnalysisOptions(NamedTuple):
         for name, value in values.items():
             if name in GAINS:
                 gains[GAINS.index(name)] = value
-        friction = configured.plant.friction
-        law = analysed_law(self.law or friction.law, friction.parameters)
         l1, l2, l3, l4 = gains
-        return IdealLoop(configured.plant.model, law, l1, l2, l3, l4, self.linear)
+        return ideal_loop_of(configured, self.law, (l1, l2, l3, l4), self.linear)
 
     def checked_loop(self) -> IdealLoop:
         """The ideal loop, if its feedback is finite and not zero."""

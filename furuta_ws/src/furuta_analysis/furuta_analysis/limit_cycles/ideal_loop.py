@@ -32,7 +32,8 @@ from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
 class IdealLoop(NamedTuple):
     """Pendulum (nonlinear, or linear about upright), friction law and feedback u = l·x.
 
-    ``held`` is the friction [V] of the rest from which φ and the deflection are counted.
+    ``l1``, ``l3`` [V/rad] and ``l2``, ``l4`` [V s/rad] feed back φ, θ, φ̇ and θ̇. ``held`` is the
+    friction [V] of the rest from which φ and the deflection are counted.
     """
 
     body: FurutaPendulum

@@ -34,8 +34,10 @@ NEWTON_STEPS = 25
 class LimitCycle(NamedTuple):
     """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
 
-    ``turns`` is the number of upper reversals of the arm per period, ``point`` the state (5,) at
-    the first of them; a reversal counts after a slide of ``smallest_slide`` [rad].
+    ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
+    the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
+    the arm per period, ``point`` the state (5,) at the first of them; a reversal counts after a
+    slide of ``smallest_slide`` [rad].
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative.
 

@@ -1,4 +1,4 @@
-"""``furuta bag``: info, recover, replay, recompute."""
+"""``furuta bag``: info, export, recover, replay, recompute."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from typing import Any
 
 import click
 
-from furuta_cli.file_types import FIGURE
+from furuta_cli.file_types import FIGURE, SERIES
 from furuta_cli.number_types import FiniteRange
-from furuta_cli.options import json_option, model_options, print_json
+from furuta_cli.options import json_option, model_options, names_options, print_json
 from furuta_model.parameters import ParameterError
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.readers import Mapping
 
 BAG = click.argument("bag", type=click.Path(path_type=Path))
 
 
 @click.group()
 def command() -> None:
-    """Show, recover, replay and recompute recorded bags."""
+    """Show, export, recover, replay and recompute recorded bags."""
 
 
 @command.command()
@@ -49,6 +50,32 @@ def _info(bag: Bag) -> dict[str, Any]:
         "duration_s": bag.seconds if bag.message_count else 0.0,
         "topics": {c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in bag.connections},
     }
+
+
+@command.command()
+@BAG
+@click.option(
+    "--out",
+    type=SERIES,
+    required=True,
+    metavar="FILE",
+    help="File to write, which ends in .csv, .parquet, .mat (MATLAB) or .npz.",
+)
+@names_options
+@json_option
+def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
+    """Write BAG as a table with one row per measurement; docs/bags.md lists its columns."""
+    from furuta_recordings.table_files import write_columns
+    from furuta_studies.series import load_series
+    from furuta_studies.series_columns import TIME
+
+    series = load_series(bag, names)
+    write_columns(out, series)
+    result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
+    if as_json:
+        print_json(result)
+    else:
+        print(f"{result['rows']} rows of {', '.join(series)} in {out}")
 
 
 @command.command()

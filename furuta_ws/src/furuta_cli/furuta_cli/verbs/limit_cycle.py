@@ -14,6 +14,7 @@ from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import ideal_options, json_option, model_options, print_json
+from furuta_cli.printing import rounded
 from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions, require_stabilising
 from furuta_studies.parameter_range import parse_range
@@ -132,6 +133,6 @@ def _print(result: dict[str, Any]) -> None:
             print(f"{name:24} {len(value)} cycles")
         elif name == "events":
             for event in value:
-                print(f"{'':24} " + ", ".join(f"{key} {each}" for key, each in event.items()))
+                print(f"{'':24} " + ", ".join(f"{k} {rounded(each)}" for k, each in event.items()))
         else:
-            print(f"{name:24} {value}")
+            print(f"{name:24} {rounded(value)}")

@@ -15,7 +15,7 @@ from furuta_cli.options import json_option, namespace_option, print_json
 from furuta_graph.description import NODES
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.parameter_files import parameter_file, parameter_table
-from furuta_model.parameters import ParameterError, number_from_text
+from furuta_model.parameters import ParameterError, number_from_text, shortened
 from furuta_model.yaml_files import parse_yaml
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of
@@ -76,7 +76,8 @@ def get(node: str, name: str, namespace: str, as_json: bool) -> None:
         print(value)
 
 
-@command.command("set")
+# Otherwise the value of `set NODE NAME -0.1` would be taken for an option.
+@command.command("set", context_settings={"ignore_unknown_options": True})
 @node_argument
 @click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
 @namespace_option
@@ -87,7 +88,7 @@ def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
         if len(assignments) == 2 and "=" not in assignments[0]
         else [tuple(each.split("=", 1)) for each in assignments]
     )
-    if any(len(pair) != 2 for pair in pairs):
+    if any(len(pair) != 2 or pair[0].startswith("-") for pair in pairs):
         raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
     with _client(namespace) as client:
         client.set_all(node, {name: _value(client, node, name, text) for name, text in pairs})
@@ -104,15 +105,17 @@ def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
     types = {each.type for each in client.describe(node, [name])}
     if ParameterType.PARAMETER_DOUBLE in types:
-        return _double(value)
+        return _double(name, value)
     if ParameterType.PARAMETER_DOUBLE_ARRAY in types and isinstance(value, list):
-        return [_double(each) for each in value]
+        return [_double(name, each) for each in value]
     return value if types else number_from_text(value)
 
 
-def _double(value: Any) -> Any:
-    value = number_from_text(value)
-    return float(value) if type(value) is int else value
+def _double(name: str, value: Any) -> float:
+    number = number_from_text(value)
+    if isinstance(number, bool) or not isinstance(number, (int, float)):
+        raise ParameterError(f"{name} must be a number without a unit, given {shortened(value)}")
+    return float(number)
 
 
 @command.command()

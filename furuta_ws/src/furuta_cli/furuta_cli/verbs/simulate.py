@@ -17,11 +17,15 @@ from furuta_cli.options import (
     SIMULATED_SECONDS,
     feedback_option,
     json_option,
+    law_option,
     model_options,
     print_json,
 )
+from furuta_cli.printing import rounded
 from furuta_graph.settings import load_settings, loop
 from furuta_model.state import LARGEST_VALUE
+from furuta_recordings.table_files import SUFFIXES, write_columns
+from furuta_studies.series import simulated_series
 
 
 @click.command(context_settings={"ignore_unknown_options": False})
@@ -38,13 +42,14 @@ from furuta_model.state import LARGEST_VALUE
     is_flag=True,
     help="Measure all four states exactly; the arm may turn without limit.",
 )
+@law_option
 @feedback_option
 @click.option("--seed", type=SEED, help="Seed of the sensors' noise.")
 @click.option(
     "--out",
     type=SERIES_OR_FIGURE,
-    metavar="FILE.npz|FILE.png",
-    help="Write the time series, or draw them.",
+    metavar="FILE",
+    help="Write the time series (.npz, .csv, .mat, .parquet), or draw them (.png, .pdf, .svg).",
 )
 @model_options
 @json_option
@@ -52,6 +57,7 @@ def command(
     seconds: float,
     compensation: str | None,
     ideal_sensors: bool,
+    law: str | None,
     feedback: tuple[float, float, float, float] | None,
     seed: int | None,
     out: Path | None,
@@ -63,6 +69,8 @@ def command(
     first, extra = [], []
     if compensation is not None:
         extra.append(f"friction_observer.compensation={compensation}")
+    if law is not None:
+        extra.append(f"plant.friction.law={law}")
     if ideal_sensors:
         extra.append("sensors.ideal=true")
         # The motion of the ideal loop may be a rotation, and its feedback is linear.
@@ -86,7 +94,7 @@ def command(
         print_json(result)
     else:
         for name, value in result.items():
-            print(f"{name:24} {value}")
+            print(f"{name:24} {rounded(value)}")
 
 
 def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
@@ -100,10 +108,14 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 
 
 def _save(record: Any, out: Path, actuator: Any) -> None:
-    if out.suffix != ".npz":
+    suffix = out.suffix.lower()
+    if suffix == ".npz":
+        fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
+        with out.open("wb") as file:
+            np.savez_compressed(file, time=record.time, drive=np.array(actuator), **fields)
+    elif suffix in SUFFIXES:
+        write_columns(out, simulated_series(record))
+    else:
         from furuta_figures.run import draw_run
 
         draw_run(record, out)
-        return
-    fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
-    np.savez_compressed(out, time=record.time, drive=np.array(actuator), **fields)

@@ -7,8 +7,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
-
+from furuta_model.installed_files import share_directory
 from furuta_model.parameters import ParameterError
 
 try:
@@ -24,7 +23,7 @@ OPTIONS = ("-std=c99", *ALONE, *WARNINGS, "-Wstrict-prototypes", "-Wmissing-prot
 
 def firmware_directory() -> Path:
     """Where the sources of the firmware are installed."""
-    return Path(get_package_share_directory("furuta_rig")) / "firmware"
+    return share_directory("furuta_rig") / "firmware"
 
 
 def core_sources() -> list[Path]:

@@ -1,0 +1,81 @@
+"""Library for the Furuta pendulum: models, simulation, limit cycles, identification, tuning.
+
+It needs no ROS. The state is x = (φ, φ̇, θ, θ̇) everywhere: arm angle and speed, pendulum angle (zero
+upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [V].
+
+    >>> import furuta
+    >>> loop = furuta.make_loop({"omega1": 7.0})
+    >>> run = furuta.simulate(loop, seconds=60.0)
+    >>> cycle = furuta.limit_cycle(loop)
+    >>> print(f"{cycle.phi_peak_to_peak_rad:.3f} rad, {cycle.period_s:.2f} s")
+    0.511 rad, 2.37 s
+"""
+
+from importlib.metadata import version
+
+from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
+from furuta.models import friction_law, linearize, place_poles
+from furuta.motions import (
+    describing_function,
+    limit_cycle,
+    measure,
+    predict_cycles,
+    simulate,
+    trace_cycle,
+)
+from furuta.recordings import (
+    identified_values,
+    identify,
+    load_series,
+    read_recording,
+    simulated_series,
+    write_series,
+)
+from furuta.tuning import tune
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle
+from furuta_analysis.simulation.closed_loop import Loop, Record
+from furuta_model.friction.parameters import Friction
+from furuta_model.linear import DesiredPoles
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import FurutaPendulum
+from furuta_recordings.recording import Recording
+from furuta_rig.rig import Rig
+from furuta_studies.series_columns import COLUMNS
+
+__version__ = version("furuta")
+
+__all__ = [
+    "COLUMNS",
+    "DesiredPoles",
+    "Friction",
+    "FurutaPendulum",
+    "IdealLoop",
+    "LimitCycle",
+    "Loop",
+    "ParameterError",
+    "Record",
+    "Recording",
+    "Rig",
+    "__version__",
+    "describing_function",
+    "friction_law",
+    "ideal_loop",
+    "identified_values",
+    "identify",
+    "limit_cycle",
+    "linearize",
+    "load_rig",
+    "load_series",
+    "make_loop",
+    "measure",
+    "place_poles",
+    "predict_cycles",
+    "read_recording",
+    "rig_names",
+    "simulate",
+    "simulated_series",
+    "trace_cycle",
+    "tune",
+    "write_series",
+]

@@ -1,0 +1,105 @@
+"""Makes closed loops from parameters by name and from rigs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.simulation.closed_loop import Loop
+from furuta_graph import settings
+from furuta_graph.rigs import SUFFIX, find_rig, rig_directory, rig_settings
+from furuta_model.parameters import ParameterError
+from furuta_model.transfer import checked_feedback
+from furuta_rig.rig import Rig
+from furuta_studies.analysis_options import ideal_loop_of
+
+
+def rig_names() -> list[str]:
+    """Names of the rigs that come with the library.
+
+    Returns:
+        The names, as :func:`load_rig` takes them.
+    """
+    return sorted(each.stem for each in rig_directory().glob(f"*{SUFFIX}"))
+
+
+def load_rig(name: str | Path) -> Rig:
+    """A rig by name, or from a rig file.
+
+    Args:
+        name: One of :func:`rig_names`, or the path of a file that ends in .yaml.
+
+    Returns:
+        Model, friction, calibration, line and safety limits; each field has its unit.
+
+    Raises:
+        ParameterError: There is no such rig, or its file has an error.
+    """
+    return find_rig(str(name))
+
+
+def make_loop(
+    values: Mapping[str, Any] | None = None,
+    *,
+    rig: Rig | str | Path | None = None,
+    files: Iterable[str | Path] = (),
+) -> Loop:
+    """A closed loop from parameters by name, a rig and parameter files.
+
+    Args:
+        values: Parameters by name, in the units that docs/parameters.md lists. ``alpha0`` sets the
+            parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction.
+        rig: A rig, its name or its file; by default the rig of the paper.
+        files: ROS parameter files. Later ones take precedence, ``values`` over all of them.
+
+    Returns:
+        The loop, as :func:`furuta.simulate` and :func:`furuta.limit_cycle` take it.
+
+    Raises:
+        ParameterError: A name is unknown, a value is not allowed, or a file has an error.
+    """
+    if rig is not None and not isinstance(rig, Rig):
+        rig = load_rig(rig)
+    assignments = [f"{name}={_text(value)}" for name, value in (values or {}).items()]
+    base = None if rig is None else rig_settings(rig)
+    return settings.loop(settings.load_settings(map(Path, files), assignments, base))
+
+
+def ideal_loop(
+    loop: Loop | None = None,
+    *,
+    law: str | None = None,
+    feedback: Iterable[float] | None = None,
+    linear: bool = False,
+) -> IdealLoop:
+    """The loop with all states measured, without sampling and saturation.
+
+    Args:
+        loop: Where the pendulum, the friction and the feedback come from; by default the paper's.
+        law: coulomb, stiction, stribeck, lugre or dahl; by default that of the plant.
+        feedback: l (4,) of u = l·x [V/rad, V s/rad, V/rad, V s/rad]; by default that of the
+            controller.
+        linear: Whether to take the linear pendulum instead of the nonlinear one.
+
+    Returns:
+        The ideal loop.
+
+    Raises:
+        ParameterError: The law is not one of these, or the feedback is not four finite numbers.
+    """
+    gains = None if feedback is None else checked_feedback(list(feedback))
+    return ideal_loop_of(loop or Loop(), law, gains, linear)
+
+
+def _text(value: Any) -> str:
+    """A value as it is written in an assignment."""
+    if isinstance(value, str):
+        return value
+    plain = np.asarray(value).tolist()
+    if plain is None or isinstance(plain, (dict, complex)):
+        raise ParameterError(f"a parameter must be a number, text or list, given {value!r}")
+    return str(plain)

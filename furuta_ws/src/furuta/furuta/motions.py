@@ -1,0 +1,137 @@
+"""Simulates loops and computes their limit cycles."""
+
+from __future__ import annotations
+
+from math import inf
+
+from furuta.loops import ideal_loop
+from furuta_analysis.describing_functions import describing_function as describing
+from furuta_analysis.describing_functions.predicted_cycles import Prediction
+from furuta_analysis.describing_functions.predicted_cycles import predict_cycles as predicted
+from furuta_analysis.limit_cycles import limit_cycle as cycles
+from furuta_analysis.limit_cycles import periodic_orbit
+from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
+from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, Trajectory
+from furuta_analysis.simulation import closed_loop
+from furuta_analysis.simulation.closed_loop import Loop, Outcome, Record
+from furuta_model.friction.laws import FrictionLaw
+from furuta_model.parameters import ParameterError
+from furuta_model.transfer import transfer
+
+
+def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
+    """Simulate a loop sample by sample, with its sensors and drive, from its initial state.
+
+    Args:
+        loop: The loop; by default that of the paper.
+        seconds: Simulated time [s], at least one sample.
+
+    Returns:
+        Series of n samples: ``time`` (n,) [s], ``state`` (n, 4) [rad, rad/s], ``estimate`` (n, 5),
+        ``friction``, ``friction_estimate`` and ``command`` (n,) [V].
+
+    Raises:
+        ParameterError: ``seconds`` is not above 0 and finite.
+    """
+    _check_seconds(seconds)
+    return closed_loop.simulate(loop or Loop(), seconds)
+
+
+def measure(loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.5) -> Outcome:
+    """Simulate a loop and measure its oscillation, without keeping the series.
+
+    Args:
+        loop: The loop; by default that of the paper.
+        seconds: Simulated time [s], at least one sample.
+        settled: Fraction of the run that is measured, at its end; above 0, at most 1.
+
+    Returns:
+        Peak to peak of arm and pendulum [rad], period [s], rms of command [V], and whether the
+        pendulum fell.
+
+    Raises:
+        ParameterError: ``seconds`` or ``settled`` is outside its range.
+    """
+    _check_seconds(seconds)
+    if not 0.0 < settled <= 1.0:
+        raise ParameterError(f"settled must be above 0 and at most 1, given {settled:g}")
+    return closed_loop.outcome(loop or Loop(), seconds, settled)
+
+
+def limit_cycle(loop: Loop | IdealLoop | None = None, theta: float = 0.05) -> LimitCycle:
+    """The exact final motion of the ideal loop, with its sticking phases and stability.
+
+    Args:
+        loop: The loop; a sampled one is idealised by :func:`furuta.ideal_loop`. By default that of
+            the paper.
+        theta: Pendulum angle [rad] from which the loop is released at rest.
+
+    Returns:
+        The kind of motion, peak to peak [rad], period [s], Floquet multipliers.
+
+    Raises:
+        ParameterError: The motion cannot be followed, or its friction law is not analysed.
+    """
+    return cycles.limit_cycle(_ideal(loop), cycles.state_at_rest(theta))
+
+
+def trace_cycle(loop: Loop | IdealLoop | None, cycle: LimitCycle) -> Trajectory:
+    """One period of a limit cycle.
+
+    Args:
+        loop: The loop to which the cycle belongs; None is that of the paper.
+        cycle: What :func:`limit_cycle` found.
+
+    Returns:
+        ``time`` (n,) [s], unevenly spaced; ``state`` (n, 5), x and the bristle [rad, rad/s];
+        ``control`` and ``friction`` (n,) [V].
+
+    Raises:
+        ParameterError: The motion is no oscillation with a finite period.
+    """
+    if cycle.kind != "oscillation":
+        raise ParameterError(f"only an oscillation can be traced, given a {cycle.kind} motion")
+    return periodic_orbit.trace(_ideal(loop), cycle)
+
+
+def predict_cycles(loop: Loop | IdealLoop | None = None) -> Prediction:
+    """Limit cycles that the describing function predicts: 1 + G(jω)N(A, ω) = 0.
+
+    Args:
+        loop: The loop; by default that of the paper.
+
+    Returns:
+        ``cycles`` in order of amplitude, each with ω and A [rad/s], peak to peak [rad], period [s]
+        and stability; the range of ω [rad/s] and A/ω [rad] that was searched.
+
+    Raises:
+        ParameterError: The friction law is not analysed.
+    """
+    ideal = _ideal(loop)
+    return predicted(transfer(ideal.body, ideal.gains), ideal.law)
+
+
+def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
+    """Describing function N(A, ω) of friction, for the arm speed v = A sin ωt.
+
+    Args:
+        amplitude: A [rad/s], above 0.
+        omega: ω [rad/s], above 0.
+        law: What :func:`furuta.friction_law` returns.
+
+    Returns:
+        N [V s/rad].
+
+    Raises:
+        ParameterError: Amplitude or frequency is not above 0 and finite.
+    """
+    return describing.describing_function(amplitude, omega, law)
+
+
+def _ideal(loop: Loop | IdealLoop | None) -> IdealLoop:
+    return loop if isinstance(loop, IdealLoop) else ideal_loop(loop)
+
+
+def _check_seconds(seconds: float) -> None:
+    if not 0.0 < seconds < inf:
+        raise ParameterError(f"seconds must be above 0 and finite, given {seconds:g}")

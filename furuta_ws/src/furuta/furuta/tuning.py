@@ -1,0 +1,45 @@
+"""Tunes the friction compensation of a simulated loop."""
+
+from __future__ import annotations
+
+from furuta_analysis.simulation.closed_loop import Loop
+from furuta_model.parameters import ParameterError
+from furuta_studies.tuning.plan import RIVALS, TuningPlan
+from furuta_studies.tuning.result import TuningResult
+from furuta_studies.tuning.simulated_tuning import PLAN
+from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta_studies.tuning.tuning import ProgressCallback
+from furuta_studies.tuning.tuning import tune as run_tuning
+
+
+def tune(
+    loop: Loop | None = None, seconds: float = 240.0, report: ProgressCallback | None = None
+) -> TuningResult:
+    """Find the compensation with the smallest remaining limit cycle, by simulation.
+
+    Args:
+        loop: The loop; by default that of the paper. Its plant is the truth, which the tuning sees
+            only through the estimates.
+        seconds: Total simulated time [s].
+        report: Called with a message and the simulated time [s]; by default nothing is reported.
+
+    Returns:
+        The best trial ``after``, with its ``observer`` parameters and the arm's peak to peak
+        ``amplitude`` [rad]; the trials ``before`` and ``uncompensated``; whether there is a
+        ``gain``.
+
+    Raises:
+        ParameterError: The time is too short, or the loop cannot be tuned.
+    """
+    loop = loop or Loop()
+    plan: TuningPlan = PLAN._replace(seconds=seconds, rivals=RIVALS)
+    try:
+        return run_tuning(
+            SimulatedLoop(loop), loop.observer, loop.estimator, plan, report or _no_report
+        )
+    except (GuardError, ValueError) as error:
+        raise ParameterError(f"cannot tune the compensation of this loop: {error}") from None
+
+
+def _no_report(message: str, seconds: float) -> None:
+    """Report nothing."""

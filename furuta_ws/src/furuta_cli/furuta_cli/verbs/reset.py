@@ -1,0 +1,22 @@
+"""``furuta reset``: calls the reset service of a running plant."""
+
+from __future__ import annotations
+
+import click
+
+from furuta_cli.options import json_option, namespace_option, print_json
+from furuta_graph.plant_client import reset_plant
+from furuta_ros.context import ros_context
+
+
+@click.command()
+@namespace_option
+@json_option
+def command(namespace: str, as_json: bool) -> None:
+    """Put the simulated pendulum upright again; estimator and friction observer start anew."""
+    with ros_context(namespace=namespace):
+        message = reset_plant()
+    if as_json:
+        print_json({"message": message})
+    else:
+        print(f"reset: {message}")

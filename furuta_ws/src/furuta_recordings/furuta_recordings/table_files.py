@@ -1,0 +1,135 @@
+"""Writes and reads tables of series as CSV, Parquet, MATLAB or npz files; the suffix decides."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile, ZipFile
+
+import numpy as np
+from scipy.io import loadmat, savemat
+
+from furuta_model.parameters import ParameterError
+from furuta_recordings.readers.csv_columns import csv_columns
+
+try:
+    import pyarrow as arrow
+    from pyarrow import parquet
+except ModuleNotFoundError:  # only Parquet files need it
+    arrow = parquet = None
+
+SUFFIXES = (".csv", ".parquet", ".mat", ".npz")
+# Largest array of a file that is read [bytes]: three hours of five signals at 1 kHz.
+LARGEST_SERIES = 2**29
+
+# Series by name, all of the same length.
+Columns = Mapping[str, np.ndarray]
+
+
+def write_columns(path: Path, columns: Columns) -> None:
+    """Write series (n,) of equal length; an existing file is replaced.
+
+    Raises:
+        ParameterError: The suffix is none of :data:`SUFFIXES`, Parquet is not installed, or the
+            series have different lengths.
+    """
+    write, _ = _format(path)
+    shapes = {np.shape(values) for values in columns.values()}
+    if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
+        raise ParameterError(f"series for {path} must have one and the same length, given {shapes}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write(path, {name: np.ascontiguousarray(values) for name, values in columns.items()})
+
+
+def read_columns(path: Path) -> dict[str, np.ndarray]:
+    """The series of a file that :func:`write_columns` wrote, or of any table in such a format.
+
+    Raises:
+        ParameterError: The file cannot be read, or its suffix is none of :data:`SUFFIXES`.
+    """
+    _, read = _format(path)
+    if not path.is_file():
+        raise ParameterError(f"no file {path}")
+    try:
+        return read(path)
+    except ParameterError:
+        raise
+    except Exception as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ParameterError(f"cannot read {path}: {reason}") from None
+
+
+def _format(path: Path) -> tuple[Callable[[Path, Columns], None], Callable[[Path], Any]]:
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ParameterError(f"{path} does not end in {', '.join(SUFFIXES)}")
+    if suffix == ".parquet" and arrow is None:
+        raise ParameterError("Parquet files need pyarrow: pip install pyarrow")
+    return _FORMATS[suffix]
+
+
+def _write_csv(path: Path, columns: Columns) -> None:
+    """Numbers have the fewest digits from which they are read back exactly."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(each.tolist() for each in columns.values()), strict=True))
+
+
+def _write_parquet(path: Path, columns: Columns) -> None:
+    parquet.write_table(arrow.table(dict(columns)), path)
+
+
+def _read_parquet(path: Path) -> dict[str, np.ndarray]:
+    about = parquet.ParquetFile(path).metadata
+    _check_size(path, 8 * about.num_rows)
+    table = parquet.read_table(path)
+    return {name: _floats(name, table[name].to_numpy()) for name in table.column_names}
+
+
+def _write_matlab(path: Path, columns: Columns) -> None:
+    savemat(path, dict(columns), appendmat=False, do_compression=True, oned_as="column")
+
+
+def _read_matlab(path: Path) -> dict[str, np.ndarray]:
+    content = loadmat(path, appendmat=False)
+    names = [name for name in content if not name.startswith("__")]
+    return {name: _floats(name, content[name].squeeze()) for name in names}
+
+
+def _write_npz(path: Path, columns: Columns) -> None:
+    with path.open("wb") as file:
+        np.savez_compressed(file, **columns)  # type: ignore[arg-type]
+
+
+def _read_npz(path: Path) -> dict[str, np.ndarray]:
+    try:
+        with ZipFile(path) as file:
+            _check_size(path, max((each.file_size for each in file.infolist()), default=0))
+    except BadZipFile:
+        raise ParameterError(f"{path} is not an npz file") from None
+    with np.load(path, allow_pickle=False) as content:
+        return {name: _floats(name, content[name]) for name in content.files}
+
+
+def _check_size(path: Path, size: int) -> None:
+    if size > LARGEST_SERIES:
+        raise ParameterError(
+            f"{path}: a series has {size} bytes, at most {LARGEST_SERIES} are read"
+        )
+
+
+def _floats(name: str, values: np.ndarray) -> np.ndarray:
+    if values.dtype.kind not in "fiub":
+        raise ParameterError(f"{name} holds {values.dtype}, not numbers")
+    return np.asarray(values, dtype=float)
+
+
+_FORMATS: dict[str, tuple[Callable[[Path, Columns], None], Callable[[Path], Any]]] = {
+    ".csv": (_write_csv, csv_columns),
+    ".parquet": (_write_parquet, _read_parquet),
+    ".mat": (_write_matlab, _read_matlab),
+    ".npz": (_write_npz, _read_npz),
+}

@@ -1,0 +1,44 @@
+"""The pages on the library and on exported series list what there is."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator
+
+import pytest
+from sources import ROOT
+
+import furuta
+from furuta_studies.series_columns import column_table
+
+PAGE = (ROOT / "docs" / "library.md").read_text()
+
+
+def rows() -> Iterator[str]:
+    """A row of the page for each class and function."""
+    for name in furuta.__all__:
+        thing = getattr(furuta, name)
+        if inspect.isclass(thing) or inspect.isfunction(thing):
+            summary = (thing.__doc__ or "").splitlines()[0].rstrip(".").replace("``", "`")
+            yield f"| `{name}` | {summary} |"
+
+
+def test_library_page_has_every_name() -> None:
+    """With the first line of its docstring, and nothing else."""
+    assert {*rows(), "| `COLUMNS` | Unit and meaning of each column, by name |"} == {
+        line for line in PAGE.splitlines() if line.startswith("| `")
+    }
+
+
+def test_column_table() -> None:
+    """docs/bags.md lists every column with its unit."""
+    assert "\n".join(column_table()) in (ROOT / "docs" / "bags.md").read_text()
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_examples_run(number: int) -> None:
+    """The examples that need no file; the others only name functions that exist."""
+    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    exec("import furuta\n" + blocks[number].replace("60.0", "1.0"), {})
+    assert set(re.findall(r"furuta\.(\w+)", PAGE)) <= set(dir(furuta))
