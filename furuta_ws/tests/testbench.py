@@ -16,7 +16,7 @@ from furuta_ros.messages import JointWriter
 from furuta_ros.spinning import executor_of
 from furuta_ros.topics import QOS, TOPICS, Topic, deep
 
-TIMEOUT = 30.0
+TIMEOUT = 120.0
 
 
 class Bench:

@@ -83,13 +83,15 @@ class EmulatedRig:
         """Send a request to its monitor."""
         answer = ask(self._monitor, do, **arguments)
         assert "error" not in answer, answer
+        self._status_time = -inf  # the request may have changed it
         return answer
 
     @property
     def status(self) -> dict[str, Any]:
         """Its status, at most ``STATUS_AGE`` old: requests delay the emulator."""
         if monotonic() - self._status_time > STATUS_AGE:
-            self._status, self._status_time = self.ask("status"), monotonic()
+            self._status = self.ask("status")
+            self._status_time = monotonic()
         return self._status
 
     def log(self, path: Path) -> dict[str, np.ndarray]:

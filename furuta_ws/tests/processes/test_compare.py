@@ -13,7 +13,7 @@ import pytest
 from distributed import Client, LocalCluster
 
 PNG = b"\x89PNG"
-TIMEOUT = 90.0
+TIMEOUT = 120.0
 # Long enough to be killed in between, while tuning and while comparing.
 LONG = (
     *("--rows", "random", "--rigs", "12", "--seeds", "2", "--push", "2", "--seconds", "60"),

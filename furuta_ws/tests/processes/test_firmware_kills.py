@@ -53,7 +53,7 @@ def start_host(port: Path, session: int) -> int:
 def wait_for(rig: Any, field: str, increase: int) -> None:
     """Return when a counter of the rig's status has increased by so much."""
     begun = rig.ask("status")[field]
-    end = monotonic() + 30.0
+    end = monotonic() + 120.0
     while rig.ask("status")[field] < begun + increase:
         assert monotonic() < end, f"{field} does not increase"
         sleep(0.002)

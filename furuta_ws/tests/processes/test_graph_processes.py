@@ -42,7 +42,7 @@ def test_parameters_from_outside(bench: Bench, processes: Any) -> None:
         processes.node(name, *(("clock:=lockstep",) if name == "plant" else ()))
     truths = bench.collect(GROUND_TRUTH)
     client = ParameterClient(bench.probe, bench.executor)
-    bench.spin(lambda: len(truths) > 10, timeout=60.0)
+    bench.spin(lambda: len(truths) > 10, timeout=120.0)
     client.set("friction_observer", compensation="coulomb", alpha0=0.25)
     assert client.get("friction_observer", ["alpha0"]) == {"alpha0": 0.25}
     with pytest.raises(ServiceError, match="sigma0"):
@@ -58,7 +58,7 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
         for name in NODE_NAMES
     }
     truths = bench.collect(GROUND_TRUTH)
-    bench.spin(lambda: len(truths) > 10, timeout=60.0)
+    bench.spin(lambda: len(truths) > 10, timeout=120.0)
     stops = []
     for name in ("controller", "friction_observer", "estimator"):
         running[name].send_signal(signal.SIGKILL)
@@ -66,7 +66,7 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
         bench.settle()
         stops.append(len(truths))
         processes.node(name)
-        bench.spin(lambda: len(truths) > stops[-1] + 200, timeout=60.0)
+        bench.spin(lambda: len(truths) > stops[-1] + 200, timeout=120.0)
     stamps = [t.header.stamp.sec * 10**9 + t.header.stamp.nanosec for t in truths]
     assert [stamps[stop] - stamps[stop - 1] for stop in stops] == [1_000_000] * 3
     # This test may miss samples in between: the plant does not wait for it.
@@ -80,7 +80,7 @@ def test_node_ends_cleanly(processes: Any, name: str) -> None:
         process = processes.node(name)
         assert "ready" in process.stderr.readline()
         process.send_signal(number)
-        _, err = process.communicate(timeout=30.0)
+        _, err = process.communicate(timeout=120.0)
         assert process.returncode == 0, err
         assert "Traceback" not in err
 
@@ -93,7 +93,7 @@ def test_composed_executable(processes: Any) -> None:
         (("--seconds", "0"), 2, "(see graph --help)"),
     ):
         process = processes.start(executable("furuta_bringup", "graph"), *arguments)
-        out, err = process.communicate(timeout=60.0)
+        out, err = process.communicate(timeout=120.0)
         assert process.returncode == status
         assert text in out + err
 
@@ -116,7 +116,7 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     process = processes.furuta(
         "run", "--processes", "--lockstep", "--record", bag, "--topic", "command"
     )
-    deadline = monotonic() + 60.0
+    deadline = monotonic() + 120.0
     while not (bag / "metadata.yaml").exists() or not messages(bag):
         assert monotonic() < deadline
         sleep(0.05)

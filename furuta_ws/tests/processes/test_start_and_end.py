@@ -17,7 +17,7 @@ from furuta_graph.description import NODES
 from furuta_graph.processes import executable
 from furuta_model.process_start import own_arguments
 
-TIMEOUT = 60.0
+TIMEOUT = 120.0
 FURUTA = ("furuta_bringup", "furuta")
 SIGINT_BIT = 1 << (signal.SIGINT - 1)
 GRAPH = ("plant", "estimator", "friction_observer", "controller")

@@ -15,7 +15,7 @@ import pytest
 from distributed import Client, LocalCluster
 
 PNG = b"\x89PNG"
-TIMEOUT = 90.0
+TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
 LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 

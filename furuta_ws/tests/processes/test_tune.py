@@ -29,7 +29,7 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
     # It is none while friction is recorded and lugre in a trial: progress depends on the machine.
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() != "coulomb"
     tuning.send_signal(signal.SIGINT)
-    _, err = tuning.communicate(timeout=60)
+    _, err = tuning.communicate(timeout=120.0)
     assert tuning.returncode == 1
     assert "interrupted; the initial parameters are restored" in err
     assert "Traceback" not in err
