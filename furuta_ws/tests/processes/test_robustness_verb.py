@@ -33,7 +33,7 @@ def test_robustness_prints_probabilities_and_draws(furuta: Furuta, tmp_path: Pat
 def test_tune_robust_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     """With the quantile before and after on fresh rigs."""
     file = tmp_path / "robust.yaml"
-    arguments = ("--robust", "--rigs", "20", "--fresh-rigs", "20", "--trials", "4")
+    arguments = ("--robust", "--rigs", "20", "--fresh-rigs", "20", "--trials", "10")
     status, out, err = furuta("tune", *arguments, "--json", "--out", file)
     assert status == 0, err
     found = json.loads(out)
