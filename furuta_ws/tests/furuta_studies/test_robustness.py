@@ -85,3 +85,12 @@ def test_robust_tuning_lowers_the_quantile_on_its_rigs() -> None:
     assert result.after == min(reported) < result.before == reported[0]
     assert result.observer.friction.alpha0 < 0.3
     assert result.fresh_after < result.fresh_before
+
+
+def test_robust_tuning_starts_from_the_best_compensation() -> None:
+    """Levels that are unknown by a half: adaptation beats any fixed level."""
+    rigs = UncertainRigs(LUGRE, {"alpha0": (0.1, 0.3)})
+    tuning = RobustTuning(rigs, ("sigma1",), 20, 6, 6.0, 0, rivals=("lugre", "adaptive"))
+    result = tune_robustly(tuning, 20, lambda *_: None)
+    assert result.observer.compensation == "adaptive"
+    assert result.after < 0.7 * result.before

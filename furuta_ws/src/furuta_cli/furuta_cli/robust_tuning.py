@@ -12,6 +12,7 @@ from rich.console import Console
 
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import print_json
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.robustness.robust_tuning import RobustResult, RobustTuning, tune_robustly
 from furuta_studies.robustness.uncertain_rigs import UncertainRigs, relative_ranges
@@ -55,7 +56,7 @@ _ERROR = FiniteRange(0, 1, max_open=True)
 _OPTIONS: tuple[tuple[str, Any, float, str], ...] = (
     ("--rigs", click.IntRange(20, 10**6), 500, "number of rigs for each candidate."),
     ("--fresh-rigs", click.IntRange(20, 10**7), 2000, "number of fresh rigs for the verdict."),
-    ("--trials", click.IntRange(2, 10_000), 40, "number of candidates."),
+    ("--trials", click.IntRange(10, 10_000), 40, "number of candidates."),
     ("--error", _ERROR, 0.3, "relative error of every friction parameter of the rigs."),
     ("--model-error", _ERROR, 0.1, "relative error of every coefficient of the pendulum."),
 )
@@ -76,7 +77,8 @@ def tune_and_report(
     rigs = UncertainRigs(nominal, relative_ranges(nominal.plant, effort.error, effort.model_error))
     rigs.check()
     seed = nominal.plant.seed
-    tuning = RobustTuning(rigs, search, effort.rigs, effort.trials, SECONDS, seed)
+    rivals = tuple(each for each in COMPENSATIONS if each != "none")
+    tuning = RobustTuning(rigs, search, effort.rigs, effort.trials, SECONDS, seed, rivals)
     console = Console(stderr=True, quiet=as_json)
     result = tune_robustly(
         tuning,

@@ -23,7 +23,10 @@ FRESH = 1_000_003
 
 
 class RobustTuning(NamedTuple):
-    """The rigs, the parameters that are searched, and the effort."""
+    """The rigs, the parameters that are searched, and the effort.
+
+    ``rivals`` are compensations that are tried before the search, which starts from the best one.
+    """
 
     rigs: UncertainRigs
     search: tuple[str, ...]
@@ -31,6 +34,7 @@ class RobustTuning(NamedTuple):
     trials: int
     seconds: float
     seed: int
+    rivals: tuple[str, ...] = ()
 
 
 class RobustResult(NamedTuple):
@@ -56,7 +60,11 @@ def tune_robustly(tuning: RobustTuning, fresh: int, report: ReportTrial) -> Robu
         return found
 
     before = amplitude(start)
-    minimise_amplitude(amplitude, start, tuning.search, tuning.trials - 1)
+    for each in tuning.rivals:
+        if each != start.compensation:
+            amplitude(start._replace(compensation=each))
+    _, begin = min(tried, key=lambda each: each[0])
+    minimise_amplitude(amplitude, begin, tuning.search, tuning.trials - len(tried))
     after, best = min(tried, key=lambda each: each[0])
     seed = tuning.seed + FRESH
     fresh_before = _quantile(tuning, start, fresh, seed)
