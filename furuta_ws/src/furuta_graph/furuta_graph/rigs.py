@@ -60,7 +60,6 @@ def rig_settings(rig: Rig) -> Settings:
         "voltage_limit": rig.limits.voltage,
         "arm_angle_limit": rig.limits.arm_angle,
         "arm_speed_limit": rig.limits.arm_speed,
-        "sensors.potentiometer_range": rig.sensors.potentiometer_range,
         "swing_up.viscous_friction": rig.friction.viscous,
     }
     return settings
