@@ -13,7 +13,6 @@ from furuta_control.control import (
     MODES_IN_FORCE,
     SWING_UP_MEMORY,
     ControllerParameters,
-    SensorRange,
     control,
     design_controller,
     mode_in_force,
@@ -22,12 +21,11 @@ from furuta_control.control import (
 from furuta_control.modes import arm_limits, energy_shaping, tracking
 from furuta_control.modes.swing_up import BEYOND, CAUGHT, SwingUpParameters
 from furuta_model.inverse_dynamics import arm_dynamics
-from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
 RNG = np.random.default_rng(16)
 MODEL = FurutaPendulum()
-PARAMETERS = ControllerParameters(mode="swing_up", sensors=SensorRange(potentiometer_range=pi))
+PARAMETERS = ControllerParameters(mode="swing_up")
 DT = 0.001
 
 
@@ -153,14 +151,6 @@ def test_unknown_state_is_not_driven() -> None:
         x = rig.x.copy()
         x[index] = np.nan
         assert control(rig.memory, x, 0.3, design_controller(PARAMETERS)) == 0.0
-
-
-def test_needs_a_full_turn_sensor() -> None:
-    """The paper's potentiometer cannot see the hanging pendulum: refused, with the range."""
-    with pytest.raises(ParameterError, match=r"potentiometer_range must be .* 3.14.*given 0.785"):
-        ControllerParameters(mode="swing_up").check()
-    PARAMETERS.check()
-    ControllerParameters(mode="swing_up", sensors=SensorRange(ideal=True)).check()
 
 
 def test_tracks_a_trajectory() -> None:

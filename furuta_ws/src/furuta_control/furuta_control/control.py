@@ -57,20 +57,6 @@ OPEN_LOOP_IN_FORCE = len(swing_up.PHASES)
 POLE_PLACEMENT = (0.0,)
 
 
-class SensorRange(NamedTuple):
-    """The pendulum's sensor, as the estimator has it (:class:`furuta_model.sensors.Sensors`)."""
-
-    ideal: Annotated[bool, About("the sensors are ideal: any pendulum angle is measured")] = False
-    potentiometer_range: Annotated[
-        float, About("pendulum angle at full scale; swing_up needs π", "rad", 1e-3, 2 * pi)
-    ] = pi / 4
-
-    @property
-    def covers_circle(self) -> bool:
-        """Whether the sensor measures any pendulum angle."""
-        return self.ideal or self.potentiometer_range >= pi
-
-
 class ControllerParameters(NamedTuple):
     """Parameters of the node ``controller``."""
 
@@ -138,13 +124,12 @@ class ControllerParameters(NamedTuple):
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     swing_up: SwingUpParameters = SwingUpParameters()
-    sensors: SensorRange = SensorRange()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
 
     def check(self) -> None:
-        """Reject a gain of the wrong length, catch beyond fall angle, swing-up without sensor."""
+        """Reject a gain of the wrong length, and a catch angle larger than the fall angle."""
         if len(self.gain) != 4 and self.gain != POLE_PLACEMENT:
             raise ParameterError(
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
@@ -159,12 +144,6 @@ class ControllerParameters(NamedTuple):
             raise ParameterError(
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
                 f"{self.fall_angle:g}"
-            )
-
-        if self.mode == "swing_up" and not self.sensors.covers_circle:
-            raise ParameterError(
-                "mode swing_up needs a pendulum sensor of a full turn: sensors.potentiometer_range "
-                f"must be at least {pi:.6f} rad, given {self.sensors.potentiometer_range:g} rad"
             )
 
     @property

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from importlib import import_module
+from math import pi
 from typing import Any, NamedTuple
 
 from furuta_control.control import ControllerParameters
@@ -131,10 +132,16 @@ def check_observed_friction(parameters: Mapping[str, Any]) -> None:
 
 
 def check_whole_circle(parameters: Mapping[str, Any]) -> None:
-    """The controller can swing up only with an estimator for any pendulum angle."""
+    """The controller can swing up only with a sensor and an estimator for any pendulum angle."""
     controller, estimator = parameters.get("controller"), parameters.get("estimator")
     if controller is None or estimator is None or controller.mode != "swing_up":
         return
+    sensors = estimator.sensors
+    if not sensors.ideal and sensors.potentiometer_range < pi:
+        raise ParameterError(
+            "mode swing_up needs a pendulum sensor of a full turn: sensors.potentiometer_range "
+            f"must be at least {pi:.6f} rad, given {sensors.potentiometer_range:g} rad"
+        )
     if not estimator.chosen.covers_circle:
         raise ParameterError(
             "mode swing_up needs an estimator of the whole circle, such as "

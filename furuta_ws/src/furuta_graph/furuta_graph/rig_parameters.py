@@ -42,5 +42,4 @@ def _limits(rig: Rig) -> dict[str, Any]:
         "voltage_limit": rig.limits.voltage,
         "arm_angle_limit": rig.limits.arm_angle,
         "arm_speed_limit": rig.limits.arm_speed,
-        "sensors.potentiometer_range": rig.sensors.potentiometer_range,
     }
