@@ -14,8 +14,11 @@ from browser import Page, open_browser
 
 pytestmark = pytest.mark.timeout(600)
 
+# Width and height of the page: a small one, because software draws it [pixels].
+SIZE = (1000, 500)
 
-@pytest.fixture
+
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Opens pages; a test is skipped, with the reason, where there is no browser."""
     with open_browser() as show:
@@ -67,7 +70,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     In lock-step, so that the limit cycle does not depend on how busy the machine is.
     """
     process, address = started(processes, "--", "--lockstep")
-    page = browser(address)
+    page = browser(address, *SIZE)
     pendulum = page.picture()
     page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
     before = page.wait(lambda: arm_size(page) > 0.4 and arm_size(page), "the limit cycle")
@@ -86,6 +89,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     allowed = (address, f"blob:{address}", address.replace("http", "ws"))
     assert all(each.startswith(allowed) for each in page.requests), page.requests
 
+    page.page.close()
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)
     assert "the graph runs on" in process.stderr.readline()
@@ -97,7 +101,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
 def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> None:
     """With the emulated rig; the page says that it is armed, and why it stopped."""
     process, address = started(processes, "--", "--plant", "hardware", "--port", "mock")
-    page = browser(address)
+    page = browser(address, *SIZE)
     page.page.get_by_role("button", name="Arm", exact=True).click()
     # On a busy machine the guard may stop the rig at once; the page then says why.
     page.wait(lambda: "ARMED" in page.text(".rig") or "stops: 1" in page.text(".rig"), "armed")
