@@ -6,7 +6,6 @@ import csv
 from math import isnan, nan
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -64,11 +63,13 @@ def test_pickles_and_huge_series_are_refused(tmp_path: Path, monkeypatch: Any) -
     np.savez(path, text=np.array(["word"]))
     with pytest.raises(ParameterError, match="not numbers"):
         read_columns(path)
-    monkeypatch.setattr(table_files, "LARGEST_SERIES", 100)
-    with ZipFile(path, "w") as file:
-        file.writestr("long.npy", bytes(101))
-    with pytest.raises(ParameterError, match="a series has 101 bytes, at most 100 are read"):
-        read_columns(path)
+    pytest.importorskip("pyarrow")
+    for suffix in (".npz", ".mat", ".parquet"):
+        write_columns(tmp_path / f"large{suffix}", {"a": np.zeros(1000), "b": np.zeros(1000)})
+    monkeypatch.setattr(table_files, "LARGEST_CONTENT", 15_999)
+    for suffix in (".npz", ".mat", ".parquet"):
+        with pytest.raises(ParameterError, match=r"holds 16\d\d\d bytes, at most 15999 are read"):
+            read_columns(tmp_path / f"large{suffix}")
 
 
 def test_bad_calls(tmp_path: Path, monkeypatch: Any) -> None:

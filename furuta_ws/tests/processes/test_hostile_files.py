@@ -222,12 +222,12 @@ def test_hostile_parameter_and_rig_files(tmp_path: Path, verb: tuple[str, ...]) 
 
 
 def test_hostile_tables_and_series(tmp_path: Path) -> None:
-    """``identify`` with CSV tables and files of ``simulate --out``."""
-    calls = [
-        ["linearize"],
-        *(["identify", str(make(tmp_path / n))] for n, (make, _) in TABLES.items()),
-    ]
-    for report, (_, reason) in zip(run_limited(tmp_path, calls)[1:], TABLES.values(), strict=True):
+    """``identify`` and ``plot`` with CSV tables and files of ``simulate --out``."""
+    files = [str(make(tmp_path / name)) for name, (make, _) in TABLES.items()]
+    calls = [["linearize"], *(["identify", file] for file in files)]
+    calls += [["plot", file, "--out", str(tmp_path / "plot.png")] for file in files]
+    reasons = [*(reason for _, reason in TABLES.values()), *[""] * len(files)]
+    for report, reason in zip(run_limited(tmp_path, calls)[1:], reasons, strict=True):
         print(f"{report['seconds']:.2f} s", report["err"].strip())
         assert_refused(report, reason)
     assert not (tmp_path / hostile.SECRET).exists()

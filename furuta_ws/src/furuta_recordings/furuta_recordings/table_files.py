@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Mapping
+from math import prod
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 
 import numpy as np
-from scipy.io import loadmat, savemat
+from scipy.io import loadmat, savemat, whosmat
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.csv_columns import csv_columns
@@ -21,8 +22,8 @@ except ModuleNotFoundError:  # only Parquet files need it
     arrow = parquet = None
 
 SUFFIXES = (".csv", ".parquet", ".mat", ".npz")
-# Largest array of a file that is read [bytes]: three hours of five signals at 1 kHz.
-LARGEST_SERIES = 2**29
+# Largest content of a file that is read [bytes]: an hour and a quarter of 14 columns at 1 kHz.
+LARGEST_CONTENT = 2**29
 
 # Series by name, all of the same length.
 Columns = Mapping[str, np.ndarray]
@@ -84,7 +85,7 @@ def _write_parquet(path: Path, columns: Columns) -> None:
 
 def _read_parquet(path: Path) -> dict[str, np.ndarray]:
     about = parquet.ParquetFile(path).metadata
-    _check_size(path, 8 * about.num_rows)
+    _check_size(path, 8 * about.num_rows * about.num_columns)
     table = parquet.read_table(path)
     return {name: _floats(name, table[name].to_numpy()) for name in table.column_names}
 
@@ -94,6 +95,7 @@ def _write_matlab(path: Path, columns: Columns) -> None:
 
 
 def _read_matlab(path: Path) -> dict[str, np.ndarray]:
+    _check_size(path, sum(8 * prod(shape) for _, shape, _ in whosmat(path, appendmat=False)))
     content = loadmat(path, appendmat=False)
     names = [name for name in content if not name.startswith("__")]
     return {name: _floats(name, content[name].squeeze()) for name in names}
@@ -107,7 +109,7 @@ def _write_npz(path: Path, columns: Columns) -> None:
 def _read_npz(path: Path) -> dict[str, np.ndarray]:
     try:
         with ZipFile(path) as file:
-            _check_size(path, max((each.file_size for each in file.infolist()), default=0))
+            _check_size(path, sum(each.file_size for each in file.infolist()))
     except BadZipFile:
         raise ParameterError(f"{path} is not an npz file") from None
     with np.load(path, allow_pickle=False) as content:
@@ -115,10 +117,8 @@ def _read_npz(path: Path) -> dict[str, np.ndarray]:
 
 
 def _check_size(path: Path, size: int) -> None:
-    if size > LARGEST_SERIES:
-        raise ParameterError(
-            f"{path}: a series has {size} bytes, at most {LARGEST_SERIES} are read"
-        )
+    if size > LARGEST_CONTENT:
+        raise ParameterError(f"{path} holds {size} bytes, at most {LARGEST_CONTENT} are read")
 
 
 def _floats(name: str, values: np.ndarray) -> np.ndarray:
