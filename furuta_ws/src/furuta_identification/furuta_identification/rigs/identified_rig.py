@@ -31,6 +31,7 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
     """The rig ``base``, which has the sensors, the line and the limits, with the fitted model."""
     values, drive = model.values, base.drive
     friction = _friction(model)
+    limits = _limits_for_balancing(base, values["ceiling"])
     rig = base._replace(
         model=values.body,
         friction=friction,
@@ -44,16 +45,22 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
         ),
         tilt=Tilt(values["tilt_x"], values["tilt_y"]),
         waves=_waves(model),
-        limits=_limits_for_balancing(base),
-        poles=quadratic_poles(values.body, friction.viscous, base.limits.voltage),
+        limits=limits,
+        poles=quadratic_poles(values.body, friction.viscous, limits.voltage),
     )
     return rig, _uncertainty(model)
 
 
-def _limits_for_balancing(base: Rig) -> SafetyLimits:
-    """The rig's limits; a pendulum that was allowed to hang must not fall unnoticed."""
+def _limits_for_balancing(base: Rig, ceiling: float) -> SafetyLimits:
+    """The rig's limits within the drive's ``ceiling`` [V].
+
+    A pendulum that was allowed to hang must not fall unnoticed.
+    """
     angle = base.limits.pendulum_angle
-    return base.limits._replace(pendulum_angle=BALANCING_LIMIT if angle > pi / 2 else angle)
+    return base.limits._replace(
+        voltage=min(base.limits.voltage, ceiling),
+        pendulum_angle=BALANCING_LIMIT if angle > pi / 2 else angle,
+    )
 
 
 def _allowed(name: str, value: float) -> float:
