@@ -116,7 +116,10 @@ def test_wheel_requires_what_it_imports() -> None:
     imported = set().union(*map(imports, files)) - sys.stdlib_module_names - set(PACKAGES)
     of_ros = {name for name in imported if name == "rclpy" or name.endswith(("_msgs", "_srvs"))}
     of_ros |= {"rcl_interfaces", "ament_index_python"}
-    other_names = {"yaml": "pyyaml", "serial": "pyserial", "dask": "distributed"}
+    other_names = {
+        **{"yaml": "pyyaml", "serial": "pyserial", "dask": "distributed"},
+        **{"dateutil": "python-dateutil", "urdf_parser_py": "urdf-parser-py"},
+    }
     assert {other_names.get(n, n) for n in imported - of_ros - {"ziglang"}} <= required
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import xacro
-from ament_index_python.packages import get_package_share_directory
 
 from furuta_description.lengths import Lengths
+from furuta_model.installed_files import share_directory
 
 PACKAGE = "furuta_description"
 
 
 def share(folder: str, name: str) -> Path:
     """An installed file of this package."""
-    return Path(get_package_share_directory(PACKAGE)) / folder / name
+    return share_directory(PACKAGE) / folder / name
 
 
 def robot_description(of: Lengths) -> str:
