@@ -64,7 +64,8 @@ def test_follows_a_turning_pendulum_through_the_seam(viscous: float) -> None:
     errors = []
     for k in range(3000):
         u = 2.0 * np.sin(0.004 * k)
-        friction = level * np.tanh(x[1] / 0.05) + viscous * x[1]
+        unknown = level * np.tanh(x[1] / 0.05)
+        friction = unknown + viscous * x[1]
         v_dot, w_dot = reference.accelerations(x[1], x[2], x[3], u - friction, MODEL)
         middle = x + 0.5 * DT * np.array((x[1], v_dot, x[3], w_dot))
         v_dot, w_dot = reference.accelerations(middle[1], middle[2], middle[3], u - friction, MODEL)
@@ -74,7 +75,7 @@ def test_follows_a_turning_pendulum_through_the_seam(viscous: float) -> None:
         reading = np.array((x[0], x[1] + noise[0], theta + noise[1], np.nan, u))
         estimate_state(memory, reading, design, estimate)
         error = estimate[:4] - x
-        errors.append(np.append((error + pi) % (2.0 * pi) - pi, estimate[4] - friction))
+        errors.append(np.append((error + pi) % (2.0 * pi) - pi, estimate[4] - unknown))
         assert abs(estimate[2]) < pi + 0.1
     assert abs(x[2]) > 2.0 * pi
     rms = np.sqrt(np.mean(np.square(errors[300:]), axis=0))

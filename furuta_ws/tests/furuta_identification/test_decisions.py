@@ -12,19 +12,21 @@ from furuta_identification.fitting.ceiling import fitted_ceiling
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import node_parameters, summary
+from furuta_identification.fitting.report import summary
 from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
 from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
 from furuta_identification.regression.speeds import speed_lag
 from furuta_identification.regression.whiteness import coloured_part
+from furuta_identification.rigs.identified_rig import identified_rig
 from furuta_identification.shooting.unknowns import wave_names
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of
+from furuta_rig import rig
 from furuta_sim.parameters import PlantParameters
 
 DEGREE = np.pi / 180.0
@@ -146,12 +148,12 @@ def test_the_verdict_looks_at_the_arm(model: Model) -> None:
 
 
 def test_a_value_at_the_end_of_its_range_is_no_result(model: Model) -> None:
-    """It is withheld, and no parameter file holds it."""
+    """It is withheld, and no rig file holds it."""
     odd = model._replace(values=model.values.changed(["asymmetry"], [-0.95]))
     assert "end of the allowed range" in undetermined(odd)["asymmetry"]
     assert summary(odd)["asymmetry"] is None
-    friction = node_parameters(odd)["friction_observer"]["ros__parameters"]
-    assert friction["asymmetry"] == 0.0
+    found, _ = identified_rig(odd, rig.Rig())
+    assert found.friction.asymmetry == 0.0
 
 
 def test_coloured_part() -> None:

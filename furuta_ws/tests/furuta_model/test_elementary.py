@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -55,3 +56,16 @@ def test_limits() -> None:
     assert np.isfinite(elementary.exp(800.0))
     assert elementary.tanh(np.inf) == 1.0
     assert elementary.tanh(-np.inf) == -1.0
+
+
+def test_fused_multiply_add() -> None:
+    """Compiled and in exact arithmetic: the same bits, also where a·b cancels with c."""
+
+    @numba.njit
+    def compiled(a: float, b: float, c: float) -> float:
+        return elementary.fma(a, b, c)
+
+    generator = np.random.default_rng(2)
+    for a, b in generator.normal(size=(1000, 2)):
+        for c in (0.0, -a * b, generator.normal()):
+            assert compiled(a, b, c) == elementary.exact_fma(a, b, c)

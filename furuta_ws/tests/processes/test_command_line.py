@@ -221,7 +221,10 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
         (["simulate", "--compensation", "magic"], "one of none, coulomb, stiction, lugre"),
         (["simulate", "--set", "plant.friction.law=foo"], "law must be one of coulomb, stiction"),
-        (["simulate", "--set", "mode=fly"], "mode must be one of balance, open_loop, off"),
+        (
+            ["simulate", "--set", "mode=fly"],
+            "mode must be one of balance, open_loop, swing_up, off",
+        ),
         (["simulate", "--set", "plant.sample_time=0.002"], "sample_time must be the same"),
         (["simulate", "--set", "gamma=0.0203544"], "integration steps"),
         (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),

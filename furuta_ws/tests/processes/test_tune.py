@@ -26,8 +26,9 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
             break
     else:
         pytest.fail("tuning ended before it recorded the friction")
-    # It is none while friction is recorded and lugre in a trial: progress depends on the machine.
-    assert furuta("param", "get", "friction_observer", "compensation")[1].strip() != "coulomb"
+    # While friction is recorded it is none. Some trials have the initial one again.
+    while furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb":
+        assert tuning.poll() is None
     tuning.send_signal(signal.SIGINT)
     _, err = tuning.communicate(timeout=120.0)
     assert tuning.returncode == 1

@@ -96,7 +96,7 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
     cycle, about, verbs, version = done.stdout.strip().splitlines()
     assert cycle == "0.511 rad, 2.37 s"
     assert str(tmp_path) in about
-    assert "paper qube_servo_2" in about
+    assert "paper paper_full_turn qube_servo_2" in about
     assert {"simulate", "limit-cycle", "identify", "sweep", "bag", "plot"} <= set(verbs.split())
     assert not {"run", "reset", "param"} & set(verbs.split())
     assert version == f"furuta {manifest('furuta').findtext('version')}"

@@ -73,11 +73,17 @@ def inlined(function: Function, **options: Any) -> Function:
     return compiled(function, forceinline=True, _nrt=False, **options)
 
 
-def make_intrinsic(function: Callable[..., Any]) -> Any:
+def make_intrinsic(
+    function: Callable[..., Any], in_python: Callable[..., Any] | None = None
+) -> Any:
     """Make a function that compiled code calls, from one that generates its instructions.
 
-    Numba's declarations describe an intrinsic as it is written, not as it is called.
+    ``in_python`` does the same if compilation is switched off (NUMBA_DISABLE_JIT). Numba's
+    declarations describe an intrinsic as it is written, not as it is called.
     """
+    config: Any = numba.config
+    if config.DISABLE_JIT and in_python is not None:
+        return in_python
     made: Any = numba.extending.intrinsic(function)
     return made
 

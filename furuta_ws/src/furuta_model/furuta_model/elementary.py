@@ -21,7 +21,9 @@ Functions*, 1980. A NaN gives NaN.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import copysign
+from fractions import Fraction
+from math import copysign, isfinite
+from struct import pack, unpack
 from typing import Any
 
 from numba import types
@@ -68,9 +70,25 @@ def _double_of(_: Any, bits: Any) -> Any:
     return types.float64(types.int64), generate
 
 
-fma: Callable[[float, float, float], float] = make_intrinsic(_fma)
-_bits: Callable[[float], int] = make_intrinsic(_bits_of)
-_double: Callable[[int], float] = make_intrinsic(_double_of)
+def exact_fma(a: float, b: float, c: float) -> float:
+    """a·b + c, rounded once, in Python; for finite numbers whose result is finite."""
+    exact = Fraction(a) * Fraction(b) + Fraction(c) if isfinite(a * b + c) else None
+    return float(exact) if exact else a * b + c
+
+
+def _bits_in_python(x: float) -> int:
+    (bits,) = unpack("<q", pack("<d", x))
+    return int(bits)
+
+
+def _double_in_python(bits: int) -> float:
+    (x,) = unpack("<d", pack("<Q", bits % 2**64))
+    return float(x)
+
+
+fma: Callable[[float, float, float], float] = make_intrinsic(_fma, exact_fma)
+_bits: Callable[[float], int] = make_intrinsic(_bits_of, _bits_in_python)
+_double: Callable[[int], float] = make_intrinsic(_double_of, _double_in_python)
 
 
 @inlined

@@ -84,14 +84,14 @@ class FurutaNode(Node, Generic[Group]):
                     throttle_duration_sec=WARNING_PERIOD,
                 )
 
-        self.create_subscription(topic.type, topic.name, _with_message_info(checked), QOS)
+        self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS)
         self.create_timer(CHECK_PERIOD, one.check, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _warn(self, text: str) -> None:
         self.get_logger().warning(text)
 
 
-def _with_message_info(receive: Callable[[Any, dict[str, Any]], None]) -> Callable[..., None]:
+def with_message_info(receive: Callable[[Any, dict[str, Any]], None]) -> Callable[..., None]:
     """A callback with message and message info for every executor.
 
     The events executor of some builds passes both as one tuple.
