@@ -9,7 +9,7 @@ import click
 
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_cli.number_types import FiniteRange
-from furuta_cli.options import SEED, json_option, model_options, print_json
+from furuta_cli.options import SEED, json_option, parameter_options, print_json
 from furuta_graph.rigs import find_rig
 from furuta_graph.settings import load_settings, loop
 from furuta_studies.swing_up.optimised import parameters_text, rig_trajectory
@@ -50,7 +50,7 @@ DEFAULT_RIG = "paper_full_turn"
     metavar="FILE.yaml",
     help="Compute the fastest swing-up of the rig, and write it as a parameter file; no starts.",
 )
-@model_options
+@parameter_options
 @json_option
 def command(
     starts: int,
