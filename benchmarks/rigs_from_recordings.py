@@ -21,8 +21,7 @@ from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
-from furuta_graph.rigs import rig_settings
-from furuta_graph.settings import loop
+from furuta_graph.settings import loop, rig_settings
 from furuta_identification.fitting.identify import identify
 from furuta_identification.preparation.options import Options
 from furuta_identification.rigs.identified_rig import identified_rig

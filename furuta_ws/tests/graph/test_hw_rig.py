@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from furuta_graph.rigs import find_rig, rig_directory, rig_settings
-from furuta_graph.settings import load_settings, loop
+from furuta_graph.rigs import find_rig, rig_directory
+from furuta_graph.settings import load_settings, loop, rig_settings
 from furuta_hw.bridge.sample_clock import SLEW, SampleClock
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_model.parameters import ParameterError

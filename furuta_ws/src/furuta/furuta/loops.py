@@ -11,7 +11,7 @@ import numpy as np
 from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
 from furuta_analysis.simulation.closed_loop import Loop
 from furuta_graph import settings
-from furuta_graph.rigs import SUFFIX, find_rig, rig_directory, rig_settings
+from furuta_graph.rigs import SUFFIX, find_rig, rig_directory
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback
 from furuta_rig.rig import Rig
@@ -65,7 +65,7 @@ def make_loop(
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)
     assignments = [f"{name}={_text(value)}" for name, value in (values or {}).items()]
-    base = None if rig is None else rig_settings(rig)
+    base = None if rig is None else settings.rig_settings(rig)
     return settings.loop(settings.load_settings(map(Path, files), assignments, base))
 
 

@@ -11,8 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from furuta_graph.description import HARDWARE_BRIDGE, PLANT, NodeDescription, graph_nodes
-from furuta_graph.rigs import check_sample_time, find_rig, rig_file, rig_settings
-from furuta_graph.settings import Settings, collect_settings, load_settings, merge_settings
+from furuta_graph.rigs import check_sample_time, find_rig, rig_file
+from furuta_graph.settings import (
+    Settings,
+    collect_settings,
+    load_settings,
+    merge_settings,
+    rig_settings,
+)
 from furuta_model.parameters import ParameterError, build, values
 
 

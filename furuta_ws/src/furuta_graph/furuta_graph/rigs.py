@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from furuta_graph.rig_parameters import rig_parameters
-from furuta_graph.settings import Settings, default_settings, parameters_of
+from furuta_graph.settings import Settings, parameters_of
 from furuta_model.installed_files import share_directory
 from furuta_model.parameters import ParameterError
 from furuta_rig.rig import Rig
@@ -46,11 +45,6 @@ def find_rig(name: str) -> Rig:
 def find_uncertain_rig(name: str) -> tuple[Rig, Uncertainty]:
     """The rig of that name or file, and the uncertainty of its values."""
     return load_uncertain_rig(rig_file(name))
-
-
-def rig_settings(rig: Rig) -> Settings:
-    """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
-    return default_settings() | rig_parameters(rig)
 
 
 def check_sample_time(rig: Rig | None, settings: Settings) -> None:

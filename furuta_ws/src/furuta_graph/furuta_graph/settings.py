@@ -14,6 +14,7 @@ from furuta_model.parameters import ParameterError, build, shortened
 from furuta_model.renamed_parameters import with_current_names
 from furuta_model.ros_parameters import by_full_name, is_of_ros
 from furuta_model.yaml_files import parse_yaml, read_yaml
+from furuta_rig.rig import Rig
 from furuta_rig.rig_file import is_rig_file, rig_from_content
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
@@ -26,6 +27,11 @@ Settings = dict[str, dict[str, Any]]
 def default_settings() -> Settings:
     """Settings that leave every parameter at its default."""
     return {node: {} for node in NODES}
+
+
+def rig_settings(rig: Rig) -> Settings:
+    """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
+    return default_settings() | rig_parameters(rig)
 
 
 def load_settings(
@@ -103,7 +109,7 @@ def _from_content(content: Any, file: Path) -> Settings:
         raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
     if is_rig_file(content):
         rig, _ = rig_from_content(content, file)
-        return default_settings() | rig_parameters(rig)
+        return rig_settings(rig)
     settings = default_settings()
     for key, section in content.items():
         node = _node_name(key, file)

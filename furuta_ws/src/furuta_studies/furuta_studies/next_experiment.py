@@ -20,8 +20,7 @@ import numpy as np
 
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_control.excitation import ExcitationParameters
-from furuta_graph.rig_parameters import rig_parameters
-from furuta_graph.settings import default_settings, loop
+from furuta_graph.settings import loop, rig_settings
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_rig.rig import Rig
 from furuta_rig.uncertainty import Uncertainty, changed_rig
@@ -114,7 +113,7 @@ def _proposal(
 
 def _motion(rig: Rig, signal: ExcitationParameters, seconds: float) -> np.ndarray:
     """The states (n, 4) of the hanging pendulum under the signal."""
-    made = loop(default_settings() | rig_parameters(rig))
+    made = loop(rig_settings(rig))
     initial = made.plant.initial._replace(theta=pi - RELEASE)
     controller = made.controller._replace(mode="open_loop", excitation=signal)
     plant = made.plant._replace(initial=initial)

@@ -15,8 +15,7 @@ from scipy.stats import beta, rankdata
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Outcome
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.rig_parameters import rig_parameters
-from furuta_graph.settings import default_settings, loop
+from furuta_graph.settings import loop, rig_settings
 from furuta_rig.rig import Rig
 from furuta_rig.uncertainty import Uncertainty, changed_rig
 
@@ -75,13 +74,14 @@ def check_rig(rig: Rig, uncertainty: Uncertainty, rigs: int, seconds: float, see
 
 def _loops(rig: Rig, plants: list[Rig], choice: str) -> Iterator[Loop]:
     """The loop of the rig's own control system with each plant."""
-    settings = default_settings() | rig_parameters(rig)
+    settings = rig_settings(rig)
     for node, given in CHOICES[choice].items():
         settings[node] = settings[node] | given
     nominal = loop(settings)
     for seed, plant in enumerate(plants):
-        own = {"plant": rig_parameters(plant)["plant"] | {"seed": seed}}
-        yield nominal._replace(plant=loop(default_settings() | own).plant)
+        of_plant = rig_settings(plant)
+        of_plant["plant"]["seed"] = seed
+        yield nominal._replace(plant=loop(of_plant).plant)
 
 
 def _row(name: str, outcomes: list[Outcome]) -> Row:

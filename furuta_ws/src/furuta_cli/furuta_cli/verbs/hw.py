@@ -10,7 +10,8 @@ from furuta_cli.options import json_option
 from furuta_cli.verbs.hw_bridge import arm, disarm, state
 from furuta_cli.verbs.hw_commissioning import check, friction, read, show, signs, zero
 from furuta_graph.processes import executable
-from furuta_graph.rigs import find_rig, rig_settings
+from furuta_graph.rigs import find_rig
+from furuta_graph.settings import rig_settings
 from furuta_model.linear import linearize
 from furuta_rig.rig import Rig
 

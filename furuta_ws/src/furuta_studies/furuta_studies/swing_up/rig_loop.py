@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_analysis.simulation.closed_loop import Loop, Record
-from furuta_graph.rigs import rig_settings
-from furuta_graph.settings import Settings
+from furuta_graph.settings import Settings, rig_settings
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_rig.rig import Rig
 
