@@ -1,4 +1,4 @@
-.PHONY: demo test bench wheel soak clean
+.PHONY: demo test bench docs wheel soak clean
 
 demo:
 	./furuta demo
@@ -14,6 +14,15 @@ bench:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
 		--requirement benchmarks/requirements.lock
 	tools/in_environment python benchmarks/run.py
+
+# The documentation site in output/site, with its tools in an environment of their own. CHECK=1 also
+# runs every command of every page in a clone; report in output/commands.md.
+SITE = output/site_environment/bin/python
+docs:
+	tools/in_environment python -m venv output/site_environment
+	$(SITE) -m pip install --disable-pip-version-check --quiet --requirement docs/requirements.lock
+	$(SITE) docs/site/build.py output/site
+	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
 # One wheel with the library and the command line, for Python without ROS.
 wheel:

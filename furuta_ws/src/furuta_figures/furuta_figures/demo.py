@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from furuta_figures.figure import saved_figure, style_time_series
+from furuta_figures.figure import (
+    ARM,
+    CONTROL,
+    ESTIMATE,
+    FRICTION,
+    PENDULUM,
+    saved_figure,
+    style_time_series,
+)
 from furuta_figures.run import SIGNALS
 from furuta_model.state import PHI, THETA
 from furuta_recordings.bags.recorded_run import RecordedRun
@@ -27,11 +35,15 @@ def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
         for column, phase in zip(axes.T, phases, strict=True):
             part = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
             column[0].set_title(TITLES[phase.compensation])
-            column[0].plot(part.time, part.state[:, PHI], lw=1.2)
-            column[1].plot(part.time, part.state[:, THETA], lw=1.2)
-            column[2].plot(part.time, part.command, lw=0.6)
-            column[3].plot(part.time, part.friction, lw=1.6, label="true friction F")
-            column[3].plot(part.time, part.friction_estimate, lw=0.6, label="estimate of F")
+            column[0].plot(part.time, part.state[:, PHI], color=ARM, lw=1.2)
+            column[1].plot(part.time, part.state[:, THETA], color=PENDULUM, lw=1.2)
+            column[2].plot(part.time, part.command, color=CONTROL, lw=0.6)
+            column[3].plot(
+                part.time, part.friction, color=FRICTION, lw=2.4, alpha=0.7, label="true friction F"
+            )
+            column[3].plot(
+                part.time, part.friction_estimate, color=ESTIMATE, lw=0.6, label="estimate of F"
+            )
             column[3].set_xlabel("time [s]")
             for axis in column:
                 style_time_series(axis)

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from furuta_figures.figure import saved_figure, style_axis
+from furuta_figures.labels import axis_label
 from furuta_studies.feedback_map import MapPoint
 
 # Colours of motions that are no oscillation.
@@ -46,8 +47,8 @@ def draw_map(
         for axis, (title, size) in zip(axes, sizes.items(), strict=True):
             mesh = axis.pcolormesh(firsts, seconds, size, norm=scale, shading="nearest")
             axis.set_title(title)
-            style_axis(axis, first)
-        axes[0].set_ylabel(second)
+            style_axis(axis, axis_label(first))
+        axes[0].set_ylabel(axis_label(second))
         bar = figure.colorbar(mesh, ax=axes, label="arm, peak to peak [rad]")
         style_axis(bar.ax)
         _mark_other_kinds(axes[1], firsts, seconds, kinds)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from furuta_figures.figure import saved_figure
+from furuta_figures.labels import axis_label
 
 # More points than this hide each other.
 MOST_POINTS = 5000
@@ -38,5 +39,5 @@ def draw_robustness(
             plane.plot(*points[fell].T, "kx", label="fell")
         if not np.all(fell):
             figure.colorbar(dots, label="arm, peak to peak [rad]")
-        plane.set(xlabel=names[0], ylabel=names[1])
+        plane.set(xlabel=axis_label(names[0]), ylabel=axis_label(names[1]))
         figure.legend(loc="outside lower center", ncols=3)

@@ -7,7 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from furuta_figures.figure import saved_figure, style_time_series
+from furuta_figures.figure import (
+    ARM,
+    CONTROL,
+    ESTIMATE,
+    FRICTION,
+    MEASURED,
+    PENDULUM,
+    mark_half_turns,
+    saved_figure,
+    style_time_series,
+)
 from furuta_model.parameters import ParameterError
 
 # Label of each row, and the columns that it shows where they exist: name, label, line width.
@@ -21,8 +31,15 @@ ROWS = (
     ("friction [V]", (("true_friction_v", "true F", 1.6),
                       ("friction_estimate_v", "friction estimate", 0.6))),
 )  # fmt: skip
-# One colour for each kind of quantity in every row.
-COLOURS = {"measured": "0.6", "true": "C0", "estimated": "C1", "command": "C2", "friction": "C3"}
+# The truth has the colour of its quantity.
+COLOURS = {
+    "true_phi_rad": ARM,
+    "true_theta_rad": PENDULUM,
+    "command_v": CONTROL,
+    "true_friction_v": FRICTION,
+    "measured_phi_rad": MEASURED,
+    "measured_theta_rad": MEASURED,
+}
 
 
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
@@ -45,10 +62,12 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
     with saved_figure(path, len(rows), squeeze=False, sharex=True, figsize=size) as (_, axes):
         for axis, (label, columns) in zip(axes[:, 0], rows, strict=True):
             for name, source, width in columns:
-                colour = COLOURS[name.partition("_")[0]]
+                colour = COLOURS.get(name, ESTIMATE)
                 values = np.where(after_gap, np.nan, series[name])
                 axis.plot(time, values, lw=width, label=source, color=colour)
             style_time_series(axis, label)
+            if label.startswith("pendulum"):
+                mark_half_turns(axis)
             if len(columns) > 1:
                 axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         axes[-1, 0].set_xlabel("time [s]")

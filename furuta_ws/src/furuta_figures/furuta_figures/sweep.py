@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta_figures.figure import saved_figure, style_axis
+from furuta_figures.labels import axis_label
 from furuta_studies.sweep_points import SweptParameter
 
 LABEL = "arm, peak to peak [rad]"
@@ -16,13 +17,46 @@ Rows = list[dict[str, Any]]
 
 
 def draw_sweep(parameters: tuple[SweptParameter, ...], rows: Rows, path: Path) -> None:
-    """Draw two parameters as a plane of colours, otherwise one panel per parameter."""
+    """Draw two parameters as a plane of colours, otherwise one panel per parameter.
+
+    If one of two parameters is a choice, such as the compensation, each of its values is a line.
+    """
     finished = [row for row in rows if not row["error"] and not row["fell"]]
     failed = [row for row in rows if row["error"] or row["fell"]]
-    if len(parameters) == 2:
+    choices = [each for each in parameters if _is_choice(each)]
+    if len(parameters) == 2 and len(choices) == 1:
+        (choice,) = choices
+        (number,) = (each for each in parameters if each is not choice)
+        _draw_lines(number, choice, finished, path)
+    elif len(parameters) == 2:
         _draw_plane(*parameters, finished, failed, path)
     else:
         _draw_panels(parameters, finished, path)
+
+
+def _is_choice(parameter: SweptParameter) -> bool:
+    """Whether its values are words."""
+    return not all(_is_number(value) for value in parameter.values)
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True
+
+
+def _draw_lines(number: SweptParameter, choice: SweptParameter, finished: Rows, path: Path) -> None:
+    with saved_figure(path, figsize=(8, 5)) as (figure, axis):
+        for value in choice.values:
+            chosen = [row for row in finished if str(row[choice.name]) == str(value)]
+            if chosen:
+                chosen.sort(key=lambda row: float(row[number.name]))
+                axis.plot(_values(number, chosen), _sizes(chosen), ".-", label=str(value))
+        axis.set_yscale("log")
+        style_axis(axis, axis_label(number.name), LABEL)
+        figure.legend(loc="outside right upper", title=choice.name.rpartition(".")[2])
 
 
 def _draw_plane(
@@ -41,7 +75,7 @@ def _draw_plane(
             plane.plot(x, y, "kx", label="fell, or impossible")
             figure.legend(loc="outside lower center")
         figure.colorbar(points, label=LABEL)
-        plane.set(xlabel=first.name, ylabel=second.name)
+        plane.set(xlabel=axis_label(first.name), ylabel=axis_label(second.name))
 
 
 def _draw_panels(parameters: tuple[SweptParameter, ...], finished: Rows, path: Path) -> None:
@@ -55,16 +89,13 @@ def _draw_panels(parameters: tuple[SweptParameter, ...], finished: Rows, path: P
 
 def _draw_panel(panel: Axes, parameter: SweptParameter, rows: Rows) -> None:
     panel.plot(_values(parameter, rows), _sizes(rows), "o", ms=4, alpha=0.6)
-    style_axis(panel, parameter.name)
+    style_axis(panel, axis_label(parameter.name))
 
 
 def _values(parameter: SweptParameter, rows: Rows) -> list[Any]:
     """The parameter's values: numbers if all are numbers, otherwise text."""
     values = [row[parameter.name] for row in rows]
-    try:
-        return [float(value) for value in values]
-    except ValueError:
-        return values
+    return [float(value) for value in values] if all(map(_is_number, values)) else values
 
 
 def _sizes(rows: Rows) -> np.ndarray:

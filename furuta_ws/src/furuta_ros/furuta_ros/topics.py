@@ -31,21 +31,45 @@ def deep(depth: int) -> QoSProfile:
 
 
 class Topic(NamedTuple):
-    """A topic of the graph."""
+    """A topic of the graph: name, type, who publishes it for whom, and what it contains."""
 
     name: str
     type: Any
+    ends: str = ""
+    content: str = ""
 
 
-MEASUREMENT = Topic(topic_names.MEASUREMENT, JointState)
-JOINT_STATES = Topic(topic_names.JOINT_STATES, JointState)
-FRICTION_ESTIMATE = Topic(topic_names.FRICTION_ESTIMATE, Float64)
-COMMAND = Topic(topic_names.COMMAND, Float64)
-GROUND_TRUTH = Topic(topic_names.GROUND_TRUTH, JointState)
+MEASUREMENT = Topic(
+    topic_names.MEASUREMENT,
+    JointState,
+    "plant → estimator",
+    "sensor readings, NaN where there is no sensor; `effort[0]` is the torque applied since the "
+    "previous sample [V]",
+)
+JOINT_STATES = Topic(
+    topic_names.JOINT_STATES,
+    JointState,
+    "estimator → observer, controller",
+    "state estimate; `effort[0]` is the observed friction [V]",
+)
+FRICTION_ESTIMATE = Topic(
+    topic_names.FRICTION_ESTIMATE, Float64, "friction observer → controller", "F̂ [V]"
+)
+COMMAND = Topic(topic_names.COMMAND, Float64, "controller → plant", "u [V], saturated")
+GROUND_TRUTH = Topic(
+    topic_names.GROUND_TRUTH,
+    JointState,
+    "plant → any subscriber",
+    "true state; `effort[0]` is the true friction F [V]",
+)
 
-# What the controller does, published when it changes; until then it is what its parameter mode
-# says. A late subscriber gets the last one.
-MODE_IN_FORCE = Topic(topic_names.MODE_IN_FORCE, String)
+# A late subscriber gets the last message.
+MODE_IN_FORCE = Topic(
+    topic_names.MODE_IN_FORCE,
+    String,
+    "controller → any subscriber",
+    "what the controller does, when that changes; until then it is what its parameter `mode` says",
+)
 LATCHED = QoSProfile(
     depth=QOS.depth,
     reliability=QoSReliabilityPolicy.RELIABLE,
@@ -54,9 +78,22 @@ LATCHED = QoSProfile(
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
-# How late samples of real time were, once a second, as two rows of counts: the latency from
-# measurement to command and the lateness of the measurement. A label says how wide a bin is.
-TIMING = Topic(topic_names.TIMING, UInt64MultiArray)
+# Two rows of counts: the latency from measurement to command and the lateness of the measurement.
+# A label says how wide a bin is.
+TIMING = Topic(
+    topic_names.TIMING,
+    UInt64MultiArray,
+    "plant → any subscriber",
+    "how late samples were in real time, once a second",
+)
 
-# Simulated time in lock-step. Its name is relative too: two graphs must not mix their times.
-CLOCK = Topic(topic_names.CLOCK, Clock)
+# Its name is relative too: two graphs must not mix their times.
+CLOCK = Topic(
+    topic_names.CLOCK,
+    Clock,
+    "plant → nodes with `use_sim_time`",
+    "simulated time in lock-step",
+)
+
+# Every topic that the nodes of the graph publish.
+EVERY_TOPIC = (*TOPICS, MODE_IN_FORCE, CLOCK, TIMING)

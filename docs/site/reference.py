@@ -1,0 +1,255 @@
+"""Writes the pages of the reference from the code: ``python docs/site/reference.py``.
+
+Verbs, parameters, topics, rig files, and the names of the library. A test compares the pages.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+import furuta
+from furuta_cli.main import furuta as command_line
+from furuta_figures.labels import SYMBOLS
+from furuta_graph.description import NODES
+from furuta_graph.parameter_files import parameter_table
+from furuta_model.parameters import About, Declared, ParameterError, declared
+from furuta_rig.physical import PhysicalParameters
+from furuta_rig.rig import Rig
+from furuta_rig.rig_file import ARM_TURNS, LinearCoefficients
+from furuta_rig.uncertainty import ABSOLUTE, RELATIVE
+from furuta_ros.topics import EVERY_TOPIC, Topic
+from furuta_studies.series_columns import column_table
+
+DOCS = Path(__file__).resolve().parents[1]
+GENERATED = "Generated from the code by `docs/site/reference.py`."
+# Width of the text of ``--help`` in characters.
+WIDTH = 100
+
+
+def verbs_page() -> str:
+    """Every verb with its options, as ``--help`` prints them."""
+    parts = [
+        f"# Verbs\n\n{GENERATED} `./furuta VERB --help` prints the same.\n\n"
+        "Every verb ends with status 0 (done), 1 (failed, with the reason in one line on standard "
+        "error), 2 (wrong\nusage) or 130 (Ctrl-C). `--json` prints one JSON object and nothing "
+        "else.\n"
+    ]
+    context = click.Context(command_line, info_name="./furuta")
+    for name in command_line.list_commands(context):
+        command = command_line.get_command(context, name)
+        if command is not None:
+            parts += _help_texts(name, command, context, "##")
+    return "\n".join(parts)
+
+
+def _help_texts(
+    name: str, command: click.Command, parent: click.Context, heading: str
+) -> Iterator[str]:
+    context = click.Context(
+        command, parent=parent, info_name=name, terminal_width=WIDTH, max_content_width=WIDTH
+    )
+    title = context.command_path.removeprefix("./furuta ")
+    yield f"{heading} {title}\n\n```text\n{command.get_help(context)}\n```\n"
+    if isinstance(command, click.Group):
+        for each in command.list_commands(context):
+            inner = command.get_command(context, each)
+            if inner is not None:
+                yield from _help_texts(each, inner, context, heading + "#")
+
+
+def parameters_page() -> str:
+    """Every parameter of every node."""
+    return (
+        f"# Parameters\n\n{GENERATED} `./furuta param defaults NODE` prints them as a parameter "
+        "file, and\n[furuta_ws/config](../furuta_ws/config) holds those files.\n\n"
+        + "\n".join(parameter_table(node) for node in NODES)
+    )
+
+
+def topic_rows(topics: Iterable[Topic]) -> list[str]:
+    """The topics as a table in Markdown."""
+    return [
+        "| topic | type | from → to | content |",
+        "|---|---|---|---|",
+        *(
+            f"| `{each.name}` | {_message_type(each.type)} | {each.ends} | {each.content} |"
+            for each in topics
+        ),
+    ]
+
+
+def _message_type(message: type) -> str:
+    package, *_ = message.__module__.split(".")
+    return f"{package}/{message.__name__}"
+
+
+def topics_page() -> str:
+    """The topics of the graph, and the columns of the series made from them."""
+    return "\n".join(
+        [
+            f"# Topics\n\n{GENERATED}\n",
+            "Names are relative, so that a namespace moves a whole graph. Joints are `arm` (φ) and "
+            "`pendulum` (θ, zero\nupright). Torque and friction are in volts at the drive, as the "
+            "paper normalises them. All topics are\nreliable with depth 10.\n",
+            *topic_rows(EVERY_TOPIC),
+            "\n## Columns of exported series\n",
+            *column_table(),
+            "",
+        ]
+    )
+
+
+def rig_files_page() -> str:
+    """The keys of rig files."""
+    sections: dict[str, list[Declared]] = {}
+    for each in declared(Rig):
+        sections.setdefault(each.name.partition(".")[0], []).append(each)
+    turns = About("travel of the arm in turns, in the place of `limits.arm_angle`", "", 0.0, 1e5)
+    sections["limits"].append(Declared(ARM_TURNS, float, "–", turns))
+    parts = [
+        f"# Rig files\n\n{GENERATED} [A real rig](hardware.md#rig-files) explains them.\n",
+        "![φ, θ, u, F, L and l of a pendulum](pendulum.png)\n",
+        "The drawing shows the positive directions. A positive voltage drives the arm towards "
+        "positive φ, and θ grows in\nthe direction in which the end of the arm then moves. L is "
+        "`physical.arm_length`, l is `physical.pendulum_length`.\n",
+        "A rig file is a YAML file with the sections below. What it does not give has the "
+        "default, the paper's rig. Give\nthe pendulum in one of three forms: `model`, `linear` or "
+        "`physical`. `name`, `sources` and `notes` hold text.\n",
+    ]
+    for name, rows in sections.items():
+        parts += _rig_section(name, rows)
+        if name == "model":
+            for form, group in (("linear", LinearCoefficients), ("physical", PhysicalParameters)):
+                parts += _rig_section(form, list(declared(group, f"{form}.")))
+    parts += [
+        "## uncertainty\n",
+        "`standard_errors` maps names to numbers, `correlations` is a lower triangle.\n",
+        f"Relative: {_code(RELATIVE)}. `arm_inertia` is α − γ²/β.\n",
+        f"In the unit of the value: {_code(ABSOLUTE)}.\n",
+    ]
+    return "\n".join(parts)
+
+
+def _code(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _rig_section(name: str, rows: list[Declared]) -> Iterator[str]:
+    yield f"## {name}\n"
+    yield "| key | symbol | default | unit | allowed | meaning |\n|---|---|---|---|---|---|"
+    for each in rows:
+        key = each.name.partition(".")[2]
+        symbol, meaning = _symbol(name, key, each.about)
+        default = f"{each.default:.6g}" if isinstance(each.default, float) else each.default
+        yield (
+            f"| `{key}` | {symbol} | {_plain(default)} | {each.about.unit} | {each.about.allowed} "
+            f"| {meaning} |"
+        )
+    yield ""
+
+
+def _symbol(section: str, key: str, about: About) -> tuple[str, str]:
+    """Symbol and meaning; the physical parameters have theirs in front of the meaning."""
+    if section == "physical":
+        symbol, _, meaning = about.meaning.partition(", ")
+        return symbol, meaning or about.meaning
+    return SYMBOLS.get(key, ""), about.meaning
+
+
+def _plain(value: Any) -> str:
+    return str(list(value) if isinstance(value, tuple) else value) or '""'
+
+
+def library_page() -> str:
+    """Every public name of the library with its signature and docstring."""
+    parts = [
+        "# Library, name by name\n",
+        f"{GENERATED} `help(furuta.NAME)` prints the same. [Library](library.md) is the overview.\n",
+    ]
+    for name in sorted(furuta.__all__, key=str.lower):
+        thing = getattr(furuta, name)
+        if inspect.isfunction(thing):
+            parts += [f"## {name}\n", f"```python\n{_signature(name, thing)}\n```\n", _text(thing)]
+        elif inspect.isclass(thing):
+            parts += [f"## {name}\n", _text(thing), *_field_table(thing)]
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def _signature(name: str, function: Any) -> str:
+    parameters = inspect.signature(function).parameters.values()
+    lines = [f"    {_parameter(each)}," for each in parameters]
+    if any(each.kind is each.KEYWORD_ONLY for each in parameters):
+        first = next(i for i, each in enumerate(parameters) if each.kind is each.KEYWORD_ONLY)
+        lines.insert(first, "    *,")
+    result = str(inspect.signature(function).return_annotation)
+    return "\n".join([f"{name}(", *lines, f") -> {result}"]) if lines else f"{name}() -> {result}"
+
+
+def _parameter(each: inspect.Parameter) -> str:
+    """A parameter as it is written; a long default is only said to exist."""
+    text = f"{each.name}: {each.annotation}"
+    if each.default is each.empty:
+        return text
+    default = repr(each.default)
+    return f"{text} = {default if len(default) < 40 else '...'}"
+
+
+def _text(thing: Any) -> str:
+    """A Google-style docstring as Markdown."""
+    text = re.sub(r":\w+:`~?(?:[\w.]*\.)?(\w+)`", r"`\1`", inspect.cleandoc(thing.__doc__ or ""))
+    text = re.sub(r":math:`([^`]*)`", r"\1", text).replace("``", "`")
+    text = re.sub(r"^\.\. math::\n", "", text, flags=re.MULTILINE)
+    lines: list[str] = []
+    in_list = False
+    for line in text.splitlines():
+        if re.fullmatch(r"(Args|Returns|Raises|Attributes|Yields):", line):
+            lines += [f"**{line[:-1]}**", ""]
+            in_list = line not in ("Returns:", "Yields:")
+        elif line.startswith("    ") and in_list:
+            item = re.match(r"    (\*{0,2}\w+): (.*)", line)
+            lines.append(f"- `{item[1]}`: {item[2]}" if item else f"  {line.strip()}")
+        elif line.startswith("    ") and lines and "**Returns**" in lines[-2:]:
+            lines.append(line.strip())
+        else:
+            in_list = in_list and not line
+            lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def _field_table(thing: Any) -> list[str]:
+    """The declared fields of a group of parameters; nothing for other classes."""
+    try:
+        rows = declared(thing) if hasattr(thing, "_fields") else ()
+    except (IndexError, KeyError, ParameterError):
+        rows = ()
+    if not rows or len(rows) > 40:
+        return []
+    return [
+        "| field | default | unit | allowed | meaning |\n|---|---|---|---|---|",
+        *(
+            f"| `{each.name}` | {_plain(each.default)} | {each.about.unit} | {each.about.allowed} "
+            f"| {each.about.meaning} |"
+            for each in rows
+        ),
+        "",
+    ]
+
+
+PAGES = {
+    "verbs.md": verbs_page,
+    "parameters.md": parameters_page,
+    "topics.md": topics_page,
+    "rig-files.md": rig_files_page,
+    "library-reference.md": library_page,
+}
+
+
+if __name__ == "__main__":
+    for file, page in PAGES.items():
+        (DOCS / file).write_text(page())
