@@ -84,9 +84,7 @@ def _arrow(axis: Any, points: np.ndarray, colour: str) -> None:
 
 def _circle(phi: np.ndarray, radius: float, height: float) -> np.ndarray:
     """Points of a horizontal circle about the axis."""
-    return np.column_stack(
-        [radius * np.cos(phi), radius * np.sin(phi), np.full(len(phi), height)]
-    )
+    return np.column_stack([radius * np.cos(phi), radius * np.sin(phi), np.full(len(phi), height)])
 
 
 def _draw_base(axis: Any) -> None:
@@ -148,7 +146,14 @@ def _draw_gravity(axis: Any) -> None:
     top = CENTRE - 0.12 * UP
     points = np.linspace(top, top - 0.42 * UP, 10)
     _arrow(axis, points, "0.2")
-    _text(axis, points[-1] - 0.12 * UP - 0.12 * tangential(PHI), "mg", "0.2", style="italic", fontsize=12)
+    _text(
+        axis,
+        points[-1] - 0.12 * UP - 0.12 * tangential(PHI),
+        "mg",
+        "0.2",
+        style="italic",
+        fontsize=12,
+    )
 
 
 if __name__ == "__main__":

@@ -170,7 +170,8 @@ def library_page() -> str:
     """Every public name of the library with its signature and docstring."""
     parts = [
         "# Library, name by name\n",
-        f"{GENERATED} `help(furuta.NAME)` prints the same. [Library](library.md) is the overview.\n",
+        f"{GENERATED} `help(furuta.NAME)` prints the same; [library](library.md) is the "
+        "overview.\n",
     ]
     for name in sorted(furuta.__all__, key=str.lower):
         thing = getattr(furuta, name)

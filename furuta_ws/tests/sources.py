@@ -9,6 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "furuta_ws" / "src"
 TESTS = ROOT / "furuta_ws" / "tests"
+# The scripts that make the documentation site, which tests import.
+SITE = ROOT / "docs" / "site"
 PACKAGES = sorted(path.name for path in SOURCES.iterdir())
 
 

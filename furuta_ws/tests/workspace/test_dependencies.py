@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import cast
 
 import pytest
-from sources import PACKAGES, ROOT, SOURCES, TESTS, imports, keys, modules, setup_arguments
+from sources import PACKAGES, ROOT, SITE, SOURCES, TESTS, imports, keys, modules, setup_arguments
 
 from furuta_graph.description import NODES
 
@@ -75,7 +75,7 @@ REQUIREMENT_OF_IMPORT = {
     "std_srvs": "ros-jazzy-common-interfaces",
 }
 # Folders with a ``requirements.in``.
-REQUIREMENTS = (".", "benchmarks", "firmware", "furuta_ws/tests")
+REQUIREMENTS = (".", "benchmarks", "docs", "firmware", "furuta_ws/tests")
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 
@@ -96,8 +96,8 @@ def imported(files: Iterable[Path]) -> set[str]:
 
 
 def helpers() -> set[str]:
-    """What tests import from tests/ itself."""
-    return {path.stem for path in TESTS.iterdir()} - set(PACKAGES)
+    """What tests import from tests/ itself, and from the scripts of the site."""
+    return {path.stem for path in (*TESTS.iterdir(), *SITE.glob("*.py"))} - set(PACKAGES)
 
 
 def assert_declared(names: set[str], found: set[str], extras: list[str]) -> None:
@@ -153,7 +153,8 @@ def test_imports_are_required() -> None:
     """``requirements.in`` names directly whatever is imported, not what happens to come along."""
     files = (ROOT / folder / "requirements.in" for folder in REQUIREMENTS)
     required = set(re.findall(r"^[\w-]+", "\n".join(f.read_text() for f in files), re.MULTILINE))
-    scripts = {*(ROOT / "benchmarks").glob("*.py"), *(ROOT / "examples").glob("*.py")}
+    folders = (ROOT / "benchmarks", ROOT / "examples", SITE)
+    scripts = {file for folder in folders for file in folder.glob("*.py")}
     tests = [TESTS.parent / "conftest.py", *TESTS.rglob("*.py")]
     sources = (file for package in PACKAGES for file in modules(package))
     own = helpers() | set(PACKAGES) | {file.stem for file in scripts}

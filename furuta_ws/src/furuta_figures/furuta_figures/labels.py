@@ -24,6 +24,10 @@ SYMBOLS = {
     "zeta2": "ζ₂",
     "observer_gain": "K",
     "sample_time": "h",
+    "a23": "a₂₃",
+    "a43": "a₄₃",
+    "b21": "b₂₁",
+    "b41": "b₄₁",
 }
 # Gains of u = l·x, which are no parameters of a node.
 GAIN_LABELS = dict(

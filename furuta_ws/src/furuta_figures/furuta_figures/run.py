@@ -28,9 +28,7 @@ def draw_run(run: Record, path: Path) -> None:
         axes[1].plot(run.time, run.state[:, THETA], color=PENDULUM, lw=1.2)
         axes[2].plot(run.time, run.command, color=CONTROL, lw=0.8)
         axes[3].plot(run.time, run.friction, color=FRICTION, lw=1.6, label="true friction F")
-        axes[3].plot(
-            run.time, run.friction_estimate, color=ESTIMATE, lw=0.6, label="estimate of F"
-        )
+        axes[3].plot(run.time, run.friction_estimate, color=ESTIMATE, lw=0.6, label="estimate of F")
         axes[3].legend(loc="upper right")
         axes[3].set_xlabel("time [s]")
         for axis, label in zip(axes, SIGNALS, strict=True):

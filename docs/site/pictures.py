@@ -1,0 +1,55 @@
+"""Draws the pictures of the pages anew: ``python docs/site/pictures.py [NAME ...]``.
+
+Each picture comes from its command below. ``view.png`` shows a page in a browser:
+``furuta_ws/tests/view_picture.py`` makes it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from drawing import draw_pendulum
+from pages import ROOT
+
+DOCS = ROOT / "docs"
+# Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
+COMMANDS = {
+    "branch.png": "limit-cycle --branch viscous=0:0.3 --out OUT",
+    "comparison.png": "compare --rows random --rigs 1000 --seeds 1 --push 0 --out DIR",
+    "convergence.png": "convergence --out OUT",
+    "demo.png": "demo --out DIR",
+    "describing_function.png": "describing-function --law lugre --out OUT",
+    "fig9.png": "experiment fig9 --out DIR",
+    "friction_curves.png": "describing-function --curves OUT",
+    "limit_cycle.png": "limit-cycle --out OUT",
+    "map.png": "map omega1=1:15 zeta1=0.05:1.5 --out OUT",
+    "nyquist.png": "nyquist --figure-4 --out OUT",
+    "presliding.png": "describing-function --presliding OUT",
+    "release.png": "simulate --set enabled=false --set initial.theta=0.01 --ideal-sensors "
+    "--seconds 20 --out OUT",
+    "sensitivity.png": "sensitivity --out OUT",
+}
+DRAWING = "pendulum.png"
+
+
+def draw(name: str) -> None:
+    """Draw one picture of ``docs/`` anew; the old one stays if that fails."""
+    if name == DRAWING:
+        draw_pendulum(DOCS / name)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        places = {"OUT": str(Path(folder, name)), "DIR": str(Path(folder, "results"))}
+        arguments = [places.get(word, word) for word in COMMANDS[name].split()]
+        subprocess.run(["furuta", *arguments], check=True, stdout=subprocess.DEVNULL)
+        (picture,) = Path(folder).rglob(name)
+        shutil.copyfile(picture, DOCS / name)
+
+
+if __name__ == "__main__":
+    for each in sys.argv[1:] or [DRAWING, *COMMANDS]:
+        print(each, flush=True)
+        draw(each)
