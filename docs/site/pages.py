@@ -30,10 +30,11 @@ class BrokenLinkError(Exception):
 
 
 class Section(NamedTuple):
-    """A part of the site with its pages, in order."""
+    """A part of the site with its pages, in order, and their titles in the navigation."""
 
     title: str
     files: tuple[Path, ...]
+    titles: tuple[str, ...]
 
 
 def contents() -> str:
@@ -50,7 +51,11 @@ def sections() -> list[Section]:
     """The sections of ``docs/README.md`` with the files that their lists name."""
     parts = re.split(r"^## (.+)$", contents(), flags=re.MULTILINE)[1:]
     return [
-        Section(title, tuple((START.parent / link).resolve() for _, link in ITEM.findall(text)))
+        Section(
+            title,
+            tuple((START.parent / link).resolve() for _, link in ITEM.findall(text)),
+            tuple(name for name, _ in ITEM.findall(text)),
+        )
         for title, text in zip(parts[::2], parts[1::2], strict=True)
     ]
 
@@ -115,7 +120,10 @@ def _navigation(names: dict[Path, str]) -> str:
     """The lists of the first page once more, as the navigation of the site."""
     return "".join(
         f"\n```{{toctree}}\n:hidden:\n:caption: {section.title}\n\n"
-        + "\n".join(names[file] for file in section.files)
+        + "\n".join(
+            f"{title} <{names[file]}>"
+            for title, file in zip(section.titles, section.files, strict=True)
+        )
         + "\n```\n"
         for section in sections()
     )

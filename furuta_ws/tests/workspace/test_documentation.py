@@ -12,7 +12,7 @@ import click
 import commands
 import pages
 import pytest
-import reference
+import reference_pages
 from sources import ROOT
 
 from furuta_cli.main import furuta
@@ -36,15 +36,15 @@ def every_command() -> tuple[tuple[str, str], ...]:
     )
 
 
-@pytest.mark.parametrize("page", reference.PAGES)
+@pytest.mark.parametrize("page", reference_pages.PAGES)
 def test_reference_is_up_to_date(page: str) -> None:
-    """Write it with ``tools/in_environment python docs/site/reference.py``."""
-    assert (ROOT / "docs" / page).read_text() == reference.PAGES[page]()
+    """Write it with ``tools/in_environment python docs/site/reference_pages.py``."""
+    assert (ROOT / "docs" / page).read_text() == reference_pages.PAGES[page]()
 
 
 def test_readme_has_the_topics() -> None:
     """The table of the front page is that of the reference."""
-    assert "\n".join(reference.topic_rows(EVERY_TOPIC)) in (ROOT / "README.md").read_text()
+    assert "\n".join(reference_pages.topic_rows(EVERY_TOPIC)) in (ROOT / "README.md").read_text()
 
 
 def test_every_page_is_listed_and_links_lead_somewhere() -> None:

@@ -1,4 +1,4 @@
-"""Writes the pages of the reference from the code: ``python docs/site/reference.py``.
+"""Writes the pages of the reference from the code: ``python docs/site/reference_pages.py``.
 
 Verbs, parameters, topics, rig files, and the names of the library. A test compares the pages.
 """
@@ -27,7 +27,7 @@ from furuta_ros.topics import EVERY_TOPIC, Topic
 from furuta_studies.series_columns import column_table
 
 DOCS = Path(__file__).resolve().parents[1]
-GENERATED = "Generated from the code by `docs/site/reference.py`."
+GENERATED = "Generated from the code by `docs/site/reference_pages.py`."
 # Width of the text of ``--help`` in characters.
 WIDTH = 100
 
