@@ -99,7 +99,7 @@ def blocks(file: Path) -> Iterator[Block]:
             number += 1
             if line.strip() != "```sh":
                 continue
-        elif line.startswith("    ") and not lines[start - 1].strip():
+        elif line.startswith("    ") and (start == 0 or not lines[start - 1].strip()):
             while number < len(lines) and lines[number].startswith("    "):
                 number += 1
             body = lines[start:number]

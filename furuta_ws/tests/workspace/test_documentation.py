@@ -73,6 +73,7 @@ def test_a_broken_link_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     page = tmp_path / "page.md"
     page.write_text("[there](missing.md)")
     monkeypatch.setattr(pages, "ROOT", tmp_path)
+    monkeypatch.setattr(pages, "page_names", dict)
     with pytest.raises(pages.BrokenLinkError, match=r"page\.md links to missing\.md"):
         pages.site_text(page, str)
 
@@ -117,7 +118,7 @@ def check_arguments(arguments: list[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["simulte"], ["simulate", "--secnds", "3"], ["simulate", "--compensation", "x"]]
+    "arguments", [["simulte"], ["simulate", "--secnds", "3"], ["simulate", "--seconds", "x"]]
 )
 def test_an_unknown_command_is_found(arguments: list[str]) -> None:
     """The check of commands can fail."""
