@@ -36,6 +36,11 @@ class Topic(NamedTuple):
     name: str
     type: Any
 
+    @property
+    def throttled(self) -> Topic:
+        """The topic with some of these messages, for programs that draw."""
+        return Topic(self.name + topic_names.THROTTLED, self.type)
+
 
 MEASUREMENT = Topic(topic_names.MEASUREMENT, JointState)
 JOINT_STATES = Topic(topic_names.JOINT_STATES, JointState)
@@ -53,6 +58,9 @@ LATCHED = QoSProfile(
 )
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
+
+# These have a throttled copy each: about a hundred messages per second of the loop's time.
+THROTTLED_TOPICS = (JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
 # How late samples of real time were, once a second, as two rows of counts: the latency from
 # measurement to command and the lateness of the measurement. A label says how wide a bin is.
