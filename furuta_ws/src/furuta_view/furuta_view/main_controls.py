@@ -67,22 +67,25 @@ class SimulationControls:
         self._speed = gui.add_dropdown("speed", list(SPEEDS), initial_value=FASTEST, visible=False)
         self._speed.on_update(lambda _: setattr(pacer, "speed", SPEEDS[self._speed.value]))
         self._pause = gui.add_checkbox("pause", False, visible=False)
-        self._pause.on_update(self._pause_changed)
+        self._pause.on_update(lambda event: self.set_paused(self._pause.value, event.client))
         self._paused_by: int | None = None
-        server.on_client_disconnect(self._client_gone)
+        server.on_client_disconnect(self.client_gone)
 
     def show_pacing(self, lockstep: bool) -> None:
         """Show pause and speed in lock-step only."""
         if self._pause.visible != lockstep:
             self._pause.visible = self._speed.visible = lockstep
 
-    def _pause_changed(self, event: Any) -> None:
-        self.pacer.paused = self._pause.value
-        self._paused_by = event.client.client_id if event.client and self._pause.value else None
+    def set_paused(self, paused: bool, client: Any) -> None:
+        """Pause or continue, as a client wishes."""
+        self.pacer.paused = paused
+        self._paused_by = client.client_id if client and paused else None
 
-    def _client_gone(self, client: Any) -> None:
+    def client_gone(self, client: Any) -> None:
+        """Continue if this client has paused the plant."""
         if client.client_id == self._paused_by:
-            self._pause.value = self.pacer.paused = False
+            self.set_paused(False, None)
+            self._pause.value = False
 
     def _push(self, parameter: str, event: Any) -> None:
         size = self._push_size.value * (1.0 if event.target.value == RIGHT else -1.0)
@@ -181,6 +184,11 @@ class RigControls:
         title, colour = ("ARMED", "#b45309") if armed else ("not armed", "#334155")
         below = f"{values['state']}, stops: {values.get('stops', '0')}" if "state" in values else ""
         self._tell(title, colour, text, below)
+
+    @property
+    def text(self) -> str:
+        """What is shown, as HTML."""
+        return str(self._status.content)
 
     def _tell(self, title: str, colour: str, text: str, below: str = "") -> None:
         content = (
