@@ -44,6 +44,7 @@ DRIVER = Path(__file__).parents[1] / "furuta_ws" / "tests" / "page_driver.py"
 SETTLE = 3.0  # [s] from an open or closed page to the measurement
 MEMORY_SETTLE = 300.0  # [s] after which memory must not grow
 MEGABYTE = 2.0**20
+ANSWER = 10.0  # [s]
 ALPHA0 = "alpha0 [V]"
 TIME_LINE = "time [s]"
 RECORDED = 60.0  # [s] of the recording that is repeated
@@ -176,12 +177,12 @@ def slider(presses: str = "30") -> dict[str, Any]:
         shown.ask("open", address)
         for number in range(int(presses)):
             pressed = shown.ask("press", ALPHA0)
-            end = monotonic() + 10.0
-            spin_until(executor, lambda n=number, e=end: len(events) > n or monotonic() > e)
-            if len(events) <= number:
-                raise SystemExit("error: a key press changed no parameter")
+            end = monotonic() + ANSWER
+            while len(events) <= number and monotonic() < end:
+                executor.spin_once(timeout_sec=0.1)
+            if len(events) != number + 1:
+                raise SystemExit(f"error: {number + 1} key presses, {len(events)} changes")
             delays.append(events[-1] - pressed)
-            del events[number + 1 :]
     return {"median_s": float(np.median(delays)), "worst_s": max(delays), "presses": len(delays)}
 
 
