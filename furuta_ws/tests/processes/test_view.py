@@ -106,7 +106,8 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     page.wait(lambda: run_until(furuta) < FOREVER, "the plant paused")
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)
-    assert "the graph runs on" in process.stderr.readline()
+    # On a busy machine nodes write warnings before.
+    assert any("the graph runs on" in line for line in process.stderr)
     page.wait(lambda: run_until(furuta) == FOREVER, "the plant continues")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
     process.send_signal(signal.SIGINT)
