@@ -7,10 +7,14 @@ Each command is answered by one line, mostly a time of ``time.time()`` [s]:
     press LABEL      when the right arrow key was pressed on the slider with this label
     drag LABEL PART  seconds from a click on the slider, at a part of its length, to other curves
     close            when the page is closed
+
+Where root starts it, Chromium gives its drawing process niceness -8, before the loop that is
+measured. A user's browser cannot do that, so this one gives up the right to do it.
 """
 
 from __future__ import annotations
 
+import ctypes
 import sys
 from time import time
 from typing import Any
@@ -19,6 +23,8 @@ from browser import Page, open_browser
 
 ARM = "arm φ [rad]"
 POLL = 5.0  # [ms]
+# prctl(2) and capabilities(7): programs started from now on may not raise their priority.
+PR_CAPBSET_DROP, CAP_SYS_NICE = 24, 23
 
 
 class Driver:
@@ -82,6 +88,7 @@ class Driver:
 
 
 if __name__ == "__main__":
+    ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_SYS_NICE, 0, 0, 0)  # refused unless root
     with open_browser() as show:
         driver = Driver(show)
         print("ready", flush=True)
