@@ -152,10 +152,16 @@ class FileControls:
 
 
 class RigControls:
-    """Arm and disarm, and what the bridge says, in a panel of their own that is always in sight."""
+    """Arm and disarm, and what the bridge says, in a panel of their own that is always in sight.
+
+    A narrow page shows one panel at a time. So the main panel begins with the status and *Disarm*.
+    """
 
     def __init__(self, server: Any, link: GraphLink) -> None:
         gui = server.gui
+        self._in_main = gui.add_html("", order=-2.0)
+        stop = gui.add_button("Disarm", color="red", icon=viser.Icon.HAND_STOP, order=-1.0)
+        stop.on_click(self._caller(link, False))
         panel = gui.add_panel(order=-1.0)
         with panel.add_tab("Rig"):
             self._status = gui.add_html("")
@@ -196,4 +202,4 @@ class RigControls:
             f"{escape(title)}</b>: {escape(text)}<br>{escape(below)}</div>"
         )
         if self._status.content != content:
-            self._status.content = content
+            self._status.content = self._in_main.content = content
