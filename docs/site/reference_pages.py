@@ -23,7 +23,7 @@ from furuta_rig.physical import PhysicalParameters
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import ARM_TURNS, LinearCoefficients
 from furuta_rig.uncertainty import ABSOLUTE, RELATIVE
-from furuta_ros.topics import EVERY_TOPIC, Topic
+from furuta_ros.topics import EVERY_TOPIC, THROTTLED_TOPICS, Topic
 from furuta_studies.series_columns import column_table
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -97,7 +97,7 @@ def topics_page() -> str:
             "Names are relative, so that a namespace moves a whole graph. Joints are `arm` (φ) and "
             "`pendulum` (θ, zero\nupright). Torque and friction are in volts at the drive, as the "
             "paper normalises them. All topics are\nreliable with depth 10.\n",
-            *topic_rows(EVERY_TOPIC),
+            *topic_rows((*EVERY_TOPIC, *(each.throttled for each in THROTTLED_TOPICS))),
             "\n## Columns of exported series\n",
             *column_table(),
             "",

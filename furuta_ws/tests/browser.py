@@ -18,7 +18,7 @@ OPTIONS = [
     *("--disable-quic", "--no-first-run", "--disable-background-networking"),
     *("--disable-component-update", "--disable-sync"),
 ]
-TIMEOUT = 120.0  # [s]
+TIMEOUT = 240.0  # [s]
 CANVAS = "canvas[data-engine]"  # of the pendulum in 3D
 CHARTS = "__viserTestpoints.uplots"
 

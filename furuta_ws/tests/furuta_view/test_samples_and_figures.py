@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from furuta_model.parameters import ParameterError
+from furuta_view.charts import without_gaps
 from furuta_view.exact_cycle import exact_cycle
 from furuta_view.figures import figures
 from furuta_view.jobs import Jobs
@@ -136,6 +137,14 @@ def test_exact_cycle_is_that_of_the_parameters() -> None:
     assert cycle is not None
     assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
     assert exact_cycle({"estimator": {}}) is None
+
+
+def test_unknown_values_leave_no_gap() -> None:
+    """One NaN would empty the chart; a quantity that is unknown throughout is not drawn."""
+    time = np.arange(5.0)
+    found = without_gaps(time, np.array([np.nan, 1.0, np.nan, 3.0, np.nan]))
+    assert found == pytest.approx([1.0, 1.0, 2.0, 3.0, 3.0])
+    assert without_gaps(time, np.full(5, np.nan)) is None
 
 
 def test_chart_has_names_units_and_all_points() -> None:

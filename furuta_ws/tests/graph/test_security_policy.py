@@ -11,7 +11,7 @@ from testbench import Bench
 from furuta_graph.description import HARDWARE_BRIDGE, NODES
 from furuta_graph.rigs import config_directory
 from furuta_model import topic_names
-from furuta_ros.topics import TIMING, TOPICS
+from furuta_ros.topics import THROTTLED_TOPICS, TIMING, TOPICS
 
 POLICY = config_directory() / "security" / "policy.xml"
 # Used only with use_sim_time, or offered by a plant in lock-step.
@@ -77,7 +77,8 @@ def test_operator_and_observer() -> None:
     services = set().union(*(given[name]["reply"] for name in NODES))
     assert f"/{HARDWARE_BRIDGE}/arm" in services
     assert given["operator"]["request"] == services
-    every = {f"/{topic.name}" for topic in (*TOPICS, TIMING)}
+    throttled = (each.throttled for each in THROTTLED_TOPICS)
+    every = {f"/{topic.name}" for topic in (*TOPICS, TIMING, *throttled)}
     assert every >= {f"/{topic_names.COMMAND}", f"/{topic_names.MEASUREMENT}"}
     for name in ("operator", "observer"):
         assert given[name]["subscribe"] >= every

@@ -26,6 +26,7 @@ from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_float, read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
+from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.topics import (
     COMMAND,
     FRICTION_ESTIMATE,
@@ -75,6 +76,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
+        self._throttled = ThrottledPublisher(self, COMMAND)
         self._mode_in_force = self.parameters.mode
         self._mode_publisher = self.create_publisher(
             MODE_IN_FORCE.type, MODE_IN_FORCE.name, LATCHED
@@ -145,6 +147,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             self._answered_stamp = self._stamp
             self._report_mode(mode)
         self._publisher.publish(self._command)
+        self._throttled.publish(self._command, self._stamp)
 
     def _report_mode(self, mode: int) -> None:
         """Publish what the controller does, if it is something else than before."""

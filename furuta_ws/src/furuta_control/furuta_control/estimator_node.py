@@ -27,6 +27,7 @@ from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import JointWriter, RefusedError, read_measurement
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
+from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 # Relative deviation of an interval that is tolerated.
@@ -57,6 +58,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         super().__init__("estimator", EstimatorParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(JOINT_STATES)
+        self._throttled = ThrottledPublisher(self, JOINT_STATES)
         self.subscribe_to(MEASUREMENT, self._on_measurement)
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
@@ -84,6 +86,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
             self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
         self._publisher.publish(self._writer.message)
+        self._throttled.publish(self._writer.message, stamp)
 
     def _read(self, message: JointState) -> None:
         """Read the measurement; refuse it if the torque that the estimator needs is never in it."""

@@ -29,6 +29,7 @@ from furuta_model.time_stamps import stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
+from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 # Time between two checks of the adapted levels [s].
@@ -51,6 +52,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         super().__init__("friction_observer", ObserverParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(FRICTION_ESTIMATE)
+        self._throttled = ThrottledPublisher(self, FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.create_timer(
             LEVELS_PERIOD, self._check_levels, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -80,6 +82,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
                 self.get_logger().error(self.parameters.switch_off_reason)
             self._last_stamp = stamp
         self._publisher.publish(self._estimate)
+        self._throttled.publish(self._estimate, stamp)
 
     def _check_levels(self) -> None:
         if beyond_adaptation(self._memory, self.parameters):

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rcl_interfaces.srv import SetParametersAtomically
-from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 
-from furuta_ros.services import ServiceError, call_service
+from furuta_ros.services import ServiceError, WaitsForFutures, call_service
 
 
 class ParameterClient:
-    """Reads and sets parameters of other nodes.
+    """Reads and sets parameters of other nodes, from one thread or from several.
 
-    ``node`` makes the requests and ``executor`` spins it. A name without a leading slash is in the
-    namespace of ``node``; ``/left/plant`` is the full name of a node in another one. Every method
-    raises :class:`ServiceError` if the other node is missing or rejects the request.
+    ``node`` makes the requests and ``executor`` spins it, or waits while another thread does. A
+    name without a leading slash is in the namespace of ``node``; ``/left/plant`` is the full name
+    of a node in another one. Every method raises :class:`ServiceError` if the other node is missing
+    or rejects the request.
     """
 
-    def __init__(self, node: Node, executor: Executor) -> None:
+    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
         self._node = node
         self._executor = executor
         self._clients: dict[str, AsyncParameterClient] = {}
+        self._lock = threading.Lock()
 
     def set(self, node: str, **values: Any) -> None:
         """Set parameters of one node, all or none. Dots in names are written ``__``."""
@@ -73,9 +75,10 @@ class ParameterClient:
         return list(response.descriptors)
 
     def _client(self, node: str) -> AsyncParameterClient:
-        if node not in self._clients:
-            self._clients[node] = AsyncParameterClient(self._node, node)
-        return self._clients[node]
+        with self._lock:
+            if node not in self._clients:
+                self._clients[node] = AsyncParameterClient(self._node, node)
+            return self._clients[node]
 
     def _call(self, node: str, send: Callable[[], Future]) -> Any:
         return call_service(self._executor, node, self._client(node).wait_for_services, send)

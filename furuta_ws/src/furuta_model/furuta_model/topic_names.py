@@ -14,6 +14,8 @@ COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
 MODE_IN_FORCE: Final = "mode_in_force"
 TIMING: Final = "timing"
+# After the name of a topic: its throttled copy, as topic_tools names it.
+THROTTLED: Final = "_throttle"
 # Simulated time.
 CLOCK: Final = "clock"
 # Every ROS 2 node reports its parameter changes here.

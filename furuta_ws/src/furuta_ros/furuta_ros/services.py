@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from functools import partial
+from typing import Any, Protocol
 
-from rclpy.executors import Executor
 from rclpy.task import Future
 
 from furuta_ros.errors import UserError
@@ -19,27 +19,48 @@ class ServiceError(UserError):
     """A node is missing, does not respond, or rejects a request."""
 
 
+class WaitsForFutures(Protocol):
+    """An executor, or what waits while another thread spins one."""
+
+    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
+        """Return when ``future`` is done or the time is up."""
+
+
 def call_service(
-    executor: Executor,
+    executor: WaitsForFutures,
     node: str,
     wait: Callable[[float], bool],
     send: Callable[[], Future],
     timeout: float = TIMEOUT,
+    attempts: int = ATTEMPTS,
 ) -> Any:
     """The response of a service of ``node``; the executor spins until it arrives.
 
     ``wait(seconds)`` waits for the service and returns whether it is there; ``send()`` sends the
     request. The first response can get lost before both sides know each other, so the request is
-    sent again: use this only for requests that may be repeated.
+    sent ``attempts`` times: more than once only if it may be repeated. The first response counts,
+    whichever request it answers: on a busy machine each takes longer than the time until the next.
 
     Raises:
         ServiceError: No such service, or no response, within ``timeout`` [s].
     """
     if not wait(timeout):
         raise ServiceError(f"no node {node} answers (waited {timeout:g} s)")
-    for _ in range(ATTEMPTS):
-        future = send()
-        executor.spin_until_future_complete(future, timeout_sec=timeout / ATTEMPTS)
-        if future.done():
-            return future.result()
+    answered = Future()
+    for _ in range(attempts):
+        send().add_done_callback(partial(_pass_on, answered))
+        executor.spin_until_future_complete(answered, timeout_sec=timeout / attempts)
+        if answered.done():
+            return answered.result()
     raise ServiceError(f"{node} did not answer within {timeout:g} s")
+
+
+def _pass_on(answered: Future, response: Future) -> None:
+    """Keep the first response, or the first failure."""
+    if answered.done():
+        return
+    failure = response.exception()
+    if failure is not None:
+        answered.set_exception(failure)
+    else:
+        answered.set_result(response.result())

@@ -38,6 +38,17 @@ class Topic(NamedTuple):
     ends: str = ""
     content: str = ""
 
+    @property
+    def throttled(self) -> Topic:
+        """The topic with some of these messages, for programs that draw."""
+        publisher = self.ends.partition(" →")[0]
+        return Topic(
+            self.name + topic_names.THROTTLED,
+            self.type,
+            f"{publisher} → programs that draw",
+            f"about 100 messages of `{self.name}` per second of the loop's time",
+        )
+
 
 MEASUREMENT = Topic(
     topic_names.MEASUREMENT,
@@ -77,6 +88,9 @@ LATCHED = QoSProfile(
 )
 
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
+
+# These have a throttled copy each: about a hundred messages per second of the loop's time.
+THROTTLED_TOPICS = (JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
 # Two rows of counts: the latency from measurement to command and the lateness of the measurement.
 # A label says how wide a bin is.

@@ -16,6 +16,7 @@ from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
+from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep
 from furuta_sim.paced_node import PacedNode
@@ -60,6 +61,7 @@ class PlantNode(PacedNode):
         self._period = round(self.parameters.plant.sample_time * NANOSECONDS)
         self._measurement_publisher = self.publish_on(MEASUREMENT)
         self._truth_publisher = self.publish_on(GROUND_TRUTH)
+        self._throttled_truth = ThrottledPublisher(self, GROUND_TRUTH)
         self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
         self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
@@ -97,6 +99,7 @@ class PlantNode(PacedNode):
         self._truth_publisher.publish(self._truth_writer.message)
         self._resetting = False
         self.repeat_measurement()
+        self._throttled_truth.publish(self._truth_writer.message, stamp)
 
     def repeat_measurement(self) -> None:
         """Publish the measurement of this sample, first or again."""

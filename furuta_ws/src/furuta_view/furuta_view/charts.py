@@ -43,12 +43,12 @@ class TimeChart:
     ) -> None:
         self._columns = [column for _, _, column in curves]
         empty = np.array([-SECONDS, 0.0])
-        series: list[Any] = [{"label": "time [s]"}]
-        series += [{"label": label, "stroke": colour, "width": 2} for label, colour, _ in curves]
+        self._curves = curves
+        self._shown = [True] * len(curves)
         end = {"pad": 0.05, "soft": reach, "mode": 1}
         self._handle = gui.add_uplot(
             data=(empty, *(np.full(2, np.nan) for _ in curves)),
-            series=tuple(series),
+            series=self._series(),
             scales={
                 "x": {"time": False},
                 "y": {"range": {"min": end | {"soft": -reach}, "max": end}},
@@ -64,7 +64,33 @@ class TimeChart:
         if len(samples) < 2:
             return
         time = samples[:, TIME] - samples[-1, TIME]
-        self._handle.data = (time, *(samples[:, column] for column in self._columns))
+        values = [without_gaps(time, samples[:, column]) for column in self._columns]
+        shown = [each is not None for each in values]
+        if shown != self._shown:
+            self._shown = shown
+            self._handle.series = self._series()
+        unknown = np.zeros(len(time))
+        self._handle.data = (time, *(unknown if each is None else each for each in values))
+
+    def _series(self) -> tuple[Any, ...]:
+        """The time, and the curves with what is shown of them."""
+        curves = zip(self._curves, self._shown, strict=True)
+        return (
+            {"label": "time [s]"},
+            *(
+                {"label": label, "stroke": colour, "width": 2, "show": is_shown}
+                for (label, colour, _), is_shown in curves
+            ),
+        )
+
+
+def without_gaps(time: np.ndarray, values: np.ndarray) -> np.ndarray | None:
+    """Values (n,) with lines over unknown ones; None if all are unknown.
+
+    A single NaN would leave the whole chart empty, for example the true friction of a rig.
+    """
+    known = np.isfinite(values)
+    return np.interp(time, time[known], values[known]) if known.any() else None
 
 
 def _axis(label: str, size: int) -> dict[str, Any]:

@@ -1,20 +1,24 @@
-"""Calls the services of a running graph from a thread of its own: parameters, reset, arming."""
+"""Calls the services of a running graph: parameters, reset, arming.
+
+A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for, and
+arming have a thread each: *Disarm* never waits for another node.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.client import Client
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from furuta_graph.description import HARDWARE_BRIDGE, PLANT
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.ros_parameters import is_of_ros
-from furuta_ros.services import ServiceError, call_service
-from furuta_ros.spinning import executor_of
+from furuta_ros.services import ATTEMPTS, ServiceError, call_service
+from furuta_ros.spinning_thread import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
 
@@ -25,17 +29,24 @@ END_TIMEOUT = 1.0
 
 
 class GraphLink:
-    """Requests to the nodes of the graph; each method but :meth:`nodes` is called in a job."""
+    """Requests to the nodes of the graph; each method but :meth:`nodes` is called in a job.
+
+    Jobs: ``search`` describes nodes, ``requests`` does what the user asks for, ``arming`` arms and
+    disarms, and ``computation`` calls no node.
+    """
 
     def __init__(self) -> None:
         self._node = Node("view_requests", start_parameter_services=False)
-        self._executor = executor_of([self._node])
+        self._executor = SpinningThread([self._node])
         self._client = ParameterClient(self._node, self._executor)
-        self.jobs = Jobs()
+        self._services: dict[str, Client] = {}
+        self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
 
     def close(self) -> None:
-        """End the thread."""
-        self.jobs.close(END_TIMEOUT)
+        """End the threads."""
+        for jobs in (self.search, self.requests, self.arming, self.computation):
+            jobs.close(END_TIMEOUT)
+        self._executor.close(END_TIMEOUT)
 
     def nodes(self) -> list[str]:
         """Names of the nodes in this namespace that have parameters, except those of the view."""
@@ -69,33 +80,31 @@ class GraphLink:
         self._call(PLANT, Trigger, "reset", Trigger.Request())
 
     def arm(self, armed: bool) -> None:
-        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""
-        answer = self._call(HARDWARE_BRIDGE, SetBool, "arm", SetBool.Request(data=armed))
+        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses.
+
+        The request to arm is sent once: a copy that arrives late would arm again after a stop.
+        """
+        request, attempts = SetBool.Request(data=armed), 1 if armed else ATTEMPTS
+        answer = self._call(HARDWARE_BRIDGE, SetBool, "arm", request, attempts)
         if not answer.success:
             raise ServiceError(f"not armed: {answer.message}")
 
-    def try_job(self, key: object, work: Callable[[], None], failed: Callable[[str], None]) -> None:
-        """Do ``work`` in the thread; if it fails, call ``failed`` with the reason."""
-
-        def job() -> None:
-            try:
-                work()
-            except Exception as error:  # the thread must go on, whatever a node answers
-                failed(str(error) or type(error).__name__)
-
-        self.jobs.submit(key, job)
-
-    def _call(self, node: str, kind: Any, service: str, request: Any) -> Any:
-        client = self._node.create_client(kind, f"{node}/{service}")
-        try:
-            send = partial(client.call_async, request)
-            return call_service(self._executor, node, client.wait_for_service, send)
-        finally:
-            self._node.destroy_client(client)
+    def _call(
+        self, node: str, kind: Any, service: str, request: Any, attempts: int = ATTEMPTS
+    ) -> Any:
+        name = f"{node}/{service}"
+        if name not in self._services:
+            self._services[name] = self._node.create_client(kind, name)
+        client = self._services[name]
+        send = partial(client.call_async, request)
+        return call_service(self._executor, node, client.wait_for_service, send, attempts=attempts)
 
     def _has_parameters(self, node: str) -> bool:
         namespace = self._node.get_namespace()
-        services = self._node.get_service_names_and_types_by_node(node, namespace)
+        try:
+            services = self._node.get_service_names_and_types_by_node(node, namespace)
+        except RuntimeError:  # it has ended meanwhile
+            return False
         return any(name.endswith(f"{node}/list_parameters") for name, _ in services)
 
 

@@ -1,14 +1,16 @@
 """Node ``view``: receives the loop's topics for drawing, without a callback per message.
 
-The middleware keeps the newest messages until :meth:`LiveNode.collect` takes them, some 30 times a
-second. Most are dropped unread. The subscriptions are best effort, so that a view that hangs holds
-up no publisher.
+It subscribes to the throttled copies of the topics, about a hundred messages per second, so that it
+costs the loop little. A node of another kind may have no throttled copy; then every message is
+received. The middleware keeps the newest ones until :meth:`LiveNode.collect` takes them, some 30
+times a second. The subscriptions are best effort, so that a view that hangs holds up no publisher.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from math import nan, pi, remainder
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -44,7 +46,8 @@ class LiveNode(Node):
     """Collects samples of the true state, where there is one, or of the estimated state.
 
     ``samples`` are the newest ones, ``timing`` the newest message on ``timing`` and ``status`` the
-    newest status of the bridge, or None. ``on_parameters`` is called with each parameter event.
+    newest status of the bridge, or None, received at ``status_time`` [s] of the steady clock.
+    ``on_parameters`` is called with each parameter event.
     """
 
     def __init__(self, on_parameters: Callable[[ParameterEvent], None]) -> None:
@@ -52,32 +55,39 @@ class LiveNode(Node):
         self.samples = Samples(RATE * KEPT)
         self.timing: UInt64MultiArray | None = None
         self.status: Any = None
+        self.status_time = 0.0
         self._on_parameters = on_parameters
         self._last_stamp = -PERIOD
         self._x = np.zeros(SIGNALS)
-        self._state_topic: Topic = JOINT_STATES
-        self._states = self._subscribe(JOINT_STATES)
-        self._estimate, self._command = map(self._subscribe, (FRICTION_ESTIMATE, COMMAND))
-        self._timing = self._subscribe(TIMING)
-        self._diagnostics = self._subscribe(DIAGNOSTICS)
-        self._events = self._subscribe(PARAMETER_EVENTS, 1000)
+        self._state, self._estimate, self._command = (
+            Input(self, each) for each in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
+        )
+        self._timing = self.subscribe(TIMING)
+        self._diagnostics = self.subscribe(DIAGNOSTICS)
+        self._events = self.subscribe(PARAMETER_EVENTS, 1000)
 
     @property
     def has_truth(self) -> bool:
         """Whether the true state is published."""
-        return self.count_publishers(self.resolve_topic_name(GROUND_TRUTH.name)) > 0
+        return self.is_published(GROUND_TRUTH)
 
-    def choose_state(self) -> None:
-        """Subscribe to the true state while it is published, otherwise to the estimate."""
-        wanted = GROUND_TRUTH if self.has_truth else JOINT_STATES
-        if wanted is not self._state_topic:
-            self.destroy_subscription(self._states)
-            self._states, self._state_topic = self._subscribe(wanted), wanted
+    def is_published(self, topic: Topic) -> bool:
+        """Whether a publisher of the topic is known."""
+        return self.count_publishers(self.resolve_topic_name(topic.name)) > 0
+
+    def choose_topics(self) -> None:
+        """Subscribe to the true state while it is published, otherwise to the estimate.
+
+        Of each topic to the throttled copy, unless only the topic itself is published.
+        """
+        self._state.topic = GROUND_TRUTH if self.has_truth else JOINT_STATES
+        for each in (self._state, self._estimate, self._command):
+            each.choose()
 
     def collect(self) -> None:
         """Take what has arrived since the last call."""
-        states = list(_take(self._states))
-        estimates, commands = (_floats(each) for each in (self._estimate, self._command))
+        states = list(self._state.take())
+        estimates, commands = (_floats(each.take()) for each in (self._estimate, self._command))
         for index, message in enumerate(states):
             self._add(message, *(_at(each, index, len(states)) for each in (estimates, commands)))
         for message in _take(self._events):
@@ -103,7 +113,7 @@ class LiveNode(Node):
         sample[TIME] = self._last_stamp / NANOSECONDS
         sample[PHI : PHI + RIGID_STATES] = self._x[:RIGID_STATES]
         sample[THETA] = remainder(sample[THETA], 2 * pi)  # a pendulum that fell may have turned
-        if self._state_topic is GROUND_TRUTH:
+        if self._state.topic is GROUND_TRUTH:
             sample[FRICTION] = self._x[RIGID_STATES]
         sample[ESTIMATE], sample[COMMAND_COLUMN] = estimate, command
         self.samples.add(sample)
@@ -111,12 +121,35 @@ class LiveNode(Node):
     def _keep_status(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.name.endswith(": rig"):
-                self.status = status
+                self.status, self.status_time = status, monotonic()
 
-    def _subscribe(self, topic: Topic, depth: int = DEPTH) -> Subscription:
+    def subscribe(self, topic: Topic, depth: int = DEPTH) -> Subscription:
+        """A subscription whose messages wait until they are taken."""
         reliability = QoSReliabilityPolicy.RELIABLE if depth > DEPTH else None
         qos = QoSProfile(depth=depth, reliability=reliability or QoSReliabilityPolicy.BEST_EFFORT)
         return self.create_subscription(topic.type, topic.name, _never_called, qos, raw=True)
+
+
+class Input:
+    """A subscription of ``node`` to the throttled copy of ``topic``, or to the topic itself."""
+
+    def __init__(self, node: LiveNode, topic: Topic) -> None:
+        self._node, self.topic = node, topic
+        self._subscribed = topic.throttled
+        self._subscription = node.subscribe(self._subscribed)
+
+    def choose(self) -> None:
+        """Subscribe to the one that is published."""
+        is_throttled = self._node.is_published(self.topic.throttled)
+        only_itself = not is_throttled and self._node.is_published(self.topic)
+        wanted = self.topic if only_itself else self.topic.throttled
+        if wanted != self._subscribed:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription, self._subscribed = self._node.subscribe(wanted), wanted
+
+    def take(self) -> Iterator[bytes]:
+        """The serialized messages that have arrived."""
+        return _take(self._subscription)
 
 
 def _take(subscription: Subscription) -> Iterator[bytes]:
@@ -126,9 +159,9 @@ def _take(subscription: Subscription) -> Iterator[bytes]:
             yield taken[0]
 
 
-def _floats(subscription: Subscription) -> np.ndarray:
-    """The numbers that have arrived on a topic of Float64."""
-    return np.array([np.frombuffer(each, "<f8", 1, 4)[0] for each in _take(subscription)])
+def _floats(messages: Iterator[bytes]) -> np.ndarray:
+    """The numbers in serialized messages of type Float64."""
+    return np.array([np.frombuffer(each, "<f8", 1, 4)[0] for each in messages])
 
 
 def _at(numbers: np.ndarray, index: int, count: int) -> float:

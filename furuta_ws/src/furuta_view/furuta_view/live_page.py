@@ -13,14 +13,15 @@ from furuta_description.robot_description import robot_description
 from furuta_graph.description import HARDWARE_BRIDGE, PLANT
 from furuta_model.pendulum import FurutaPendulum
 from furuta_view.charts import SECONDS, Charts
+from furuta_view.every import Every
 from furuta_view.exact_cycle import exact_cycle, relevant
 from furuta_view.figures import Figures, figures
 from furuta_view.figures_text import figure_rows
-from furuta_view.graph_link import GraphLink
+from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.live_node import LiveNode
 from furuta_view.main_controls import FileControls, Note, RigControls, SimulationControls
 from furuta_view.model_of import model_of
-from furuta_view.pacer import Pacer
+from furuta_view.pacer import FOREVER, Pacer
 from furuta_view.page_layout import Layout, status_html
 from furuta_view.page_recorder import PageRecorder
 from furuta_view.parameters_on_page import ParametersOnPage
@@ -29,9 +30,10 @@ from furuta_view.scene import Scene
 from furuta_view.server import PageServer
 from furuta_view.timing_text import late_samples
 
-# Time between two drawings, and in drawings between two of the charts and two of the figures [s].
+# Time between two drawings, two drawings of the charts, two computations of the figures, and two
+# searches for nodes [s].
 PERIOD = 1.0 / 30.0
-CHARTS_EVERY, FIGURES_EVERY, SEARCH_EVERY = 3, 15, 30
+CHARTS_PERIOD, FIGURES_PERIOD, SEARCH_PERIOD = 0.1, 0.5, 1.0
 
 
 class LivePage:
@@ -43,7 +45,7 @@ class LivePage:
         self._layout = Layout(server)
         with self._layout.controls:
             note = Note(gui, 90.0)
-            self._simulation = SimulationControls(gui, self._link, note, Pacer())
+            self._simulation = SimulationControls(server, self._link, note, Pacer())
         self._parameters = ParametersOnPage(
             gui, self._link, self._layout.main, self._layout.parameters, self._parameters_changed
         )
@@ -57,8 +59,10 @@ class LivePage:
         self._rig: RigControls | None = None
         self._drawn_model: FurutaPendulum | None = None
         self._cycle_of: tuple[Any, ...] = ()
-        self._drawings = 0
         self._figures = Figures()
+        self._charts_due, self._figures_due, self._search_due = map(
+            Every, (CHARTS_PERIOD, FIGURES_PERIOD, SEARCH_PERIOD)
+        )
 
     def run(self, stop: Callable[[], bool]) -> None:
         """Draw until ``stop()``."""
@@ -69,8 +73,11 @@ class LivePage:
             sleep(max(0.0, due - monotonic()))
 
     def close(self) -> None:
-        """End what the page has begun."""
+        """End what the page has begun; a plant that it holds continues."""
         self._files.recorder.stop()
+        if self._lockstep and self._simulation.pacer.holds:
+            self._link.requests.submit("pace", partial(self._set_run_until, FOREVER))
+            self._link.requests.finish(END_TIMEOUT)
         self._link.close()
 
     @property
@@ -81,23 +88,25 @@ class LivePage:
         self._node.collect()
         self._files.update(self._lockstep)
         newest = self._node.samples.last(SECONDS)
-        if self._drawings % SEARCH_EVERY == 0:
-            self._node.choose_state()
-            self._link.try_job("search", self._parameters.find_nodes, lambda reason: None)
+        if self._search_due():
+            self._node.choose_topics()
+            self._link.search.submit("search", self._parameters.find_nodes)
+        figures_due = self._figures_due()
+        if figures_due:
             self._update_rig()
         if len(newest):
             self._pace(float(newest[-1, TIME]))
             if self._server.get_clients():
-                self._draw_samples(newest)
-        elif self._drawings % FIGURES_EVERY == 0:
+                self._draw_samples(newest, figures_due)
+        elif figures_due:
+            self._pace(0.0)  # a plant that was left paused continues
             self._layout.status.content = status_html("waiting for a running graph", [])
-        self._drawings += 1
 
-    def _draw_samples(self, newest: Any) -> None:
+    def _draw_samples(self, newest: Any, figures_due: bool) -> None:
         self._scene.move({"arm": float(newest[-1, PHI]), "pendulum": float(newest[-1, THETA])})
-        if self._drawings % CHARTS_EVERY == 0:
+        if self._charts_due():
             self._charts.draw(newest)
-        if self._drawings % FIGURES_EVERY == 0:
+        if figures_due:
             sensors = self._parameters.values.get("estimator", {})
             counts = int(sensors.get("sensors.encoder_counts", 0))
             self._figures = figures(newest, counts)
@@ -115,10 +124,11 @@ class LivePage:
         values = self._parameters.values
         self._simulation.show_pacing(self._lockstep)
         self._layout.controls.visible = PLANT in values or not values
-        if HARDWARE_BRIDGE in values and self._rig is None:
+        # As soon as the bridge is found: its parameters come later, and the rig may be armed.
+        if HARDWARE_BRIDGE in self._parameters.running and self._rig is None:
             self._rig = RigControls(self._server, self._link)
         if self._rig is not None:
-            self._rig.show(self._node.status)
+            self._rig.show(self._node.status, monotonic() - self._node.status_time)
 
     def _pace(self, plant_time: float) -> None:
         """In lock-step, let the plant run as far as the user wishes."""
@@ -127,8 +137,10 @@ class LivePage:
             return
         until = pacer.run_until(monotonic(), plant_time)
         if until != self._parameters.values[PLANT].get("run_until"):
-            work = partial(self._link.set, PLANT, {"run_until": until})
-            self._link.try_job("pace", work, lambda reason: None)
+            self._link.requests.submit("pace", partial(self._set_run_until, until))
+
+    def _set_run_until(self, until: float) -> None:
+        self._link.set(PLANT, {"run_until": until})
 
     def _parameters_changed(self, node: str) -> None:
         """Draw the pendulum at its lengths, and the cycle of its parameters."""
@@ -139,7 +151,7 @@ class LivePage:
             self._scene.show(robot_description(lengths(model)))
         if relevant(values) != self._cycle_of:
             self._cycle_of = relevant(values)
-            self._link.try_job("cycle", self._compute_cycle, lambda reason: None)
+            self._link.computation.submit("cycle", self._compute_cycle)
 
     def _compute_cycle(self) -> None:
         self._charts.cycle = exact_cycle(self._parameters.values)

@@ -25,6 +25,9 @@ LEFT, RIGHT = "− ←", "→ +"
 # A push that has begun and does not end by itself.
 BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
 LARGEST_PARAMETER_FILE = 2**21
+# The bridge publishes its diagnostics once a second; older ones say nothing about now [s].
+OLDEST_STATUS = 4.0
+ALARM = "#b91c1c"
 
 
 class Note:
@@ -48,29 +51,46 @@ class Note:
 
 
 class SimulationControls:
-    """Push and reset; in lock-step also pause and speed."""
+    """Push and reset; in lock-step also pause and speed.
 
-    def __init__(self, gui: Any, link: GraphLink, note: Note, pacer: Pacer) -> None:
+    When the page that has paused the plant is closed, the plant continues.
+    """
+
+    def __init__(self, server: Any, link: GraphLink, note: Note, pacer: Pacer) -> None:
         self._link, self._note, self.pacer = link, note, pacer
+        gui = server.gui
         self._push_size = gui.add_slider("push size [V]", 0.1, 5.0, 0.1, 1.0)
         for label, parameter in PUSHES.items():
             gui.add_button_group(label, (LEFT, RIGHT)).on_click(partial(self._push, parameter))
         reset = gui.add_button("Reset: pendulum upright", icon=viser.Icon.RESTORE)
-        reset.on_click(lambda _: link.try_job("reset", link.reset, note.fail))
+        reset.on_click(lambda _: link.requests.submit("reset", link.reset, note.fail))
         self._speed = gui.add_dropdown("speed", list(SPEEDS), initial_value=FASTEST, visible=False)
         self._speed.on_update(lambda _: setattr(pacer, "speed", SPEEDS[self._speed.value]))
         self._pause = gui.add_checkbox("pause", False, visible=False)
-        self._pause.on_update(lambda _: setattr(pacer, "paused", self._pause.value))
+        self._pause.on_update(lambda event: self.set_paused(self._pause.value, event.client))
+        self._paused_by: int | None = None
+        server.on_client_disconnect(self.client_gone)
 
     def show_pacing(self, lockstep: bool) -> None:
         """Show pause and speed in lock-step only."""
         if self._pause.visible != lockstep:
             self._pause.visible = self._speed.visible = lockstep
 
+    def set_paused(self, paused: bool, client: Any) -> None:
+        """Pause or continue, as a client wishes."""
+        self.pacer.paused = paused
+        self._paused_by = client.client_id if client and paused else None
+
+    def client_gone(self, client: Any) -> None:
+        """Continue if this client has paused the plant."""
+        if client.client_id == self._paused_by:
+            self.set_paused(False, None)
+            self._pause.value = False
+
     def _push(self, parameter: str, event: Any) -> None:
         size = self._push_size.value * (1.0 if event.target.value == RIGHT else -1.0)
         work = partial(self._push_now, parameter, size)
-        self._link.try_job("push", work, self._note.fail)
+        self._link.requests.submit("push", work, self._note.fail)
 
     def _push_now(self, parameter: str, size: float) -> None:
         """Push by parameters: begin a push without end, and end it after a while."""
@@ -132,10 +152,16 @@ class FileControls:
 
 
 class RigControls:
-    """Arm and disarm, and what the bridge says, in a panel of their own that is always in sight."""
+    """Arm and disarm, and what the bridge says, in a panel of their own that is always in sight.
+
+    A narrow page shows one panel at a time. So the main panel begins with the status and *Disarm*.
+    """
 
     def __init__(self, server: Any, link: GraphLink) -> None:
         gui = server.gui
+        self._in_main = gui.add_html("", order=-2.0)
+        stop = gui.add_button("Disarm", color="red", icon=viser.Icon.HAND_STOP, order=-1.0)
+        stop.on_click(self._caller(link, False))
         panel = gui.add_panel(order=-1.0)
         with panel.add_tab("Rig"):
             self._status = gui.add_html("")
@@ -149,20 +175,31 @@ class RigControls:
     def _caller(self, link: GraphLink, armed: bool) -> Callable[[Any], None]:
         def call(_: Any) -> None:
             self._note.tell("")
-            link.try_job("arm", partial(link.arm, armed), self._note.fail)
+            link.arming.submit("arm", partial(link.arm, armed), self._note.fail)
 
         return call
 
-    def show(self, status: Any) -> None:
-        """Show the newest diagnostics of the bridge, or that there are none."""
+    def show(self, status: Any, age: float) -> None:
+        """Show the newest diagnostics of the bridge and their age [s], or that there are none."""
+        if status is not None and age > OLDEST_STATUS:
+            self._tell("unknown", ALARM, f"the bridge has been silent for {age:.0f} s")
+            return
         values = {each.key: each.value for each in status.values} if status else {}
         armed = values.get("armed") == "True"
         text = status.message if status else "no diagnostics from the bridge"
         title, colour = ("ARMED", "#b45309") if armed else ("not armed", "#334155")
+        below = f"{values['state']}, stops: {values.get('stops', '0')}" if "state" in values else ""
+        self._tell(title, colour, text, below)
+
+    @property
+    def text(self) -> str:
+        """What is shown, as HTML."""
+        return str(self._status.content)
+
+    def _tell(self, title: str, colour: str, text: str, below: str = "") -> None:
         content = (
             f'<div class="rig" style="padding:2px 8px;font-size:16px"><b style="color:{colour}">'
-            f"{title}</b>: {escape(text)}<br>{escape(values.get('state', ''))}, "
-            f"stops: {escape(values.get('stops', '0'))}</div>"
+            f"{escape(title)}</b>: {escape(text)}<br>{escape(below)}</div>"
         )
         if self._status.content != content:
-            self._status.content = content
+            self._status.content = self._in_main.content = content

@@ -24,6 +24,11 @@ class Pacer:
         self._until = 0.0
         self._last: float | None = None
 
+    @property
+    def holds(self) -> bool:
+        """Whether the plant waits for this pacer."""
+        return self.paused or self.speed is not None
+
     def run_until(self, now: float, plant_time: float) -> float:
         """The time of the plant up to which it may run, at ``now`` of the steady clock."""
         passed = now - self._last if self._last is not None else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -12,6 +13,7 @@ from rclpy.parameter import parameter_value_to_python
 
 from furuta_graph.settings import Settings
 from furuta_model.ros_parameters import is_of_ros
+from furuta_ros.services import ServiceError
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
 from furuta_view.parameter_types import Described
@@ -30,7 +32,8 @@ ORDER = ("friction_observer", "controller", "estimator", "plant", "hardware_brid
 class ParametersOnPage:
     """Folders for the nodes that run, and the main parameters before them.
 
-    ``changed`` is called with a node's name when its parameters have changed.
+    ``running`` names the nodes that were found, ``values`` holds the parameters of those that have
+    described them. ``changed`` is called with a node's name when its parameters have changed.
     """
 
     def __init__(
@@ -40,27 +43,33 @@ class ParametersOnPage:
         self._main, self._place = main, folders
         self._folders: dict[str, NodeFolder] = {}
         self._first: dict[tuple[str, str], Control] = {}
+        self.running: list[str] = []
         self.values: dict[str, dict[str, Any]] = {}
 
     def find_nodes(self) -> None:
-        """Add and remove folders as nodes come and go. Called in a job."""
-        running = self._link.nodes()
+        """Add and remove folders as nodes come and go. Called in a job.
+
+        A node that does not answer is asked again at the next call, and holds up no other one.
+        """
+        running = self.running = self._link.nodes()
         for node in [each for each in self._folders if each not in running]:
             self._remove(node)
         for node in running:
             if node not in self._folders:
-                self._add(node)
+                with contextlib.suppress(ServiceError):
+                    self._add(node)
 
     def received(self, event: ParameterEvent) -> None:
         """Show changed values; describe a node anew that has other parameters now."""
         node = event.node.rpartition("/")[2]
-        if node not in self._folders:
+        folder = self._folders.get(node)
+        if folder is None:
             return
-        known = self._folders[node].controls
+        known = folder.controls
         declared = {each.name for each in event.new_parameters if not is_of_ros(each.name)}
         deleted = {each.name for each in event.deleted_parameters}
         if declared - set(known) or deleted & set(known):
-            self._link.try_job(("describe", node), partial(self._replace, node), _ignore)
+            self._link.search.submit(("describe", node), partial(self._replace, node))
         for each in (*event.changed_parameters, *event.new_parameters):
             if each.name in known:
                 self._show(node, each.name, parameter_value_to_python(each.value))
@@ -84,7 +93,9 @@ class ParametersOnPage:
                 if name in self.values.get(node, {}) and not self._read_only(node, name)
             }
             if values:
-                self._link.try_job(("load", node), partial(self._link.set, node, values), failed)
+                self._link.requests.submit(
+                    ("load", node), partial(self._link.set, node, values), failed
+                )
 
     def _read_only(self, node: str, name: str) -> bool:
         return self._folders[node].controls[name].described.read_only
@@ -92,15 +103,15 @@ class ParametersOnPage:
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""
         work = partial(self._link.set, node, {name: value})
-        self._link.try_job((node, name), work, partial(self._refuse, node, name))
+        self._link.requests.submit((node, name), work, partial(self._refuse, node, name))
 
     def _refuse(self, node: str, name: str, reason: str) -> None:
         for control in self._controls(node, name):
             control.refuse(reason)
 
     def _show(self, node: str, name: str, value: Any) -> None:
-        self.values[node][name] = value
-        if self._link.jobs.pending((node, name)):
+        self.values.get(node, {})[name] = value
+        if self._link.requests.pending((node, name)):
             return  # the user has moved on meanwhile
         for control in self._controls(node, name):
             control.update(value)
@@ -140,7 +151,3 @@ class ParametersOnPage:
 def _plain(value: Any) -> Any:
     """A value as YAML has it."""
     return value if isinstance(value, (bool, int, float, str)) else list(value)
-
-
-def _ignore(reason: str) -> None:
-    """A node that does not answer is asked again."""

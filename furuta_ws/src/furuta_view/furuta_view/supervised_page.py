@@ -4,32 +4,48 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from time import sleep
 
 from furuta_graph.children import END_TIMEOUT, Children
+from furuta_graph.description import PLANT
 from furuta_graph.processes import CHECK_PERIOD, executable
 from furuta_model.process_start import child_environment
 from furuta_ros.spinning import StopSignal
+from furuta_view.pacer import FOREVER
 
-GRAPH, PAGE = "graph", "page"
+GRAPH, RELEASE = "graph", "release"
 
 
-def run_with_page(graph: Sequence[str], page: Sequence[str]) -> int:
+def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[str]) -> int:
     """Run ``furuta run`` with the arguments ``graph`` and ``furuta view`` with ``page``.
 
-    Until Ctrl-C or until the graph ends; returns the exit status. If the page ends, the graph runs
-    on: it may hold a pendulum upright.
+    Both and ``furuta param`` take ``shared``. Until Ctrl-C or until the graph ends; returns the
+    exit status. If the page ends, the graph runs on: it may hold a pendulum upright. A plant in
+    lock-step that the page has paused continues.
     """
     stop = StopSignal()
-    shown = _start_page([str(executable("furuta_bringup", "furuta")), "view", *page])
+    furuta = str(executable("furuta_bringup", "furuta"))
+    release = [furuta, "param", "set", *shared, PLANT, "run_until", str(FOREVER)]
+    shown = _start_page([furuta, "view", *page, *shared])
     if shown is None:
         return 1
-    graph_process = Children()
+    graph_process, helper = Children(), Children()
+
+    def page_ended() -> None:
+        print(
+            f"error: the page has ended with status {shown.returncode}; the graph runs on "
+            "(furuta view --attach shows it again)",
+            file=sys.stderr,
+        )
+        if "--lockstep" in graph:
+            helper.start(RELEASE, release)
+
     try:
-        graph_process.start(GRAPH, [str(executable("furuta_bringup", "graph")), *graph])
-        _watch(graph_process, shown, stop)
+        graph_process.start(GRAPH, [str(executable("furuta_bringup", "graph")), *shared, *graph])
+        _watch(graph_process, shown, page_ended, stop)
     finally:
+        helper.end()
         graph_process.end()
         _end(shown)
     failures = graph_process.failures(stop())
@@ -48,16 +64,18 @@ def _start_page(command: list[str]) -> subprocess.Popen[str] | None:
     return started
 
 
-def _watch(graph: Children, page: subprocess.Popen[str], stop: StopSignal) -> None:
-    told = False
+def _watch(
+    graph: Children,
+    page: subprocess.Popen[str],
+    page_ended: Callable[[], None],
+    stop: StopSignal,
+) -> None:
+    """Return when the graph ends or ``stop()``; call ``page_ended`` once if the page ends."""
+    was_told = False
     while not (stop() or graph.any_has_ended()):
-        if page.poll() is not None and not told:
-            told = True
-            print(
-                f"error: the page has ended with status {page.returncode}; the graph runs on "
-                "(furuta view --attach shows it again)",
-                file=sys.stderr,
-            )
+        if page.poll() is not None and not was_told:
+            was_told = True
+            page_ended()
         sleep(CHECK_PERIOD)
 
 

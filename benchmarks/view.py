@@ -1,0 +1,278 @@
+"""Measures the page of ``furuta view`` in a headless browser. Each measurement prints JSON.
+
+    tools/in_environment python benchmarks/view.py latency [ROUNDS] [SECONDS]
+    tools/in_environment python benchmarks/view.py slider [PRESSES]
+    tools/in_environment python benchmarks/view.py memory [MINUTES]
+    tools/in_environment python benchmarks/view.py start
+    tools/in_environment python benchmarks/view.py bag [MINUTES] [DRAGS]
+
+It needs Chromium and playwright (``furuta_ws/tests/requirements.lock``) and a quiet machine.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from time import monotonic, sleep, time
+from typing import Any
+
+import numpy as np
+from graph import Stopwatch
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.node import Node
+
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.processes import executable
+from furuta_graph.settings import default_settings
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.message_types import definition_of, type_hash
+from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_recordings.bags.writer import BagWriter
+from furuta_ros.context import ros_context
+from furuta_ros.spinning import executor_of, spin_until
+from furuta_ros.topics import QOS
+
+DRIVER = Path(__file__).parents[1] / "furuta_ws" / "tests" / "page_driver.py"
+SETTLE = 3.0  # [s] from an open or closed page to the measurement
+MEMORY_SETTLE = 300.0  # [s] after which memory must not grow
+MEGABYTE = 2.0**20
+ANSWER = 10.0  # [s]
+ALPHA0 = "alpha0 [V]"
+TIME_LINE = "time [s]"
+RECORDED = 60.0  # [s] of the recording that is repeated
+
+
+class Browser:
+    """A browser in a process of its own, driven by ``page_driver.py``."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, DRIVER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self._line()
+
+    def ask(self, *command: str) -> float:
+        """Send a command and wait for the answer."""
+        self.send(*command)
+        return float(self._line())
+
+    def send(self, *command: str) -> None:
+        """Send a command."""
+        assert self._process.stdin is not None
+        print(*command, sep="\t", file=self._process.stdin, flush=True)
+
+    def close(self) -> None:
+        """End the browser."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait()
+
+    def _line(self) -> str:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise SystemExit("error: the browser has failed; its reason is above")
+        return line
+
+
+@contextmanager
+def view(*arguments: str | Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A view and the address of its page."""
+    command = [executable("furuta_bringup", "furuta"), "view", "--no-open", *arguments]
+    process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        yield process, process.stdout.readline().strip()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait()
+
+
+@contextmanager
+def browser() -> Iterator[Browser]:
+    """A browser that ends with the block."""
+    started = Browser()
+    try:
+        yield started
+    finally:
+        started.close()
+
+
+def latency(rounds: str = "4", seconds: str = "6") -> dict[str, Any]:
+    """Latency from measurement to command at 1 kHz without and with an open page, in turns."""
+    watches = {"closed": Stopwatch(), "open": Stopwatch()}
+    with ros_context(), browser() as shown:
+        settings = default_settings()
+        settings["plant"] |= {"clock": "realtime", "run_until": 1e9}
+        graph = SimulatedGraph(settings)
+        plant: Any = graph.plant
+        publish, on_command = plant.publish_sample, plant.pacing.on_command
+        for _ in range(int(rounds)):
+            for name, watch in watches.items():
+                with ExitStack() as opened:
+                    if name == "open":
+                        _open_meanwhile(graph, opened, shown)
+                    _spin(graph, SETTLE)
+                    plant.publish_sample = watch.starting(publish)
+                    plant.pacing.on_command = watch.stopping(on_command)
+                    _spin(graph, float(seconds))
+                    plant.publish_sample, plant.pacing.on_command = publish, on_command
+                    watch.end_round()
+        graph.close()
+    closed, with_page = (watches[name].percentiles() for name in ("closed", "open"))
+    ratios = np.median(with_page / closed, axis=0)
+    return {
+        "closed_p50_p99_us": (1e6 * np.median(closed, axis=0)).tolist(),
+        "open_p50_p99_us": (1e6 * np.median(with_page, axis=0)).tolist(),
+        "ratio_p50": float(ratios[0]),
+        "ratio_p99": float(ratios[1]),
+        "ratios_of_rounds": (with_page / closed).tolist(),
+    }
+
+
+def _open_meanwhile(graph: SimulatedGraph, opened: ExitStack, shown: Browser) -> None:
+    """Open the page of the graph, which runs on meanwhile."""
+    command = [str(executable("furuta_bringup", "furuta")), "view", "--no-open", "--attach"]
+    file = Path(tempfile.mkdtemp()) / "address"
+    process = subprocess.Popen(command, stdout=file.open("w"))
+
+    def end() -> None:
+        shown.ask("close")
+        process.send_signal(signal.SIGINT)
+        process.wait()
+        shutil.rmtree(file.parent)
+
+    opened.callback(end)
+    spin_until(graph.executor, lambda: "\n" in file.read_text())
+    shown.send("open", file.read_text().strip())
+    _spin(graph, 2.0 * SETTLE)
+
+
+def _spin(graph: SimulatedGraph, seconds: float) -> None:
+    end = monotonic() + seconds
+    spin_until(graph.executor, lambda: monotonic() > end)
+
+
+def slider(presses: str = "30") -> dict[str, Any]:
+    """Time from a key press on a slider to the parameter in force at the node [s]."""
+    events: list[float] = []
+
+    def receive(event: ParameterEvent) -> None:
+        if any(each.name == "alpha0" for each in event.changed_parameters):
+            events.append(event.stamp.sec + 1e-9 * event.stamp.nanosec)
+
+    delays = []
+    with ros_context(), view() as (_, address), browser() as shown:
+        node = Node("watches_parameters")
+        node.create_subscription(ParameterEvent, "/parameter_events", receive, QOS)
+        executor = executor_of([node])
+        shown.ask("open", address)
+        for number in range(int(presses)):
+            pressed = shown.ask("press", ALPHA0)
+            end = monotonic() + ANSWER
+            while len(events) <= number and monotonic() < end:
+                executor.spin_once(timeout_sec=0.1)
+            if len(events) != number + 1:
+                raise SystemExit(f"error: {number + 1} key presses, {len(events)} changes")
+            delays.append(events[-1] - pressed)
+    return {"median_s": float(np.median(delays)), "worst_s": max(delays), "presses": len(delays)}
+
+
+def memory(minutes: str = "60") -> dict[str, Any]:
+    """Resident memory of graph and page with an open page, and its growth after 5 minutes [MB]."""
+    rows: list[tuple[float, dict[str, float]]] = []
+    with view() as (process, address), browser() as shown:
+        shown.ask("open", address)
+        start = monotonic()
+        while monotonic() - start < 60.0 * float(minutes):
+            rows.append((monotonic() - start, _children_memory(process.pid)))
+            sleep(10.0)
+    settled = [row for at, row in rows if at >= MEMORY_SETTLE] or [row for _, row in rows]
+    return {
+        name: {
+            "first_mb": rows[0][1][name],
+            "settled_mb": settled[0][name],
+            "last_mb": settled[-1][name],
+            "growth_mb": max(row[name] for row in settled) - settled[0][name],
+        }
+        for name in settled[0]
+    }
+
+
+def _children_memory(parent: int) -> dict[str, float]:
+    """Resident memory of the child processes [MB]."""
+    found = {}
+    for each in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
+        command = Path(f"/proc/{each}/cmdline").read_text().split("\0")
+        pages = int(Path(f"/proc/{each}/statm").read_text().split()[1])
+        found["page" if "--attach" in command else "graph"] = pages * 4096 / MEGABYTE
+    return found
+
+
+def start() -> dict[str, Any]:
+    """Time from the command to the address and to the first moving curves [s]."""
+    with browser() as shown:
+        begun = time()
+        with view() as (_, address):
+            printed = time() - begun
+            moving = shown.ask("open", address) - begun
+    return {"address_s": printed, "moving_s": moving}
+
+
+def bag(minutes: str = "60", drags: str = "20") -> dict[str, Any]:
+    """Time until a long recording is shown, and from a click on its time line to its curves [s]."""
+    with tempfile.TemporaryDirectory(dir=".") as directory:
+        path = Path(directory) / "long"
+        _write_long_bag(Path(directory) / "recorded", path, 60.0 * float(minutes))
+        with browser() as shown:
+            begun = time()
+            with view("--bag", path) as (_, address):
+                printed = time() - begun
+                drawn = shown.ask("show", address) - begun
+                parts = np.random.default_rng(1).uniform(0.02, 0.98, int(drags))
+                answered = [shown.ask("drag", TIME_LINE, f"{part:.4f}") for part in parts]
+        size = sum(each.stat().st_size for each in path.iterdir())
+    return {
+        "address_s": printed,
+        "drawn_s": drawn,
+        "drag_worst_s": max(answered),
+        "drags_s": answered,
+        "megabytes": size / MEGABYTE,
+    }
+
+
+def _write_long_bag(recorded: Path, path: Path, seconds: float) -> None:
+    """A recording of the graph, repeated."""
+    run = [executable("furuta_bringup", "furuta"), "run", "--lockstep", "--record", recorded]
+    subprocess.run([*map(str, run), "--seconds", str(RECORDED)], check=True, capture_output=True)
+    with Bag(recorded) as source:
+        topics = [_bag_topic(each.topic, each.msgtype) for each in source.connections]
+        index = {each.topic: number for number, each in enumerate(source.connections)}
+        messages = [(index[t.topic], time, data) for t, time, data in source.messages()]
+        writer = BagWriter(path, topics, {})
+        for copy in range(round(seconds / RECORDED)):
+            shift = round(copy * RECORDED * 1e9)
+            for topic, at, data in messages:
+                writer.add(topic, at + shift, data)
+        writer.close()
+
+
+def _bag_topic(name: str, kind: str) -> BagTopic:
+    definition = definition_of(kind)
+    return BagTopic(name, kind, definition, offered_qos(QOS.depth), type_hash(kind, definition))
+
+
+MEASUREMENTS = {each.__name__: each for each in (latency, slider, memory, start, bag)}
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or sys.argv[1] not in MEASUREMENTS:
+        raise SystemExit(f"error: give one of {', '.join(MEASUREMENTS)}")
+    print(json.dumps(MEASUREMENTS[sys.argv[1]](*sys.argv[2:]), indent=2))

@@ -1,0 +1,63 @@
+"""Controls of the page without a graph: who has paused it, and what the bridge says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+from furuta_view.every import Every
+from furuta_view.main_controls import Note, RigControls, SimulationControls
+from furuta_view.pacer import Pacer
+from furuta_view.server import PageServer
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer()
+    yield server
+    server.stop()
+
+
+def test_plant_continues_without_the_page_that_paused_it(server: PageServer) -> None:
+    """Another page that is closed changes nothing."""
+    link: Any = None
+    pacer = Pacer()
+    controls = SimulationControls(server, link, Note(server.gui, 1.0), pacer)
+    first, second = (SimpleNamespace(client_id=number) for number in (1, 2))
+    controls.set_paused(True, first)
+    assert pacer.holds
+    controls.client_gone(second)
+    assert pacer.holds
+    controls.client_gone(first)
+    assert not pacer.holds
+    assert pacer.run_until(1.0, 5.0) > 5.0
+
+
+def test_silent_bridge_is_not_shown_as_it_was(server: PageServer) -> None:
+    """A bridge that has ended said last that it is armed; that may be wrong now."""
+    link: Any = None
+    rig = RigControls(server, link)
+    values = [KeyValue(key="armed", value="True"), KeyValue(key="state", value="active")]
+    status = DiagnosticStatus(message="driving", values=values)
+    rig.show(None, 1.0)
+    assert "no diagnostics" in rig.text
+    rig.show(status, 1.0)
+    assert "ARMED" in rig.text
+    rig.show(status, 30.0)
+    assert "ARMED" not in rig.text
+    assert "silent for 30 s" in rig.text
+
+
+def test_every() -> None:
+    """Due at once, then once in a period, without catching up."""
+    now = 5.0
+    due = Every(1.0, lambda: now)
+    assert due()
+    assert not due()
+    now = 9.0
+    assert due()
+    assert not due()

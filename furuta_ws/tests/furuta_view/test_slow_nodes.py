@@ -1,0 +1,108 @@
+"""A node that hangs holds up neither the other nodes on the page nor the arming of a rig."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+from furuta_graph.description import HARDWARE_BRIDGE
+from furuta_ros.services import ServiceError
+from furuta_ros.spinning_thread import SpinningThread
+from furuta_view.graph_link import GraphLink
+from furuta_view.page_layout import Layout
+from furuta_view.parameter_types import Described
+from furuta_view.parameters_on_page import ParametersOnPage
+from furuta_view.server import PageServer
+
+TIMEOUT = 120.0
+
+
+class HangingNode:
+    """A graph in which the node ``controller`` does not answer until ``answers`` is set."""
+
+    def __init__(self) -> None:
+        self.answers = False
+
+    def nodes(self) -> list[str]:
+        """The nodes that run."""
+        return ["controller", "estimator", HARDWARE_BRIDGE]
+
+    def described(self, node: str) -> list[Described]:
+        """The parameters of a node."""
+        if node == "controller" and not self.answers:
+            raise ServiceError("controller did not answer within 5 s")
+        return [Described("sample_time", 0.001)]
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer()
+    yield server
+    server.stop()
+
+
+def test_other_nodes_are_shown(server: PageServer) -> None:
+    """And the hanging one as soon as it answers."""
+    link: Any = HangingNode()
+    layout = Layout(server)
+    page = ParametersOnPage(server.gui, link, layout.main, layout.parameters, lambda node: None)
+    page.find_nodes()
+    assert page.running == link.nodes()
+    assert set(page.values) == {"estimator", HARDWARE_BRIDGE}
+    link.answers = True
+    page.find_nodes()
+    assert set(page.values) == set(link.nodes())
+
+
+@pytest.fixture
+def link(ros: None) -> Iterator[GraphLink]:
+    link = GraphLink()
+    yield link
+    link.close()
+
+
+def test_disarming_does_not_wait(link: GraphLink) -> None:
+    """While a search and a request hang, the bridge is disarmed."""
+    hangs, called = threading.Event(), threading.Event()
+    requests: list[bool] = []
+
+    def on_arm(request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        requests.append(request.data)
+        called.set()
+        response.success = True
+        return response
+
+    bridge = Node(HARDWARE_BRIDGE)
+    bridge.create_service(SetBool, "~/arm", on_arm)
+    spinning = SpinningThread([bridge])
+    for jobs in (link.search, link.requests, link.computation):
+        jobs.submit("hangs", lambda: bool(hangs.wait()))
+    link.arming.submit("arm", lambda: link.arm(False))
+    assert called.wait(TIMEOUT)
+    assert not any(requests)
+    hangs.set()
+    spinning.close(TIMEOUT)
+    bridge.destroy_node()
+
+
+def test_work_that_fails_does_not_end_the_thread(link: GraphLink) -> None:
+    """Nor does a control that has gone when its value is refused."""
+    reasons: list[str] = []
+    done = threading.Event()
+
+    def fail() -> None:
+        raise ServiceError("rejected")
+
+    def refuse(reason: str) -> None:
+        reasons.append(reason)
+        raise KeyError("the control has gone")
+
+    link.requests.submit("first", fail, refuse)
+    link.requests.submit("second", done.set)
+    assert done.wait(TIMEOUT)
+    assert reasons == ["rejected"]
