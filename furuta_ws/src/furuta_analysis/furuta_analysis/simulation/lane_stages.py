@@ -76,6 +76,16 @@ class Lane(NamedTuple):
     sums: np.ndarray
 
 
+def _run_each(lanes: Any, count: int, step: Callable[[Any], None]) -> None:
+    """Call an inlined function for every lane."""
+    widest_vectors()
+    for i in range(count):
+        step(lanes[i])
+
+
+_in_each_lane = compiled(_run_each, cached=False)
+
+
 @compiled
 def read_lanes(lanes: Any, count: int) -> None:
     """Read the sensors."""
@@ -96,7 +106,7 @@ def estimate_lanes(lanes: Any, count: int) -> None:
         usual = estimator.continues(lane.estimator, lane.measurement, lane.estimator_design)
         unusual += 0 if usual else 1
     if unusual > 0:
-        _estimate_singly(lanes, count)
+        _in_each_lane(lanes, count, _estimate_singly)
         return
     for i in range(count):
         lane = lanes[i]
@@ -104,13 +114,10 @@ def estimate_lanes(lanes: Any, count: int) -> None:
         estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
 
 
-@compiled
-def _estimate_singly(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        lane = lanes[i]
-        p = lane.estimator_design
-        estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
+@inlined
+def _estimate_singly(lane: Any) -> None:
+    p = lane.estimator_design
+    estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
 
 
 @compiled
@@ -134,7 +141,7 @@ def control_lanes(lanes: Any, count: int) -> None:
         usual = controller.continues(lane.controller, lane.estimate, lane.controller_design)
         unusual += 0 if usual else 1
     if unusual > 0:
-        _control_singly(lanes, count)
+        _in_each_lane(lanes, count, _control_singly)
         return
     for i in range(count):
         lane = lanes[i]
@@ -144,13 +151,10 @@ def control_lanes(lanes: Any, count: int) -> None:
         )
 
 
-@compiled
-def _control_singly(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        lane = lanes[i]
-        p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
-        lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
+@inlined
+def _control_singly(lane: Any) -> None:
+    p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
+    lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -201,16 +205,9 @@ def move_lanes(lanes: Any, count: int) -> None:
                 lane.x, u, h, sine, cosine, p.model, p.friction
             )
         if substep < least:
-            _finish_all(lanes, count)
+            _in_each_lane(lanes, count, _finish)
         else:
             _finish_some(lanes, count, substep)
-
-
-@compiled
-def _finish_all(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        _finish(lanes[i])
 
 
 @compiled
