@@ -76,14 +76,15 @@ class Lane(NamedTuple):
     sums: np.ndarray
 
 
-def _run_each(lanes: Any, count: int, step: Callable[[Any], None]) -> None:
-    """Call an inlined function for every lane."""
-    widest_vectors()
-    for i in range(count):
-        step(lanes[i])
+def _in_each_lane(step: Callable[[Any], None]) -> Callable[[Any, int], None]:
+    """Make a loop that calls an inlined function for every lane."""
 
+    def run(lanes: Any, count: int) -> None:
+        widest_vectors()
+        for i in range(count):
+            step(lanes[i])
 
-_in_each_lane = compiled(_run_each, cached=False)
+    return compiled(run, cached=False)
 
 
 @compiled
@@ -96,6 +97,14 @@ def read_lanes(lanes: Any, count: int) -> None:
         lane.measurement[APPLIED_TORQUE] = lane.signals[TORQUE]
 
 
+@_in_each_lane
+@inlined
+def _estimate_singly(lane: Any) -> None:
+    """Estimate the state as a single run does."""
+    p = lane.estimator_design
+    estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
+
+
 @compiled
 def estimate_lanes(lanes: Any, count: int) -> None:
     """Estimate the state."""
@@ -106,18 +115,12 @@ def estimate_lanes(lanes: Any, count: int) -> None:
         usual = estimator.continues(lane.estimator, lane.measurement, lane.estimator_design)
         unusual += 0 if usual else 1
     if unusual > 0:
-        _in_each_lane(lanes, count, _estimate_singly)
+        _estimate_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
         p = lane.estimator_design
         estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
-
-
-@inlined
-def _estimate_singly(lane: Any) -> None:
-    p = lane.estimator_design
-    estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
 
 
 @compiled
@@ -131,6 +134,14 @@ def observe_lanes(lanes: Any, count: int) -> None:
         )
 
 
+@_in_each_lane
+@inlined
+def _control_singly(lane: Any) -> None:
+    """Compute the command as a single run does."""
+    p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
+    lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
+
+
 @compiled
 def control_lanes(lanes: Any, count: int) -> None:
     """Compute the command."""
@@ -141,7 +152,7 @@ def control_lanes(lanes: Any, count: int) -> None:
         usual = controller.continues(lane.controller, lane.estimate, lane.controller_design)
         unusual += 0 if usual else 1
     if unusual > 0:
-        _in_each_lane(lanes, count, _control_singly)
+        _control_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
@@ -149,12 +160,6 @@ def control_lanes(lanes: Any, count: int) -> None:
         lane.signals[COMMAND] = controller.continue_control(
             lane.controller, lane.estimate, friction, p
         )
-
-
-@inlined
-def _control_singly(lane: Any) -> None:
-    p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
-    lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -176,6 +181,18 @@ def measure_lanes(lanes: Any, count: int) -> None:
         measure_sample(
             lane.accumulator, lane.sums, lane.x, lane.signals[COMMAND], friction, estimated
         )
+
+
+@inlined
+def _finish(lane: Any) -> None:
+    """Finish a substep."""
+    signals, p = lane.signals, lane.plant
+    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
+    v_mid, w_mid = signals[V_MID], signals[W_MID]
+    advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
+
+
+_finish_all = _in_each_lane(_finish)
 
 
 @compiled
@@ -205,7 +222,7 @@ def move_lanes(lanes: Any, count: int) -> None:
                 lane.x, u, h, sine, cosine, p.model, p.friction
             )
         if substep < least:
-            _in_each_lane(lanes, count, _finish)
+            _finish_all(lanes, count)
         else:
             _finish_some(lanes, count, substep)
 
@@ -216,15 +233,6 @@ def _finish_some(lanes: Any, count: int, substep: int) -> None:
     for i in range(count):
         if substep < lanes[i].signals[SUBSTEPS]:
             _finish(lanes[i])
-
-
-@inlined
-def _finish(lane: Any) -> None:
-    """Finish a substep."""
-    signals, p = lane.signals, lane.plant
-    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
-    v_mid, w_mid = signals[V_MID], signals[W_MID]
-    advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
 
 
 class Stage(NamedTuple):

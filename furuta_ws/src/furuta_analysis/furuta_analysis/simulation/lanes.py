@@ -37,9 +37,12 @@ from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_friction import compensation
 from furuta_friction.compensation import ObserverParameters, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.friction.laws import FrictionLaw
 from furuta_model.lanes import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
+from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
+from furuta_sim.parameters import Actuator
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 
 # Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
@@ -112,7 +115,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
         plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps
     )
     parts = (
-        _part(moved),
+        _plant(moved),
         _sensors(loop.plant.sensors),
         _estimator(_needed_estimator(loop)),
         _compensator(loop.observer),
@@ -144,8 +147,22 @@ _LAYOUTS: dict[Layout, int] = {}
 
 
 def _part(design: Any) -> Part:
+    return _layout_number(design), numbers_of(design)
+
+
+def _layout_number(design: Any) -> int:
     layout, _ = layout_of(design, is_constant)
-    return _LAYOUTS.setdefault(layout, len(_LAYOUTS)), numbers_of(design)
+    return _LAYOUTS.setdefault(layout, len(_LAYOUTS))
+
+
+def _plant(p: LanePlant) -> Part:
+    return _plant_layout(p.friction.kind, p.actuator), numbers_of(p)
+
+
+@lru_cache(maxsize=256)
+def _plant_layout(kind: int, actuator: Actuator) -> int:
+    """The layout does not depend on the real numbers, which differ between the loops of a study."""
+    return _layout_number(LanePlant(FurutaPendulum(), FrictionLaw(kind), actuator, 0.0, 1))
 
 
 @lru_cache(maxsize=4096)
