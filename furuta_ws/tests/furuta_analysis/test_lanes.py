@@ -99,11 +99,11 @@ def test_batch_uses_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
         return run_block(loops, settled)
 
     monkeypatch.setattr("furuta_analysis.simulation.batch.run_block", counted)
-    loops = [Loop(PlantParameters(seed=k)) for k in range(100)]
+    loops = [Loop(PlantParameters(seed=k)) for k in range(200)]
     compile_stages(loops[:1])
-    assert len(list(batch(loops, SECONDS, workers=1))) == 100
+    assert len(list(batch(loops, SECONDS, workers=1))) == 200
     assert max(blocks) == WIDTH
-    assert sum(blocks) > 80
+    assert sum(blocks) > 180
 
 
 @pytest.mark.skipif(not RANDOM_LOOPS, reason="on demand: FURUTA_LANES=10000")

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import power_of_two
 from furuta_model.friction.laws import (
     HAS_SPRINGS,
     LAWS,
@@ -43,6 +44,8 @@ from furuta_sim.plant_memory import MOVED, PLANT_MEMORY
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+# Turns per radian.
+PER_TURN = 1.0 / (2.0 * pi)
 
 
 class Parts(NamedTuple):
@@ -121,9 +124,10 @@ def convert(value: float, full_scale: float, bits: int) -> float:
     value = min(max(value, -full_scale), full_scale)
     if bits == 0:
         return value
-    half = float(1 << (bits - 1))
-    code = np.floor(value / full_scale * half + 0.5)
-    return min(code, half - 1.0) * full_scale / half
+    # Multiplication by a power of two is exact, and much faster than division.
+    step = full_scale * power_of_two(1 - bits)
+    code = np.floor(value / step + 0.5)
+    return min(code, power_of_two(bits - 1) - 1.0) * step
 
 
 @inlined
@@ -177,14 +181,14 @@ def _measure(
         return
     if sensors.encoder_counts > 0:
         count = 2.0 * pi / sensors.encoder_counts
-        phi = np.floor(phi / count + 0.5) * count
+        phi = np.floor(phi * (sensors.encoder_counts * PER_TURN) + 0.5) * count
     measurement[PHI] = phi
     measurement[PHI_DOT] = convert(
         v + sensors.tachometer_noise * noise[0],
         sensors.tachometer_range,
         sensors.tachometer_bits,
     )
-    theta -= 2.0 * pi * np.floor(theta / (2.0 * pi) + 0.5)
+    theta -= 2.0 * pi * np.floor(theta * PER_TURN + 0.5)
     measurement[THETA] = convert(
         theta + sensors.potentiometer_noise * noise[1],
         sensors.potentiometer_range,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Outcome
-from furuta_graph.settings import Settings, loop, with_values
+from furuta_graph.settings import Settings, loop_with
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep_points import Point, SweptParameter, count_points, generate_points
 
@@ -53,7 +53,7 @@ class Sweep(NamedTuple):
         for number, point in enumerate(self.generate_points()):
             if number not in done:
                 try:
-                    yield number, loop(with_values(self.settings, point))
+                    yield number, loop_with(self.settings, point)
                 except ParameterError as error:
                     yield number, str(error)
 

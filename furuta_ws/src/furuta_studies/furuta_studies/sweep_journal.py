@@ -76,8 +76,9 @@ class Journal:
 
     def __contains__(self, number: object) -> bool:
         """Whether a run is done."""
-        known = isinstance(number, int) and number < len(self._begins)
-        return known and self._begins[number] != _MISSING
+        if not isinstance(number, int) or number >= len(self._begins):
+            return False
+        return self._begins[number] != _MISSING
 
     def __len__(self) -> int:
         """The number of runs that are done."""

@@ -45,9 +45,11 @@ from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
 from furuta_sim.parameters import Actuator
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 
-# Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
-# processor's first cache.
-WIDTH = 32
+# Most lanes of a block: enough that starting a loop over them costs little, and few enough that a
+# block stays in the processor's caches.
+WIDTH = 64
+# Lanes of the widest vectors; a block runs a multiple of them.
+VECTOR = 8
 # Samples below which a single run takes no longer than preparing the loop for a lane.
 FEWEST_SAMPLES = 500
 # Distance of two rows. With a divisor of 4096 bytes a load would often seem to depend on a store
@@ -201,12 +203,7 @@ def _layout(group: Group) -> tuple[Layout, int]:
 
 def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     """Outcomes of up to :data:`WIDTH` loops of one group; lanes to spare repeat the first loop."""
-    group = loops[0].group
-    layout, rows = _layout(group)
-    block = Lanes(layout, rows, STRIDE)
-    for i in range(WIDTH):
-        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
-        block.data[: len(numbers), i] = numbers
+    group, block = loops[0].group, block_of(loops)
     measured = max(1, round(settled * group.samples))
     _run_samples(block, loops, group, group.samples - measured)
     accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
@@ -216,18 +213,33 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     ]
 
 
+def block_of(loops: Sequence[PreparedLoop]) -> Lanes:
+    """A block with the loops at their start."""
+    layout, rows = _layout(loops[0].group)
+    block = Lanes(layout, rows, STRIDE)
+    for i in range(_used(loops)):
+        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
+        block.data[: len(numbers), i] = numbers
+    return block
+
+
+def _used(loops: Sequence[PreparedLoop]) -> int:
+    """Lanes that the loops take."""
+    return -(-len(loops) // VECTOR) * VECTOR
+
+
 def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int) -> None:
     """Run all samples; the noise of each lane is that of its loop's own seed."""
-    stages = np.array([[_address(each, group) for each in part] for part in _padded_parts()])
+    stages = np.array([[stage_address(each, group) for each in part] for part in _padded_parts()])
     ideal = block.constant("sensors", "ideal")
     generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
-    noise = np.zeros((WIDTH, NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
-    rows = block.rows("noise")[:, :WIDTH]
+    noise = np.zeros((_used(loops), NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
+    rows = block.rows("noise")[:, : len(noise)]
     for first in range(0, group.samples, NOISE_SAMPLES):
         for i, generator in enumerate(generators):
             generator.standard_normal(out=noise[i])
         last = min(first + NOISE_SAMPLES, group.samples)
-        _run_stages(stages, block.address, rows, noise, first, last, transient)
+        run_stages(stages, block.address, rows, noise, first, last, transient)
 
 
 def _padded_parts() -> list[list[Stage | None]]:
@@ -240,7 +252,7 @@ def compile_stages(loops: Iterable[Loop]) -> None:
         prepared = prepare(loop, 1.0)
         if prepared is not None:
             for stage in {stage for part in PARTS for stage in part}:
-                _address(stage, prepared.group)
+                stage_address(stage, prepared.group)
 
 
 def is_compiled(group: Group) -> bool:
@@ -249,7 +261,7 @@ def is_compiled(group: Group) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def _address(stage: Stage | None, group: Group) -> int:
+def stage_address(stage: Stage | None, group: Group) -> int:
     """Address of the machine code of a stage, which is compiled if need be; 0 for no stage."""
     if stage is None:
         return 0
@@ -296,7 +308,7 @@ _call_stage: Callable[[int, int, int], None] = make_intrinsic(_calling)
 
 
 @compiled
-def _run_stages(
+def run_stages(
     stages: np.ndarray,
     block: int,
     noise_rows: np.ndarray,
