@@ -18,7 +18,6 @@ from batches import _ideal, _with_sensors
 from furuta_analysis.simulation.closed_loop import Loop, outcome
 from furuta_analysis.simulation.lane_stages import PARTS
 from furuta_analysis.simulation.lanes import (
-    WIDTH,
     block_of,
     compile_stages,
     prepare,
@@ -33,18 +32,21 @@ def main() -> None:
     """Print nanoseconds per sample and lane of every stage, and of a single run."""
     for name, make in (("ideal sensors", _ideal), ("sensors, LuGre", _with_sensors)):
         print(name)
-        for stage, cost in stage_costs([make(k) for k in range(WIDTH)]).items():
+        for stage, cost in stage_costs(make).items():
             print(f"  {stage:16} {cost:7.2f} ns")
 
 
-def stage_costs(loops: list[Loop]) -> dict[str, float]:
-    """Nanoseconds per sample and lane by stage."""
-    compile_stages(loops[:1])
-    ready = [each for each in (prepare(loop, 10.0) for loop in loops) if each is not None]
-    group, block = ready[0].group, block_of(ready)
-    rows = block.rows("noise")[:, :WIDTH]
+def stage_costs(make: Callable[[int], Loop]) -> dict[str, float]:
+    """Nanoseconds per sample and lane by stage, for the loop that is made from each seed."""
+    compile_stages([make(0)])
+    first = prepare(make(0), 10.0)
+    assert first is not None
+    group = first.group
+    ready = [each for k in range(group.width) if (each := prepare(make(k), 10.0))]
+    block = block_of(ready)
+    rows = block.rows("noise")[:, : group.width]
     generator = np.random.default_rng(0)
-    noise = generator.standard_normal((WIDTH, SETTLED_SAMPLES, len(rows)))
+    noise = generator.standard_normal((group.width, SETTLED_SAMPLES, len(rows)))
     addresses = {each: stage_address(each, group) for part in PARTS for each in part}
 
     def run(stages: list[int], samples: int) -> None:
@@ -52,7 +54,7 @@ def stage_costs(loops: list[Loop]) -> dict[str, float]:
 
     run([addresses[each] for each in PARTS[0]], SETTLED_SAMPLES)
     empty = _fastest(lambda: run([0], SAMPLES))
-    per_lane = 1e9 / (SAMPLES * WIDTH)
+    per_lane = 1e9 / (SAMPLES * group.width)
     costs = {
         "noise": _fastest(lambda: generator.standard_normal(out=noise[:, :SAMPLES].copy()))
         * per_lane,
@@ -61,7 +63,7 @@ def stage_costs(loops: list[Loop]) -> dict[str, float]:
     for stage, address in addresses.items():
         spent = _fastest(lambda: run([address], SAMPLES)) - empty  # noqa: B023 - called at once
         costs[stage.function.__name__] = spent * per_lane
-    single = _fastest(lambda: outcome(loops[0], 1.0), REPETITIONS // 10)
+    single = _fastest(lambda: outcome(make(0), 1.0), REPETITIONS // 10)
     return costs | {"single run": single * 1e9 / 1000}
 
 

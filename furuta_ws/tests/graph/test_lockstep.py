@@ -19,7 +19,7 @@ from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings import Settings, load_settings, loop
+from furuta_graph.settings import Settings, default_settings, load_settings, loop
 from furuta_model.parameters import values
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
@@ -116,7 +116,7 @@ def test_graph_with_a_random_loop_is_the_offline_loop(ros: None, tmp_path: Path,
     r = np.random.default_rng(seed)
     law, compensation, method = (str(r.choice(each)) for each in (LAWS, COMPENSATIONS, METHODS))
     chosen = random_loop(r, law, compensation, method, bool(r.integers(2)))
-    settings = {
+    settings = default_settings() | {
         "plant": values(chosen.plant),
         "estimator": values(chosen.estimator),
         "friction_observer": values(chosen.observer),
