@@ -46,8 +46,8 @@ from furuta_sim.parameters import Actuator
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 
 # Most lanes of a block: many, because starting a loop over them costs time, but what a sample uses
-# of the block has to stay in the processor's first cache: some 70 numbers per lane with ideal sensors
-# and without a filter, some 200 otherwise.
+# of the block has to stay in the processor's first cache. That is some 70 numbers per lane with
+# ideal sensors and without a filter, and some 200 otherwise.
 WIDTH = 32
 WIDTH_WITHOUT_FILTER = 64
 # Lanes of the widest vectors; a block runs a multiple of them.
