@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from pyarrow import parquet
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
+from furuta_recordings.table_files import parquet
 from furuta_studies.study_tables import OUTCOME, check_table, write_csv, write_runs
 from furuta_studies.sweep_journal import Journal
 

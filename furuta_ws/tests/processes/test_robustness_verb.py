@@ -10,11 +10,11 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
-from pyarrow import parquet
 
 from furuta_cli.uncertain_rig_options import parse_uncertain
 from furuta_graph.settings import read_file
 from furuta_model.parameters import ParameterError
+from furuta_recordings.table_files import parquet
 
 Furuta = Callable[..., Any]
 TIMEOUT = 120.0
