@@ -65,6 +65,15 @@ def lanes() -> dict[str, float]:
     }
 
 
+def ideal_batch_rate() -> float:
+    """Samples per second of one core's CPU time, for a batch of loops with ideal sensors."""
+    loops = [_ideal(k) for k in range(LANE_RUNS)]
+    compile_stages(loops[:1])
+    start = process_time()
+    steps = sum(each.steps for each in batch(loops, SECONDS, workers=1))
+    return steps / (process_time() - start)
+
+
 def vector_width() -> int:
     """Bits of the widest vectors of this processor that the compiler uses."""
     flags = Path("/proc/cpuinfo").read_text()

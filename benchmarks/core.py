@@ -11,6 +11,7 @@ from time import thread_time
 
 import control
 import numpy as np
+from batches import ideal_batch_rate
 from experiment import (
     FEEDBACK,
     LOOP,
@@ -48,16 +49,22 @@ def speed() -> dict[str, float]:
         "python_control": _control_rate,
     }
     outcome(LOOP, 1.0)  # loads the compiled code
+    ideal_batch_rate()
     ours: list[float] = []
+    batches: list[float] = []
     theirs: dict[str, list[float]] = {name: [] for name in others}
     for _ in range(ROUNDS):
         ours.append(_our_rate())
+        batches.append(ideal_batch_rate())
         for name, measure in others.items():
             theirs[name].append(measure())
     ratios = {
         f"core_vs_{name}": median(a / b for a, b in zip(ours, rates, strict=True))
         for name, rates in theirs.items()
     }
+    ratios["batch_vs_mujoco_python"] = median(
+        a / b for a, b in zip(batches, theirs["mujoco_python"], strict=True)
+    )
     rates = {f"{name}_samples_per_s": median(rates) for name, rates in theirs.items()}
     return ratios | {"core_samples_per_s": median(ours)} | rates
 

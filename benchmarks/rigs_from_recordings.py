@@ -35,6 +35,7 @@ from furuta_rig.rig_file_text import rig_file_text
 from furuta_sim.parts.motion import PendulumFriction
 from furuta_sim.parts.tilt import Tilt
 from furuta_sim.parts.torque_waves import TorqueWaves
+from furuta_studies.comparison.candidates import parse_candidates
 from furuta_studies.rig_check import CHOICES
 
 # What is known of every rig before the recording: sensors, drive, timing, limits.
@@ -93,12 +94,9 @@ def recorded(rig: Rig, seed: int) -> Recording:
 def balanced(truth: Rig, found: Rig) -> dict[str, Any]:
     """The arm's peak to peak [rad] for every compensation, NaN where the pendulum fell."""
     plant = rig_settings(truth)["plant"]
-    loops = []
-    for choice in CHOICES.values():
-        settings = rig_settings(found) | {"plant": plant}
-        for node, given in choice.items():
-            settings[node] = settings[node] | given
-        loops.append(loop(settings))
+    settings = rig_settings(found) | {"plant": plant}
+    candidates = parse_candidates(CHOICES, settings, tuned=False)
+    loops = [loop(each.applied_to(settings)) for each in candidates]
     outcomes = batch(loops, BALANCED_SECONDS)
     return {
         name: float("nan") if each.fell else each.phi_peak_to_peak_rad

@@ -20,6 +20,7 @@ OUT = Path("output/bench.json")
 MEANING = {
     "core_vs_mujoco_python": "closed-loop samples/s, core over MuJoCo in a Python loop with numpy",
     "core_vs_mujoco_python_tuned": "the same, with the fastest Python loop found for MuJoCo",
+    "batch_vs_mujoco_python": "a batch in lanes over MuJoCo in a Python loop with numpy, per core",
     "core_vs_mujoco_c": "core's closed loop over MuJoCo's C stepping alone, without feedback",
     "core_vs_scipy": "core over scipy's LSODA",
     "core_vs_python_control": "core over python-control's input_output_response",

@@ -9,6 +9,7 @@ import os
 
 import numpy as np
 import pytest
+from random_loops import LAWS, METHODS, random_loop
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
@@ -19,12 +20,11 @@ from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.parts.motion import Cogging
 from furuta_sim.parts.sensor_faults import SensorFaults
 
 RANDOM_LOOPS = int(os.environ.get("FURUTA_LANES", "0"))
-LANE_LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
 SECONDS = 2.0
 IDEAL = Sensors(ideal=True)
 
@@ -32,37 +32,6 @@ IDEAL = Sensors(ideal=True)
 def bits(found: list[Outcome]) -> list[bytes]:
     """Outcomes to the last bit, with NaN."""
     return [np.array(each, dtype=float).tobytes() for each in found]
-
-
-def random_loop(
-    r: np.random.Generator, law: str, compensation: str, method: str, ideal: bool
-) -> Loop:
-    """A loop with random parameters; some start so far off upright that they fall."""
-    sensors = Sensors(ideal=ideal, encoder_counts=int(r.choice([0, 250, 4000])))
-    friction = Friction(
-        80.0 * r.uniform(0.3, 10.0),
-        1.5 * r.uniform(0.3, 1.5),
-        r.uniform(0.0, 0.4),
-        r.uniform(0.0, 0.1),
-        r.uniform(0.01, 0.1),
-        r.uniform(0.0, 0.02),
-        r.uniform(-0.3, 0.3),
-    )
-    body = FurutaPendulum(*(each * r.uniform(0.9, 1.1) for each in FurutaPendulum()))
-    start = InitialState(theta=float(r.choice([0.02, -0.1, 0.18, 0.5, 3.0])), phi=r.uniform(-1, 1))
-    plant = PlantParameters(
-        body,
-        PlantFriction(law, friction),
-        sensors,
-        Actuator(bits=int(r.choice([0, 8, 12]))),
-        initial=start,
-        seed=int(r.integers(2**40)),
-    )
-    control = ControllerParameters(
-        integral_time=float(r.choice([0.0, 5.0])), super_twisting=float(r.choice([0.0, 2.0]))
-    )
-    observer = ObserverParameters(compensation=compensation, guard_time=float(r.choice([0, 0.5])))
-    return Loop(plant, EstimatorParameters(method, sensors=sensors), observer, control)
 
 
 def in_lanes(loops: list[Loop], seconds: float) -> list[Outcome]:
@@ -130,11 +99,11 @@ def test_batch_uses_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
         return run_block(loops, settled)
 
     monkeypatch.setattr("furuta_analysis.simulation.batch.run_block", counted)
-    loops = [Loop(PlantParameters(seed=k)) for k in range(100)]
+    loops = [Loop(PlantParameters(seed=k)) for k in range(200)]
     compile_stages(loops[:1])
-    assert len(list(batch(loops, SECONDS, workers=1))) == 100
+    assert len(list(batch(loops, SECONDS, workers=1))) == 200
     assert max(blocks) == WIDTH
-    assert sum(blocks) > 80
+    assert sum(blocks) > 180
 
 
 @pytest.mark.skipif(not RANDOM_LOOPS, reason="on demand: FURUTA_LANES=10000")
@@ -143,9 +112,9 @@ def test_random_loops_have_the_bits_of_single_runs() -> None:
     r = np.random.default_rng(1)
     kinds = [
         (law, compensation, method, ideal)
-        for law in LANE_LAWS
+        for law in LAWS
         for compensation in COMPENSATIONS
-        for method in ("kalman", "lowpass")
+        for method in METHODS
         for ideal in (False, True)
     ]
     for kind in kinds:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta_studies.comparison.scores import fraction_of, quantile, rank, tabulate
+from furuta_studies.comparison.scores import quantile, rank, tabulate
+from furuta_studies.estimates import fraction
 
 
 def row(
@@ -46,8 +47,8 @@ def test_quantiles_with_falls() -> None:
 def test_fractions_of_none_and_all(n: int) -> None:
     """The closed forms of Clopper and Pearson: 1 − 0.025^(1/n) for no hit of n."""
     limit = 1.0 - 0.025 ** (1.0 / n)
-    assert fraction_of([False] * n) == pytest.approx((0.0, 0.0, limit))
-    assert fraction_of([True] * n) == pytest.approx((1.0, 1.0 - limit, 1.0))
+    assert fraction(0, n) == pytest.approx((0.0, 0.0, limit))
+    assert fraction(n, n) == pytest.approx((1.0, 1.0 - limit, 1.0))
 
 
 def test_residual_is_the_largest_over_the_seeds() -> None:

@@ -9,12 +9,16 @@ from furuta_analysis.simulation.closed_loop import Loop, outcome
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_rig.rig import Rig
+from furuta_rig.uncertainty import Uncertainty
 from furuta_studies.robustness.robust_tuning import RobustTuning, tune_robustly
-from furuta_studies.robustness.robustness import residuals, robustness, sobol
+from furuta_studies.robustness.robustness import RigStudy, residuals, robustness, sobol
 from furuta_studies.robustness.uncertain_rigs import UncertainRigs, relative_ranges
 
 LUGRE = Loop(observer=ObserverParameters(compensation="lugre"))
 RIGS = UncertainRigs(LUGRE, {"alpha0": (0.15, 0.3), "beta": (0.013, 0.016)})
+# What a rig file states: a level and a stiffness that go together.
+STATED = Uncertainty(("alpha0", "sigma0"), np.array([[0.02**2, 0.004], [0.004, 0.3**2]]))
 
 
 def test_rig_k_is_the_same_in_a_study_of_any_size() -> None:
@@ -28,6 +32,37 @@ def test_rig_k_is_the_same_in_a_study_of_any_size() -> None:
     assert all(each.observer == LUGRE.observer for each in many)
     assert {each.plant.friction.parameters.sigma0 for each in many} == {Friction().sigma0}
     assert len({each.plant.seed for each in many}) == 1500
+
+
+def test_rigs_are_as_uncertain_as_a_rig_file_says() -> None:
+    """About the plant's own values, and correlated; a range replaces what the file says."""
+    plant = LUGRE.plant._replace(
+        friction=LUGRE.plant.friction._replace(parameters=Friction(alpha0=0.4))
+    )
+    rigs = UncertainRigs(LUGRE._replace(plant=plant), {}, Rig(), STATED)
+    drawn = [each.plant.friction.parameters for each in rigs.loops(2000, seed=1)]
+    levels = np.array([each.alpha0 for each in drawn])
+    stiffness = np.log([each.sigma0 / Friction().sigma0 for each in drawn])
+    assert levels.mean() == pytest.approx(0.4, abs=0.002)
+    assert np.cov(levels, stiffness) == pytest.approx(STATED.covariance, rel=0.15)
+    study = RigStudy(rigs, 3, 1, 5.0)
+    assert [each["alpha0"] for each in study.values()] == levels[:3].tolist()
+    within = list(rigs._replace(ranges={"alpha0": (0.1, 0.11)}).loops(500, seed=1))
+    assert all(0.1 <= each.plant.friction.parameters.alpha0 <= 0.11 for each in within)
+
+
+def test_what_is_done_is_not_run_again() -> None:
+    """The rigs that remain are those of the whole study."""
+    whole = dict(RigStudy(RIGS, 5, 2, 5.0).remaining_loops(()))
+    assert list(whole.values()) == list(RIGS.loops(5, seed=2))
+    rest = dict(RigStudy(RIGS, 5, 2, 5.0).remaining_loops({0, 3}))
+    assert rest == {number: whole[number] for number in (1, 2, 4)}
+
+
+def test_sobol_indices_need_independent_values() -> None:
+    """Those of a rig's covariance are not."""
+    with pytest.raises(ParameterError, match="those of the rig correlate"):
+        sobol(UncertainRigs(LUGRE, {}, Rig(), STATED), 4, 0, 5.0, lambda: None)
 
 
 def test_residuals_are_those_of_single_runs() -> None:

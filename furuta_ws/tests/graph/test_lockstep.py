@@ -1,23 +1,32 @@
-"""The composed graph in lock-step: equal to the offline loop, repeatable to the last bit."""
+"""The composed graph in lock-step: equal to the offline loop, repeatable to the last bit.
+
+``FURUTA_LANES`` tries 20 random loops, of the kinds whose lanes ``test_lanes.py`` compares with
+single runs; the suite tries two.
+"""
 
 from __future__ import annotations
 
+import os
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from random_loops import LAWS, METHODS, random_loop
 from rosbags.highlevel import AnyReader
 
 from furuta_analysis.simulation.closed_loop import simulate
 from furuta_analysis.simulation.oscillation import measure_oscillation
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings import Settings, load_settings, loop
+from furuta_graph.settings import Settings, default_settings, load_settings, loop
+from furuta_model.parameters import values
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import TOPICS
 
 IDEAL = ["sensors.ideal=true"]
+RANDOM_LOOPS = 20 if os.environ.get("FURUTA_LANES") else 2
 # Every part of the plant that the control system does not know, at once.
 ALL_PARTS = [
     "plant.friction.variation.angle=0.2",
@@ -66,10 +75,14 @@ def raw_messages(bag: Path) -> dict[str, list[bytes]]:
 
 def require_graph_is_the_offline_loop(assignments: list[str], bag: Path) -> None:
     """The graph in lock-step and the offline simulation agree to the last bit over 3 s."""
-    settings = load_settings([], assignments)
-    expected = simulate(loop(settings), 3.0)
-    recorded = read_recorded_run(record(settings, 3.0, bag))
-    assert len(recorded.time) == 3000
+    require_graph_is_simulated(load_settings([], assignments), 3.0, bag)
+
+
+def require_graph_is_simulated(settings: Settings, seconds: float, bag: Path) -> None:
+    """They agree in every sample of a run of any length [s]."""
+    expected = simulate(loop(settings), seconds)
+    recorded = read_recorded_run(record(settings, seconds, bag))
+    assert len(recorded.time) == round(seconds / 0.001)
     np.testing.assert_array_equal(recorded.state, expected.state)
     np.testing.assert_array_equal(recorded.friction, expected.friction)
     np.testing.assert_array_equal(recorded.friction_estimate, expected.friction_estimate)
@@ -95,6 +108,24 @@ def test_graph_with_rivals_is_the_offline_loop(
 ) -> None:
     """So they are with the controller's own means against friction."""
     require_graph_is_the_offline_loop(["compensation=combined", *others], tmp_path / "bag")
+
+
+@pytest.mark.parametrize("seed", range(RANDOM_LOOPS))
+def test_graph_with_a_random_loop_is_the_offline_loop(ros: None, tmp_path: Path, seed: int) -> None:
+    """Any law, compensation, estimator and sensors; some pendulums fall."""
+    r = np.random.default_rng(seed)
+    law, compensation, method = (str(r.choice(each)) for each in (LAWS, COMPENSATIONS, METHODS))
+    chosen = random_loop(r, law, compensation, method, bool(r.integers(2)))
+    if chosen.observer.chosen.needs_observed_friction:
+        chosen = chosen._replace(estimator=chosen.estimator._replace(method="kalman"))
+    settings = default_settings() | {
+        "plant": values(chosen.plant),
+        "estimator": values(chosen.estimator),
+        "friction_observer": values(chosen.observer),
+        "controller": values(chosen.controller),
+    }
+    assert loop(settings) == chosen
+    require_graph_is_simulated(settings, 2.0, tmp_path / "bag")
 
 
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import pytest
 
-from furuta_cli.verbs.robustness import parse_uncertain
+from furuta_cli.uncertain_rig_options import parse_uncertain
 from furuta_graph.settings import read_file
 from furuta_model.parameters import ParameterError
+from furuta_recordings.table_files import parquet
 
 Furuta = Callable[..., Any]
+TIMEOUT = 120.0
 SHORT = ("--rigs", "20", "--seconds", "5", "--set", "compensation=lugre")
 
 
@@ -28,6 +32,51 @@ def test_robustness_prints_probabilities_and_draws(furuta: Furuta, tmp_path: Pat
     assert found["fell"] == 0
     assert 0.0 < found["p95_rad"] <= found["worst_rad"]
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_killed_study_is_resumed(furuta: Furuta, processes: Any, tmp_path: Path) -> None:
+    """After SIGKILL the table and the result are those without a kill, to the byte."""
+    study = ("--rigs", "300", "--seconds", "30", "--set", "compensation=lugre", "--json")
+    status, undisturbed, err = furuta("robustness", *study, "--out", tmp_path / "whole.parquet")
+    assert status == 0, err
+    out, journal = tmp_path / "a.parquet", tmp_path / "a.parquet.part"
+    process = processes.furuta("robustness", *study, "--out", out)
+    deadline = monotonic() + TIMEOUT
+    while not journal.exists() or journal.read_bytes().count(b"\n") < 10:
+        assert monotonic() < deadline, "the study makes no progress"
+        sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not out.exists()
+    status, text, err = furuta("robustness", *study, "--out", out)
+    assert status == 0, err
+    found, expected = json.loads(text), json.loads(undisturbed)
+    assert 9 <= found["resumed"] < 300
+    for each in ("resumed", "file", "wall_seconds"):
+        del found[each], expected[each]
+    assert found == expected
+    assert out.read_bytes() == (tmp_path / "whole.parquet").read_bytes()
+    rows = parquet.read_table(out).to_pylist()
+    assert [row["rig"] for row in rows] == list(range(300))
+    assert sum(row["fell"] for row in rows) == found["fell"]
+    assert not journal.exists()
+
+
+def test_rigs_are_as_uncertain_as_the_file_says(furuta: Furuta, tmp_path: Path) -> None:
+    """What ``identify --write`` writes is enough; ranges and relative errors replace it."""
+    file = tmp_path / "mine.yaml"
+    file.write_text("uncertainty: {standard_errors: {alpha0: 0.001, beta: 0.002}}\n")
+    status, out, err = furuta("robustness", *SHORT, "--rig", file, "--json")
+    assert status == 0, err
+    found = json.loads(out)
+    assert found["standard_errors"] == {"alpha0": 0.001, "beta": 0.002}
+    assert found["uncertain"] == {}
+    table = tmp_path / "a.csv"
+    others = ("--error", "0.1", "--model-error", "0", "--out", table)
+    status, out, err = furuta("robustness", *SHORT, "--rig", file, "--json", *others)
+    assert status == 0, err
+    assert json.loads(out)["standard_errors"] == {}
+    assert "alpha0" in table.read_text().splitlines()[0].split(",")
 
 
 def test_tune_robust_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:

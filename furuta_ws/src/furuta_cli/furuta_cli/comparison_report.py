@@ -10,7 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table as Grid
 
-from furuta_studies.comparison.scores import Estimate, Score, Table
+from furuta_studies.comparison.scores import Score, Table
+from furuta_studies.estimates import Estimate
 
 # Most rigs that are listed one by one; columns of their names, and of a candidate's [characters].
 MOST_LISTED = 30

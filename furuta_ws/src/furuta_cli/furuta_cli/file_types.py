@@ -25,6 +25,7 @@ class OutputFile(click.Path):
         return path
 
 
-FIGURE = OutputFile(".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+FIGURE = OutputFile(*FIGURE_SUFFIXES)
 SERIES = OutputFile(*SUFFIXES)
 SERIES_OR_FIGURE = OutputFile(".npz", ".png", ".pdf", ".svg", ".csv", ".mat", ".parquet")

@@ -10,12 +10,11 @@ from typing import Any, NamedTuple, TypeVar
 import click
 from rich.console import Console
 
-from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import print_json
+from furuta_cli.uncertain_rig_options import RigOptions
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.settings import load_settings, loop
 from furuta_studies.robustness.robust_tuning import RobustResult, RobustTuning, tune_robustly
-from furuta_studies.robustness.uncertain_rigs import UncertainRigs, relative_ranges
+from furuta_studies.robustness.uncertain_rigs import UncertainRigs
 from furuta_studies.tuning.result import observer_parameters, write_parameter_file
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -25,23 +24,19 @@ SECONDS = 20.0
 
 
 class RobustEffort(NamedTuple):
-    """Rigs of a candidate, fresh rigs of the verdict, candidates, and the rigs' relative errors."""
+    """Rigs of a candidate, fresh rigs of the verdict, and candidates."""
 
     rigs: int
     fresh_rigs: int
     trials: int
-    error: float
-    model_error: float
 
 
 def robust_options(function: Function) -> Callable[..., Any]:
     """The options of ``--robust``, passed on as the argument ``effort``."""
 
     @wraps(function)
-    def command(
-        rigs: int, fresh_rigs: int, trials: int, error: float, model_error: float, **others: Any
-    ) -> Any:
-        return function(effort=RobustEffort(rigs, fresh_rigs, trials, error, model_error), **others)
+    def command(rigs: int, fresh_rigs: int, trials: int, **others: Any) -> Any:
+        return function(effort=RobustEffort(rigs, fresh_rigs, trials), **others)
 
     wrapped: Any = command
     for name, kind, default, text in reversed(_OPTIONS):
@@ -52,30 +47,26 @@ def robust_options(function: Function) -> Callable[..., Any]:
     return made
 
 
-_ERROR = FiniteRange(0, 1, max_open=True)
-_OPTIONS: tuple[tuple[str, Any, float, str], ...] = (
+_OPTIONS: tuple[tuple[str, Any, int, str], ...] = (
     ("--rigs", click.IntRange(20, 10**6), 500, "number of rigs for each candidate."),
     ("--fresh-rigs", click.IntRange(20, 10**7), 2000, "number of fresh rigs for the verdict."),
     ("--trials", click.IntRange(10, 10_000), 40, "number of candidates."),
-    ("--error", _ERROR, 0.3, "relative error of every friction parameter of the rigs."),
-    ("--model-error", _ERROR, 0.1, "relative error of every coefficient of the pendulum."),
 )
 
 
 def tune_and_report(
     effort: RobustEffort,
+    rig_options: RigOptions,
     search: tuple[str, ...],
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
     out: Path | None,
     as_json: bool,
 ) -> None:
     """Tune over uncertain rigs; print the result and write it to a parameter file."""
-    nominal = loop(load_settings(files, assignments))
+    rigs = rig_options.uncertain_rigs()
+    nominal = rigs.nominal
     if nominal.observer.compensation == "none":
         nominal = nominal._replace(observer=nominal.observer._replace(compensation="lugre"))
-    rigs = UncertainRigs(nominal, relative_ranges(nominal.plant, effort.error, effort.model_error))
-    rigs.check()
+        rigs = rigs._replace(nominal=nominal)
     seed = nominal.plant.seed
     rivals = tuple(each for each in COMPENSATIONS if each != "none")
     tuning = RobustTuning(rigs, search, effort.rigs, effort.trials, SECONDS, seed, rivals)
@@ -88,12 +79,12 @@ def tune_and_report(
     if out is not None:
         write_parameter_file(result.observer, out)
     if as_json:
-        print_json(_as_json(result, effort))
+        print_json(_as_json(result, effort, rigs))
     else:
         _print(result, effort, out)
 
 
-def _as_json(result: RobustResult, effort: RobustEffort) -> dict[str, Any]:
+def _as_json(result: RobustResult, effort: RobustEffort, rigs: UncertainRigs) -> dict[str, Any]:
     return {
         "parameters": observer_parameters(result.observer),
         "before": {"p95_rad": result.fresh_before},
@@ -101,6 +92,8 @@ def _as_json(result: RobustResult, effort: RobustEffort) -> dict[str, Any]:
         "tuned_on": {"p95_before_rad": result.before, "p95_after_rad": result.after},
         "trials": result.trials,
         **effort._asdict(),
+        "uncertain": {name: list(limits) for name, limits in rigs.ranges.items()},
+        "standard_errors": rigs.uncertainty.standard_errors,
     }
 
 

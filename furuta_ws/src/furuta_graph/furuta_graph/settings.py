@@ -63,11 +63,6 @@ def collect_settings(
     return settings
 
 
-def with_values(settings: Settings, values: Mapping[str, Any]) -> Settings:
-    """The settings with further values by name, checked as :func:`load_settings` does."""
-    return load_settings([], [f"{name}={value}" for name, value in values.items()], settings)
-
-
 def with_current_parameter_names(node: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """A node's values by today's parameter names; warns about earlier names."""
     current, warnings = with_current_names(NODES[node].parameters, given)
@@ -88,7 +83,18 @@ def parameters_of(settings: Settings) -> dict[str, Any]:
 
 def loop(settings: Settings) -> Loop:
     """The same parameters for the loop without ROS."""
-    made = parameters_of(settings)
+    return _loop(parameters_of(settings))
+
+
+def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:
+    """The loop with further values by name, checked as :func:`load_settings` does."""
+    assignments = [f"{name}={value}" for name, value in values.items()]
+    made = parameters_of(collect_settings([], assignments, settings))
+    check_graph(made)
+    return _loop(made)
+
+
+def _loop(made: Mapping[str, Any]) -> Loop:
     return Loop(
         made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
     )

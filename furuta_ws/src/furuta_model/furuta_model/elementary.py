@@ -92,6 +92,12 @@ _double: Callable[[int], float] = make_intrinsic(_double_of, _double_in_python)
 
 
 @inlined
+def power_of_two(exponent: int) -> float:
+    """2 to the power of an integer, −1022 … 1023."""
+    return _double((exponent + 1023) << 52)
+
+
+@inlined
 def reduced_exponential(x: float) -> tuple[float, float, float]:
     """(r, (eʳ − 1 − r)/r², 2ᵏ) with x = k ln 2 + r, |r| ≤ ln 2 / 2; −708 ≤ x ≤ 709."""
     rounded = fma(x, PER_LN2, ROUND)
@@ -110,7 +116,7 @@ def reduced_exponential(x: float) -> tuple[float, float, float]:
     odd = fma(s, odd, 1.0 / 5040.0)
     odd = fma(s, odd, 1.0 / 120.0)
     odd = fma(s, odd, 1.0 / 6.0)
-    scale = _double((_bits(rounded) + 1023) << 52)
+    scale = power_of_two(_bits(rounded))
     return r, fma(r, odd, even), scale
 
 

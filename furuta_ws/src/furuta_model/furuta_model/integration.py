@@ -179,7 +179,8 @@ def _pendulum_stage(
 
 
 _advance = integrator(_pendulum_stage)
-_first_half, _whole = first_half_rule(_pendulum_stage), whole_rule(_pendulum_stage)
+# The two halves of a substep of :func:`advance`, for loops side by side.
+advance_half, advance_whole = first_half_rule(_pendulum_stage), whole_rule(_pendulum_stage)
 
 
 @inlined
@@ -188,33 +189,3 @@ def advance(
 ) -> None:
     """Integrate plant state ``x`` (5,) in place over ``dt`` [s] at constant torque ``u`` [V]."""
     _advance(x, u, dt, substeps, body, law)
-
-
-@inlined
-def advance_half(
-    x: np.ndarray,
-    u: float,
-    h: float,
-    sine: float,
-    cosine: float,
-    body: FurutaPendulum,
-    law: FrictionLaw,
-) -> tuple[float, float]:
-    """Speeds [rad/s] in the middle of a substep of :func:`advance`, for loops side by side."""
-    return _first_half(x, u, h, sine, cosine, body, law)
-
-
-@inlined
-def advance_whole(
-    x: np.ndarray,
-    u: float,
-    h: float,
-    sine: float,
-    cosine: float,
-    v_mid: float,
-    w_mid: float,
-    body: FurutaPendulum,
-    law: FrictionLaw,
-) -> None:
-    """The substep from its start and the speeds of :func:`advance_half`."""
-    _whole(x, u, h, sine, cosine, v_mid, w_mid, body, law)

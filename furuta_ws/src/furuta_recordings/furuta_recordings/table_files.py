@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from itertools import islice
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,10 @@ except ModuleNotFoundError:  # only Parquet files need it
 SUFFIXES = (".csv", ".parquet", ".mat", ".npz")
 # Largest content of a file that is read [bytes]: an hour and a quarter of 14 columns at 1 kHz.
 LARGEST_CONTENT = 2**29
+# Rows of a Parquet file that are written together.
+ROWS_TOGETHER = 65_536
+# Types of their columns.
+_ARROW = {float: "float64", int: "int64", bool: "bool", str: "string"}
 
 # Series by name, all of the same length.
 Columns = Mapping[str, np.ndarray]
@@ -66,9 +71,15 @@ def _format(path: Path) -> tuple[Callable[[Path, Columns], None], Callable[[Path
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise ParameterError(f"{path} does not end in {', '.join(SUFFIXES)}")
-    if suffix == ".parquet" and arrow is None:
-        raise ParameterError("Parquet files need pyarrow: pip install pyarrow")
+    if suffix == ".parquet":
+        check_parquet()
     return _FORMATS[suffix]
+
+
+def check_parquet() -> None:
+    """Raise ParameterError if Parquet files cannot be read and written."""
+    if arrow is None:
+        raise ParameterError("Parquet files need pyarrow: pip install pyarrow")
 
 
 def _write_csv(path: Path, columns: Columns) -> None:
@@ -81,6 +92,18 @@ def _write_csv(path: Path, columns: Columns) -> None:
 
 def _write_parquet(path: Path, columns: Columns) -> None:
     parquet.write_table(arrow.table(dict(columns)), path)
+
+
+def write_parquet_rows(
+    path: Path, types: Mapping[str, type], rows: Iterable[Mapping[str, Any]]
+) -> None:
+    """Write rows to a Parquet file, some at a time; ``types`` (float, int, bool, str) by column."""
+    schema = arrow.schema([(name, _ARROW[kind]) for name, kind in types.items()])
+    iterator = iter(rows)
+    with parquet.ParquetWriter(path, schema) as writer:
+        while group := list(islice(iterator, ROWS_TOGETHER)):
+            columns = {name: [row[name] for row in group] for name in types}
+            writer.write_table(arrow.table(columns, schema))
 
 
 def _read_parquet(path: Path) -> dict[str, np.ndarray]:

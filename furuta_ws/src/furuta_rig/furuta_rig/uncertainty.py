@@ -52,9 +52,8 @@ class Uncertainty(NamedTuple):
         errors = np.sqrt(np.diag(self.covariance))
         return dict(zip(self.names, (float(each) for each in errors), strict=True))
 
-    def draws(self, count: int, seed: int) -> np.ndarray:
+    def draws(self, count: int, generator: np.random.Generator) -> np.ndarray:
         """Random changes of the coordinates (count, n)."""
-        generator = np.random.default_rng(seed)
         eigenvalues, vectors = np.linalg.eigh(self.covariance)
         root = vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
         normal = generator.standard_normal((count, len(self.names)))
@@ -109,7 +108,7 @@ def _with_values(rig: Rig, values: dict[str, float]) -> Rig:
 
 def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int = 0) -> Iterator[Rig]:
     """Random rigs that are as likely as the uncertainty says."""
-    for change in uncertainty.draws(count, seed):
+    for change in uncertainty.draws(count, np.random.default_rng(seed)):
         yield changed_rig(rig, uncertainty.names, change)
 
 

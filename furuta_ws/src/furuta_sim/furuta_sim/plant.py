@@ -7,13 +7,21 @@ parts that are on (:mod:`furuta_sim.plant_memory`). A rig without them needs onl
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import nan, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
-from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
+from furuta_model.elementary import power_of_two
+from furuta_model.friction.laws import (
+    HAS_SPRINGS,
+    LAWS,
+    FrictionLaw,
+    friction_force,
+    friction_law,
+)
 from furuta_model.integration import advance, substeps_for
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -28,13 +36,16 @@ from furuta_sim.parts.motion import (
     advance_with_parts,
     varied_friction,
 )
-from furuta_sim.parts.pushes import push_at
+from furuta_sim.parts.pushes import Pushes, push_at
 from furuta_sim.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
 from furuta_sim.parts.tilt import Tilt, with_tilt
+from furuta_sim.parts.torque_waves import TorqueWaves
 from furuta_sim.plant_memory import MOVED, PLANT_MEMORY
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+# Turns per radian.
+PER_TURN = 1.0 / (2.0 * pi)
 
 
 class Parts(NamedTuple):
@@ -81,16 +92,29 @@ def design_plant(p: PlantParameters) -> Plant:
 
 def _design_parts(p: PlantParameters) -> Parts:
     given = (p.friction.variation, p.drive, p.cogging, p.pendulum_friction, p.tilt)
-    law = friction_law(p.friction.law, p.friction.parameters).law
-    waves = p.waves.table
-    some = law.springs or p.pushes.number > 0 or len(waves) > 0
+    has_springs = HAS_SPRINGS[LAWS.index(p.friction.law)]
+    return _parts(p.friction.springs, has_springs, given, p.pushes, p.waves, p.sample_time)
+
+
+@lru_cache(maxsize=256)
+def _parts(
+    springs: int,
+    has_springs: bool,
+    given: tuple[FrictionVariation, Drive, Cogging, PendulumFriction, Tilt],
+    pushes: Pushes,
+    waves: TorqueWaves,
+    sample_time: float,
+) -> Parts:
+    """The parts, which the rigs of a study mostly have in common."""
+    table = waves.table
+    some = has_springs or pushes.number > 0 or len(table) > 0
     return Parts(
         some or any(each != type(each)() for each in given),
-        p.friction.springs,
+        springs,
         *given,
-        p.pushes.number,
-        p.pushes.profile(p.sample_time),
-        waves,
+        pushes.number,
+        pushes.profile(sample_time),
+        table,
     )
 
 
@@ -100,9 +124,10 @@ def convert(value: float, full_scale: float, bits: int) -> float:
     value = min(max(value, -full_scale), full_scale)
     if bits == 0:
         return value
-    half = float(1 << (bits - 1))
-    code = np.floor(value / full_scale * half + 0.5)
-    return min(code, half - 1.0) * full_scale / half
+    # Multiplication by a power of two is exact, and much faster than division.
+    step = full_scale * power_of_two(1 - bits)
+    code = np.floor(value / step + 0.5)
+    return min(code, power_of_two(bits - 1) - 1.0) * step
 
 
 @inlined
@@ -156,14 +181,14 @@ def _measure(
         return
     if sensors.encoder_counts > 0:
         count = 2.0 * pi / sensors.encoder_counts
-        phi = np.floor(phi / count + 0.5) * count
+        phi = np.floor(phi * (sensors.encoder_counts * PER_TURN) + 0.5) * count
     measurement[PHI] = phi
     measurement[PHI_DOT] = convert(
         v + sensors.tachometer_noise * noise[0],
         sensors.tachometer_range,
         sensors.tachometer_bits,
     )
-    theta -= 2.0 * pi * np.floor(theta / (2.0 * pi) + 0.5)
+    theta -= 2.0 * pi * np.floor(theta * PER_TURN + 0.5)
     measurement[THETA] = convert(
         theta + sensors.potentiometer_noise * noise[1],
         sensors.potentiometer_range,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from itertools import islice
 from typing import Any
 
@@ -23,7 +23,7 @@ MAX_ATTEMPTS = 20
 Chunk = list[tuple[int, Loop]]
 
 
-def run_on_cluster(study: Study, done: set[int], address: str) -> Iterator[RunResult]:
+def run_on_cluster(study: Study, done: Container[int], address: str) -> Iterator[RunResult]:
     """Run what is not ``done`` on the cluster at ``address``, and yield results as they arrive.
 
     A chunk whose worker dies is run again by another worker; finished runs are not repeated.
@@ -41,7 +41,7 @@ def run_on_cluster(study: Study, done: set[int], address: str) -> Iterator[RunRe
 class _ClusterRun:
     """Keeps enough chunks waiting on the cluster that no thread is idle."""
 
-    def __init__(self, client: Any, study: Study, done: set[int]) -> None:
+    def __init__(self, client: Any, study: Study, done: Container[int]) -> None:
         from distributed import as_completed  # noqa: PLC0415 - slow to load
 
         self._client = client

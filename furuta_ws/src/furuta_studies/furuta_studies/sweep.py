@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any, NamedTuple, Protocol
 
 from furuta_analysis.simulation.batch import batch
 from furuta_analysis.simulation.closed_loop import Loop, Outcome
-from furuta_graph.settings import Settings, loop, with_values
+from furuta_graph.settings import Settings, loop_with
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep_points import Point, SweptParameter, count_points, generate_points
 
@@ -25,7 +25,7 @@ class Study(Protocol):
     def seconds(self) -> float:
         """Simulated time of each run [s]."""
 
-    def remaining_loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
+    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
         """The loop of every run that is not ``done``, or the reason why it is impossible."""
 
 
@@ -48,12 +48,12 @@ class Sweep(NamedTuple):
         """Generate the parameter values of every run."""
         return generate_points(self.axes, self.method, self.points, self.seed)
 
-    def remaining_loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
+    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
         """The loop of every run that is not ``done``, or the reason why it is impossible."""
         for number, point in enumerate(self.generate_points()):
             if number not in done:
                 try:
-                    yield number, loop(with_values(self.settings, point))
+                    yield number, loop_with(self.settings, point)
                 except ParameterError as error:
                     yield number, str(error)
 
@@ -68,7 +68,7 @@ def impossible_run(number: int, reason: str) -> RunResult:
     return number, {**NO_OUTCOME, "error": reason}
 
 
-def run_locally(study: Study, done: set[int]) -> Iterator[RunResult]:
+def run_locally(study: Study, done: Container[int]) -> Iterator[RunResult]:
     """Run what is not ``done`` on all cores, and yield the results."""
     numbers: deque[int] = deque()
     impossible: deque[RunResult] = deque()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import chain, count, islice, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,8 @@ from furuta_studies.parameter_range import parse_range
 
 METHODS = ("grid", "random", "sobol")
 MAX_POINTS = 10_000_000
+# Points that are drawn together: a power of two, which a Sobol sequence needs.
+DRAWN = 1024
 
 # Values of the swept parameters in one run, by name.
 Point = dict[str, Any]
@@ -80,10 +82,12 @@ def generate_points(
         yield {p.name: p.value_at(float(x)) for p, x in zip(parameters, row, strict=True)}
 
 
-def _unit_cube_points(dimensions: int, method: str, points: int, seed: int) -> np.ndarray:
-    """Points (n, dimensions) in the unit cube, random or of a scrambled Sobol sequence."""
+def _unit_cube_points(dimensions: int, method: str, points: int, seed: int) -> Iterator[np.ndarray]:
+    """Points of the unit cube, random or of a scrambled Sobol sequence."""
     if method == "random":
-        return np.random.default_rng(seed).random((points, dimensions))
-    exponent = max(0, (points - 1).bit_length())
-    cube: np.ndarray = qmc.Sobol(dimensions, rng=seed).random_base2(exponent)[:points]
-    return cube
+        draw = np.random.default_rng(seed).random
+        blocks = (draw((DRAWN, dimensions)) for _ in count())
+    else:
+        sequence = qmc.Sobol(dimensions, rng=seed)
+        blocks = (sequence.random(DRAWN) for _ in count())
+    yield from islice(chain.from_iterable(blocks), points)

@@ -16,7 +16,7 @@ from itertools import islice
 
 from furuta_analysis.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
 from furuta_analysis.simulation.lanes import (
-    WIDTH,
+    WIDTH_WITHOUT_FILTER,
     Group,
     PreparedLoop,
     is_compiled,
@@ -49,7 +49,7 @@ def batch(
     workers = workers or available_cores()
     pending: deque[_Chunk] = deque()
     with ThreadPoolExecutor(workers) as pool:
-        for chunk in _chunks(loops, workers, workers * BLOCKS_PER_WORKER * WIDTH):
+        for chunk in _chunks(loops, workers, workers * BLOCKS_PER_WORKER * WIDTH_WITHOUT_FILTER):
             pending.append(_Chunk(pool, chunk, seconds, settled))
             if len(pending) > 1:
                 yield from pending.popleft().outcomes()
@@ -119,7 +119,8 @@ def _split(group: Group, members: Members) -> tuple[list[Members], Members]:
     """Blocks of loops that run in lanes, and the loops that run singly."""
     if len(members) < FEWEST_IN_BLOCK or not _use_lanes(group, len(members)):
         return [], members
-    blocks = [members[first : first + WIDTH] for first in range(0, len(members), WIDTH)]
+    width = group.width
+    blocks = [members[first : first + width] for first in range(0, len(members), width)]
     rest = blocks.pop() if len(blocks[-1]) < FEWEST_IN_BLOCK else []
     return blocks, rest
 

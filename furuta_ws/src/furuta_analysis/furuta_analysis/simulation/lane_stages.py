@@ -76,6 +76,17 @@ class Lane(NamedTuple):
     sums: np.ndarray
 
 
+def _in_each_lane(step: Callable[[Any], None]) -> Callable[[Any, int], None]:
+    """Make a loop that calls an inlined function for every lane."""
+
+    def run(lanes: Any, count: int) -> None:
+        widest_vectors()
+        for i in range(count):
+            step(lanes[i])
+
+    return compiled(run, cached=False)
+
+
 @compiled
 def read_lanes(lanes: Any, count: int) -> None:
     """Read the sensors."""
@@ -84,6 +95,14 @@ def read_lanes(lanes: Any, count: int) -> None:
         lane = lanes[i]
         measure(lane.x, lane.noise, lane.sensors, lane.measurement)
         lane.measurement[APPLIED_TORQUE] = lane.signals[TORQUE]
+
+
+@_in_each_lane
+@inlined
+def _estimate_singly(lane: Any) -> None:
+    """Estimate the state as a single run does."""
+    p = lane.estimator_design
+    estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
 
 
 @compiled
@@ -105,15 +124,6 @@ def estimate_lanes(lanes: Any, count: int) -> None:
 
 
 @compiled
-def _estimate_singly(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        lane = lanes[i]
-        p = lane.estimator_design
-        estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
-
-
-@compiled
 def observe_lanes(lanes: Any, count: int) -> None:
     """Estimate the friction."""
     widest_vectors()
@@ -122,6 +132,14 @@ def observe_lanes(lanes: Any, count: int) -> None:
         lane.signals[FRICTION_ESTIMATE] = estimate_without_switch(
             lane.observer, lane.estimate, lane.compensator
         )
+
+
+@_in_each_lane
+@inlined
+def _control_singly(lane: Any) -> None:
+    """Compute the command as a single run does."""
+    p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
+    lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -145,15 +163,6 @@ def control_lanes(lanes: Any, count: int) -> None:
 
 
 @compiled
-def _control_singly(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        lane = lanes[i]
-        p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
-        lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
-
-
-@compiled
 def midpoint_lanes(lanes: Any, count: int) -> None:
     """Include the sample in the midpoint of the motion."""
     widest_vectors()
@@ -172,6 +181,18 @@ def measure_lanes(lanes: Any, count: int) -> None:
         measure_sample(
             lane.accumulator, lane.sums, lane.x, lane.signals[COMMAND], friction, estimated
         )
+
+
+@inlined
+def _finish(lane: Any) -> None:
+    """Finish a substep."""
+    signals, p = lane.signals, lane.plant
+    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
+    v_mid, w_mid = signals[V_MID], signals[W_MID]
+    advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
+
+
+_finish_all = _in_each_lane(_finish)
 
 
 @compiled
@@ -207,27 +228,11 @@ def move_lanes(lanes: Any, count: int) -> None:
 
 
 @compiled
-def _finish_all(lanes: Any, count: int) -> None:
-    widest_vectors()
-    for i in range(count):
-        _finish(lanes[i])
-
-
-@compiled
 def _finish_some(lanes: Any, count: int, substep: int) -> None:
     widest_vectors()
     for i in range(count):
         if substep < lanes[i].signals[SUBSTEPS]:
             _finish(lanes[i])
-
-
-@inlined
-def _finish(lane: Any) -> None:
-    """Finish a substep."""
-    signals, p = lane.signals, lane.plant
-    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
-    v_mid, w_mid = signals[V_MID], signals[W_MID]
-    advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
 
 
 class Stage(NamedTuple):

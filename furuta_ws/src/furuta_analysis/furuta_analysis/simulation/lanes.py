@@ -1,7 +1,7 @@
 """Simulates many closed loops side by side in the lanes of the processor's vector instructions.
 
 Loops that compute alike form a group: the same kinds of law, compensation, estimator and sensors,
-and as many samples. Up to :data:`WIDTH` loops of a group run in one block
+and as many samples. Up to 64 loops of a group run in one block
 (:mod:`furuta_analysis.simulation.lane_stages`); each has parameters, seed and initial state of its
 own.
 
@@ -37,19 +37,26 @@ from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_friction import compensation
 from furuta_friction.compensation import ObserverParameters, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.friction.laws import FrictionLaw
 from furuta_model.lanes import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
+from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
+from furuta_sim.parameters import Actuator
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 
-# Lanes of a block. A multiple of every vector's width, and few enough that a block stays in the
-# processor's first cache.
+# Most lanes of a block: many, because starting a loop over them costs time, but what a sample uses
+# of the block has to stay in the processor's first cache. That is some 70 numbers per lane with
+# ideal sensors and without a filter, and some 200 otherwise.
 WIDTH = 32
+WIDTH_WITHOUT_FILTER = 64
+# Lanes of the widest vectors; a block runs a multiple of them.
+VECTOR = 8
 # Samples below which a single run takes no longer than preparing the loop for a lane.
 FEWEST_SAMPLES = 500
 # Distance of two rows. With a divisor of 4096 bytes a load would often seem to depend on a store
 # before it, because the processor compares only the lowest bits of addresses.
-STRIDE = WIDTH + 8
+BETWEEN_ROWS = 8
 # Samples for which noise is drawn ahead.
 NOISE_SAMPLES = 256
 # Numbers that select what is computed, besides truth values.
@@ -79,10 +86,16 @@ def is_constant(name: str, value: Any) -> bool:
 
 
 class Group(NamedTuple):
-    """What the loops of a block have in common: layouts of the designs, samples of a run."""
+    """What the loops of a block have in common: layouts of the designs, samples, most lanes."""
 
     layouts: tuple[int, ...]
     samples: int
+    width: int
+
+    @property
+    def stride(self) -> int:
+        """Distance of two rows of a block."""
+        return self.width + BETWEEN_ROWS
 
 
 class PreparedLoop(NamedTuple):
@@ -111,21 +124,29 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     moved = LanePlant(
         plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps
     )
+    estimation = _needed_estimator(loop)
     parts = (
-        _part(moved),
+        _plant(moved),
         _sensors(loop.plant.sensors),
-        _estimator(_needed_estimator(loop)),
+        _estimator(estimation),
         _compensator(loop.observer),
         _controller(control),
     )
     x = np.zeros(PLANT_STATES)
     x[:BRISTLE] = loop.plant.initial
     return PreparedLoop(
-        Group(tuple(layout for layout, _ in parts), samples),
+        Group(
+            tuple(layout for layout, _ in parts), samples, _width(loop.plant.sensors, estimation)
+        ),
         (*(numbers for _, numbers in parts), x),
         loop.plant.seed,
         loop.plant.sample_time,
     )
+
+
+def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:
+    plain = sensors.ideal and estimation.method == "lowpass"
+    return WIDTH_WITHOUT_FILTER if plain else WIDTH
 
 
 def _needed_estimator(loop: Loop) -> EstimatorParameters:
@@ -144,8 +165,22 @@ _LAYOUTS: dict[Layout, int] = {}
 
 
 def _part(design: Any) -> Part:
+    return _layout_number(design), numbers_of(design)
+
+
+def _layout_number(design: Any) -> int:
     layout, _ = layout_of(design, is_constant)
-    return _LAYOUTS.setdefault(layout, len(_LAYOUTS)), numbers_of(design)
+    return _LAYOUTS.setdefault(layout, len(_LAYOUTS))
+
+
+def _plant(p: LanePlant) -> Part:
+    return _plant_layout(p.friction.kind, p.actuator), numbers_of(p)
+
+
+@lru_cache(maxsize=256)
+def _plant_layout(kind: int, actuator: Actuator) -> int:
+    """The layout does not depend on the real numbers, which differ between the loops of a study."""
+    return _layout_number(LanePlant(FurutaPendulum(), FrictionLaw(kind), actuator, 0.0, 1))
 
 
 @lru_cache(maxsize=4096)
@@ -183,13 +218,8 @@ def _layout(group: Group) -> tuple[Layout, int]:
 
 
 def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
-    """Outcomes of up to :data:`WIDTH` loops of one group; lanes to spare repeat the first loop."""
-    group = loops[0].group
-    layout, rows = _layout(group)
-    block = Lanes(layout, rows, STRIDE)
-    for i in range(WIDTH):
-        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
-        block.data[: len(numbers), i] = numbers
+    """Outcomes of at most ``width`` loops of one group; lanes to spare repeat the first loop."""
+    group, block = loops[0].group, block_of(loops)
     measured = max(1, round(settled * group.samples))
     _run_samples(block, loops, group, group.samples - measured)
     accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
@@ -199,18 +229,36 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     ]
 
 
+def block_of(loops: Sequence[PreparedLoop]) -> Lanes:
+    """A block with the loops at their start."""
+    group = loops[0].group
+    layout, rows = _layout(group)
+    block = Lanes(layout, rows, group.stride)
+    for i in range(_used(loops)):
+        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
+        # The block begins with zeros. A controller that only balances has thousands of them.
+        given = np.flatnonzero(numbers.view(np.int64))
+        block.data[given, i] = numbers[given]
+    return block
+
+
+def _used(loops: Sequence[PreparedLoop]) -> int:
+    """Lanes that the loops take."""
+    return -(-len(loops) // VECTOR) * VECTOR
+
+
 def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int) -> None:
     """Run all samples; the noise of each lane is that of its loop's own seed."""
-    stages = np.array([[_address(each, group) for each in part] for part in _padded_parts()])
+    stages = np.array([[stage_address(each, group) for each in part] for part in _padded_parts()])
     ideal = block.constant("sensors", "ideal")
     generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
-    noise = np.zeros((WIDTH, NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
-    rows = block.rows("noise")[:, :WIDTH]
+    noise = np.zeros((_used(loops), NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
+    rows = block.rows("noise")[:, : len(noise)]
     for first in range(0, group.samples, NOISE_SAMPLES):
         for i, generator in enumerate(generators):
             generator.standard_normal(out=noise[i])
         last = min(first + NOISE_SAMPLES, group.samples)
-        _run_stages(stages, block.address, rows, noise, first, last, transient)
+        run_stages(stages, block.address, rows, noise, first, last, transient)
 
 
 def _padded_parts() -> list[list[Stage | None]]:
@@ -223,7 +271,7 @@ def compile_stages(loops: Iterable[Loop]) -> None:
         prepared = prepare(loop, 1.0)
         if prepared is not None:
             for stage in {stage for part in PARTS for stage in part}:
-                _address(stage, prepared.group)
+                stage_address(stage, prepared.group)
 
 
 def is_compiled(group: Group) -> bool:
@@ -232,7 +280,7 @@ def is_compiled(group: Group) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def _address(stage: Stage | None, group: Group) -> int:
+def stage_address(stage: Stage | None, group: Group) -> int:
     """Address of the machine code of a stage, which is compiled if need be; 0 for no stage."""
     if stage is None:
         return 0
@@ -254,7 +302,7 @@ def _exists(stage: Stage, group: Group) -> bool:
 def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
     layout, _ = _layout(group)
     fields = tuple(each for each in layout[1] if each[0] in stage.fields)
-    return LanesType(("record", fields), STRIDE), types.intp
+    return LanesType(("record", fields), group.stride), types.intp
 
 
 def _calling(_: Any, address: Any, block: Any, count: Any) -> Any:
@@ -279,7 +327,7 @@ _call_stage: Callable[[int, int, int], None] = make_intrinsic(_calling)
 
 
 @compiled
-def _run_stages(
+def run_stages(
     stages: np.ndarray,
     block: int,
     noise_rows: np.ndarray,

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import click
 from click.core import ParameterSource
-from rich.console import Console
-from rich.progress import Progress
 
 from furuta_cli.comparison_report import print_report, summary_of
 from furuta_cli.number_types import FiniteRange
@@ -22,6 +19,7 @@ from furuta_cli.options import (
     model_options,
     print_json,
 )
+from furuta_cli.study_runs import run_study, with_progress
 from furuta_graph.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_studies.comparison.candidates import STANDARD, parse_candidates
@@ -31,7 +29,7 @@ from furuta_studies.comparison.results import Results
 from furuta_studies.comparison.scores import Rows, rank, tabulate
 from furuta_studies.comparison.tuning import Tuning, TuningBudget
 from furuta_studies.experiments import encoder_resolution
-from furuta_studies.sweep import RunResult, run_locally
+from furuta_studies.sweep import RunResult
 
 # Options without effect on the named rigs.
 RANDOM_ONLY = ("rigs", "first_rig", "disturb")
@@ -112,7 +110,9 @@ def command(
     chosen = Rigs(rows, rigs, first_rig, seed, disturbances)
     given = tuple(push for push in dict.fromkeys(pushes) if push)
     comparison = Comparison(settings, chosen, candidates, seeds, given, seconds)
-    runs = results.run(comparison, partial(_run, scheduler), partial(show, "comparing"))
+    runs = results.run(
+        comparison, partial(run_study, scheduler=scheduler), partial(show, "comparing")
+    )
     _report(runs, encoder_resolution(loop(settings)), results, as_json)
 
 
@@ -129,22 +129,11 @@ def _check_options(ctx: click.Context, rows: str, tune_budget: int) -> None:
             raise ParameterError(f"{option} needs --tune-budget")
 
 
-def _run(scheduler: str | None, comparison: Comparison, done: set[int]) -> Iterator[RunResult]:
-    if scheduler is None:
-        return run_locally(comparison, done)
-    from furuta_studies.cluster import run_on_cluster
-
-    return run_on_cluster(comparison, done, scheduler)
-
-
 def _show_progress(
     title: str, results: Iterator[RunResult], size: int, resumed: int, quiet: bool
 ) -> None:
-    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task(title, total=size, completed=resumed)
-        for _ in results:
-            progress.advance(task)
+    for _ in with_progress(title, results, size, resumed, quiet):
+        pass
 
 
 def _report(runs: Rows, encoder_count: float, results: Results, as_json: bool) -> None:

@@ -16,7 +16,7 @@ from furuta_model.parameters import ParameterError
 from furuta_studies.analysis_options import AnalysisOptions
 from furuta_studies.feedback_map import MapPoint, map_feedbacks
 from furuta_studies.parameter_range import parse_range
-from furuta_studies.sweep_journal import write_table
+from furuta_studies.study_tables import write_csv
 
 DEFAULT_COUNT = 20
 
@@ -54,7 +54,7 @@ def command(
     found = list(track(points, "mapping", total=total, console=console, transient=True))
     rows = [_row(first, second, point) for point in found]
     if data is not None:
-        write_table(rows, data)
+        write_csv(rows, data)
     if out is not None:
         from furuta_figures.feedback_map import draw_map
 

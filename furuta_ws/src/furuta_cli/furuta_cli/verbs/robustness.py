@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from time import perf_counter
@@ -11,55 +10,26 @@ from typing import Any
 
 import click
 import numpy as np
-from rich.console import Console
-from rich.progress import Progress
 
-from furuta_analysis.simulation.closed_loop import Loop
-from furuta_cli.file_types import FIGURE
+from furuta_cli.file_types import FIGURE_SUFFIXES, OutputFile
 from furuta_cli.number_types import FiniteRange
-from furuta_cli.options import MEASURED_SECONDS, SEED, json_option, model_options, print_json
-from furuta_graph.settings import load_settings, loop
+from furuta_cli.options import MEASURED_SECONDS, SEED, json_option, print_json
+from furuta_cli.study_runs import progress_bar, run_study, with_progress
+from furuta_cli.uncertain_rig_options import RigOptions, uncertain_rig_options
 from furuta_model.parameters import ParameterError
 from furuta_studies.experiments import encoder_resolution
 from furuta_studies.robustness.robustness import (
+    RigStudy,
     Robustness,
     Sensitivity,
-    residuals,
+    residual,
     robustness,
     sobol,
 )
-from furuta_studies.robustness.uncertain_rigs import FRICTION, MODEL, UncertainRigs, relative_ranges
+from furuta_studies.study_tables import SUFFIXES, check_table, write_runs
+from furuta_studies.sweep_journal import Journal
 
-ERROR = FiniteRange(0, 1, max_open=True)
 MAX_RIGS = 10_000_000
-
-
-def uncertain_rigs(
-    nominal: Loop, ranges: tuple[str, ...], error: float, model_error: float
-) -> UncertainRigs:
-    """The rigs that the options describe."""
-    given = relative_ranges(nominal.plant, error, model_error)
-    given |= dict(parse_uncertain(each) for each in ranges)
-    rigs = UncertainRigs(nominal, given)
-    if not given:
-        raise ParameterError("no parameter is uncertain: give --error, --model-error or NAME=L:H")
-    rigs.check()
-    return rigs
-
-
-def parse_uncertain(text: str) -> tuple[str, tuple[float, float]]:
-    """Name and range of NAME=LOW:HIGH."""
-    name, _, rest = text.partition("=")
-    names = (*FRICTION, *MODEL)
-    if name not in names:
-        raise ParameterError(f"uncertain can be {', '.join(names)}; given {text!r}")
-    try:
-        low, high = map(float, rest.split(":"))
-    except ValueError:
-        raise ParameterError(f"expected NAME=LOW:HIGH, given {text!r}") from None
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise ParameterError(f"{name}: needs finite LOW < HIGH, given {rest!r}")
-    return name, (low, high)
 
 
 @click.command()
@@ -72,77 +42,118 @@ def parse_uncertain(text: str) -> tuple[str, tuple[float, float]]:
     metavar="RAD",
     help="Largest residual that counts as within; default: one count of the encoder.",
 )
-@click.option("--error", type=ERROR, default=0.3, show_default=True,
-    help="Relative error of every friction parameter.")  # fmt: skip
-@click.option("--model-error", type=ERROR, default=0.1, show_default=True,
-    help="Relative error of every coefficient of the pendulum.")  # fmt: skip
 @click.option("--seconds", type=MEASURED_SECONDS, default=20.0, show_default=True,
     help="Simulated time of each run [s].")  # fmt: skip
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the rigs.")
 @click.option("--sobol", "points", type=click.IntRange(2, 2**20), metavar="N",
     help="Compute Sobol indices with N points, a power of two.")  # fmt: skip
-@click.option("--out", type=FIGURE, metavar="FILE.png",
-    help="Draw the residual over the two parameters that matter most.")  # fmt: skip
-@model_options
+@click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+@click.option(
+    "--out",
+    "files_out",
+    type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES),
+    multiple=True,
+    metavar="FILE",
+    help="A .csv or .parquet file for a row per rig, with which an interrupted study can continue; "
+    "or a .png file for a picture over the two values that matter most; repeatable.",
+)
+@uncertain_rig_options
 @json_option
 def command(
     ranges: tuple[str, ...],
     rigs: int,
     bound: float | None,
-    error: float,
-    model_error: float,
     seconds: float,
     seed: int,
     points: int | None,
-    out: Path | None,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
+    scheduler: str | None,
+    files_out: tuple[Path, ...],
+    rig_options: RigOptions,
     as_json: bool,
 ) -> None:
     """Measure how sure a compensation is over rigs that are known only roughly.
 
-    Each parameter of the simulated rig is anywhere in its range; estimator, friction observer and
-    controller keep their values. Prints the probability that the arm's residual peak-to-peak angle
-    stays within the bound, with its 95 % confidence interval.
+    Each parameter of the simulated rig is anywhere in its range; or the rig is as uncertain as the
+    file of --rig says. Estimator, friction observer and controller keep their values. Prints the
+    probability that the arm's residual peak-to-peak angle stays within the bound, with its 95 %
+    confidence interval.
 
     Example: furuta robustness alpha0=0.15:0.3 --rigs 10000 --set compensation=lugre
+
+    Call an interrupted study with a table again with the same arguments to continue it.
     """
     if points is not None and points & (points - 1):
         raise ParameterError(f"--sobol must be a power of two, given {points}")
+    table, pictures = _table_and_pictures(files_out)
     began = perf_counter()
-    nominal = loop(load_settings(files, assignments))
-    study = uncertain_rigs(nominal, ranges, error, model_error)
-    bound = bound or encoder_resolution(study.nominal) or 2.0 * np.pi / 250
-    total = rigs + (points * (len(study.ranges) + 2) if points else 0)
-    console = Console(stderr=True, quiet=as_json or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("simulating", total=total)
-
-        def counted(each: Iterable[float]) -> Iterator[float]:
-            for one in each:
-                progress.advance(task)
-                yield one
-
-        found = np.fromiter(counted(residuals(study.loops(rigs, seed), seconds)), float, rigs)
-        indices = (
-            sobol(study, points, seed, seconds, lambda: progress.advance(task)) if points else []
-        )
-    result = robustness(found, bound)
-    if out is not None:
-        _draw(study, found, indices, seed, bound, out)
-    summary = _summary(result, bound, study, indices, perf_counter() - began)
+    uncertain = rig_options.uncertain_rigs(ranges)
+    if pictures and len(uncertain.names) < 2:
+        raise ParameterError("a picture shows two parameters: more than one must be uncertain")
+    bound = bound or encoder_resolution(uncertain.nominal) or 2.0 * np.pi / 250
+    study = RigStudy(uncertain, rigs, seed, seconds)
+    journal = None if table is None else Journal(table, study)
+    try:
+        found, resumed = _residuals(study, journal, scheduler, as_json)
+        indices = _sobol(study, points, as_json) if points else []
+        for picture in pictures:
+            _draw(study, found, indices, bound, picture)
+        if journal is not None and table is not None:
+            write_runs(_rows(study, journal), table)
+            journal.delete()
+    finally:
+        if journal is not None:
+            journal.close()
+    summary = _summary(robustness(found, bound), bound, study, indices)
+    summary |= {"resumed": resumed, "wall_seconds": perf_counter() - began}
+    if table is not None:
+        summary["file"] = str(table)
     if as_json:
         print_json(summary)
     else:
         _print(summary)
 
 
+def _table_and_pictures(files: tuple[Path, ...]) -> tuple[Path | None, list[Path]]:
+    """The file of the rows, if one is given, and those of pictures."""
+    tables = [each for each in files if each.suffix in SUFFIXES]
+    if len(tables) > 1:
+        raise ParameterError(f"--out: one table is enough, given {' and '.join(map(str, tables))}")
+    for each in tables:
+        check_table(each)
+    return next(iter(tables), None), [each for each in files if each not in tables]
+
+
+def _residuals(
+    study: RigStudy, journal: Journal | None, scheduler: str | None, quiet: bool
+) -> tuple[np.ndarray, int]:
+    """The residuals of all rigs [rad], and how many had been computed before an interruption."""
+    found, resumed = np.empty(study.size), 0
+    if journal is not None:
+        resumed = len(journal)
+        for number in journal:
+            found[number] = residual(journal[number])
+    results = run_study(study, () if journal is None else journal, scheduler)
+    if journal is not None:
+        results = journal.record(results)
+    for number, result in with_progress("simulating", results, study.size, resumed, quiet):
+        found[number] = residual(result)
+    return found, resumed
+
+
+def _sobol(study: RigStudy, points: int, quiet: bool) -> list[Sensitivity]:
+    total = points * (len(study.rigs.names) + 2)
+    with progress_bar("Sobol indices", total, quiet=quiet) as advance:
+        return sobol(study.rigs, points, study.seed, study.seconds, advance)
+
+
+def _rows(study: RigStudy, journal: Journal) -> Iterator[dict[str, Any]]:
+    """A row per rig: its uncertain values, and the outcome."""
+    for number, values in enumerate(study.values()):
+        yield {"rig": number, **values, **journal[number]}
+
+
 def _summary(
-    found: Robustness,
-    bound: float,
-    study: UncertainRigs,
-    indices: list[Sensitivity],
-    seconds: float,
+    found: Robustness, bound: float, study: RigStudy, indices: list[Sensitivity]
 ) -> dict[str, Any]:
     return {
         "runs": found.runs,
@@ -157,9 +168,9 @@ def _summary(
         "p95_low_rad": found.p95_low_rad,
         "p95_high_rad": found.p95_high_rad,
         "worst_rad": found.worst_rad,
-        "uncertain": {name: list(limits) for name, limits in study.ranges.items()},
+        "uncertain": {name: list(limits) for name, limits in study.rigs.ranges.items()},
+        "standard_errors": study.rigs.uncertainty.standard_errors,
         "sobol": [each._asdict() for each in indices],
-        "wall_seconds": seconds,
     }
 
 
@@ -172,33 +183,27 @@ def _print(summary: dict[str, Any]) -> None:
         elif name == "uncertain":
             for parameter, (low, high) in value.items():
                 print(f"uncertain {parameter:14} {low:.5g} to {high:.5g}")
+        elif name == "standard_errors":
+            for parameter, error in value.items():
+                print(f"standard error {parameter:9} {error:.5g}")
         else:
-            print(f"{name:24} {value:.5g}")
+            print(f"{name:24} {value if isinstance(value, str) else f'{value:.5g}'}")
 
 
 def _draw(
-    study: UncertainRigs,
-    found: np.ndarray,
-    indices: list[Sensitivity],
-    seed: int,
-    bound: float,
-    out: Path,
+    study: RigStudy, found: np.ndarray, indices: list[Sensitivity], bound: float, out: Path
 ) -> None:
-    from furuta_figures.robustness import draw_robustness
+    from furuta_figures.robustness import MOST_POINTS, draw_robustness
 
-    cube = np.array(list(islice(study.points(seed), len(found))))
-    names = list(study.ranges)
-    weights = [each.total for each in indices] or _rank_correlations(cube, found)
-    chosen = sorted(np.argsort(weights)[::-1][:2])
-    if len(chosen) < 2:
-        raise ParameterError("--out draws two parameters: more than one must be uncertain")
-    first, second = (int(each) for each in chosen)
-    limits = np.array([study.ranges[names[each]] for each in (first, second)])
-    shown = limits[:, 0] + cube[:, [first, second]] * (limits[:, 1] - limits[:, 0])
-    draw_robustness((names[first], names[second]), shown, found, bound, out)
+    names = study.rigs.names
+    values = np.array([list(each.values()) for each in islice(study.values(), MOST_POINTS)])
+    found = found[: len(values)]
+    weights = [each.total for each in indices] or _rank_correlations(values, found)
+    first, second = sorted(int(each) for each in np.argsort(weights)[::-1][:2])
+    draw_robustness((names[first], names[second]), values[:, [first, second]], found, bound, out)
 
 
-def _rank_correlations(cube: np.ndarray, found: np.ndarray) -> list[float]:
-    """Size of the correlation of each parameter with the rank of the residual."""
+def _rank_correlations(values: np.ndarray, found: np.ndarray) -> list[float]:
+    """Size of the correlation of each value with the rank of the residual."""
     ranks = np.argsort(np.argsort(found))
-    return [abs(float(np.corrcoef(column, ranks)[0, 1])) for column in cube.T]
+    return [abs(float(np.corrcoef(column, ranks)[0, 1])) for column in values.T]

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.console import Console
-from rich.progress import Progress
 
 from furuta_cli.file_types import FIGURE
 from furuta_cli.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
+from furuta_cli.study_runs import run_study, with_progress
 from furuta_graph.settings import load_settings
 from furuta_model.parameters import ParameterError
-from furuta_studies.sweep import RunResult, Sweep, run_locally
-from furuta_studies.sweep_journal import Journal, write_table
+from furuta_studies.study_tables import check_table, write_runs
+from furuta_studies.sweep import Sweep
+from furuta_studies.sweep_journal import Journal
 from furuta_studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
 
 DEFAULT_COUNT = 10
@@ -49,8 +48,9 @@ DEFAULT_COUNT = 10
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE.csv", default=Path("output/sweep.csv"),
-    show_default=True, help="Results, one row per run.",
+    "--out", type=click.Path(path_type=Path), metavar="FILE.csv|FILE.parquet",
+    default=Path("output/sweep.csv"), show_default=True,
+    help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
 @click.option("--picture", type=FIGURE, metavar="FILE.png", help="Draw the results.")
 @model_options
@@ -75,57 +75,60 @@ def command(
     Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
     arguments to continue it.
     """
-    if out.suffix != ".csv":
-        raise ParameterError(f"--out must be a .csv file, given {out}")
-    if out.exists():
-        raise ParameterError(f"{out} already exists; name another file with --out")
+    check_table(out)
     swept = tuple(parse_swept_parameter(each, DEFAULT_COUNT) for each in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
     size = sweep.size
     journal = Journal(out, sweep)
-    resumed = len(journal.results)
+    resumed, counts = len(journal), Counts()
     try:
-        results = _run(sweep, set(journal.results), scheduler)
-        _show_progress(journal.record(results), size, resumed, as_json)
+        results = journal.record(run_study(sweep, journal, scheduler))
+        for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
+            pass
+        rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
+        write_runs(counts.count(rows), out)
+        if picture is not None:
+            _draw(sweep, journal, picture)
+        journal.delete()
     finally:
         journal.close()
-    rows = [point | journal.results[number] for number, point in enumerate(sweep.generate_points())]
-    write_table(rows, out)
-    journal.delete()
-    if picture is not None:
-        from furuta_figures.sweep import draw_sweep
-
-        draw_sweep(swept, rows, picture)
-    _report(rows, resumed, out, as_json)
+    _report(counts, resumed, out, as_json)
 
 
-def _run(sweep: Sweep, done: set[int], scheduler: str | None) -> Iterator[RunResult]:
-    if scheduler is None:
-        return run_locally(sweep, done)
-    from furuta_studies.cluster import run_on_cluster
+class Counts:
+    """How many runs there are, fell, or are impossible, and the reason of the first one."""
 
-    return run_on_cluster(sweep, done, scheduler)
+    def __init__(self) -> None:
+        self.runs = self.fell = self.impossible = 0
+        self.reason = ""
+
+    def count(self, rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+        """Count the rows on their way."""
+        for row in rows:
+            self.runs += 1
+            self.fell += bool(row["fell"])
+            self.impossible += bool(row["error"])
+            self.reason = self.reason or row["error"]
+            yield row
 
 
-def _show_progress(results: Iterator[RunResult], size: int, resumed: int, quiet: bool) -> None:
-    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("sweeping", total=size, completed=resumed)
-        for _ in results:
-            progress.advance(task)
+def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
+    from furuta_figures.sweep import draw_sweep
+
+    rows = [point | journal[number] for number, point in enumerate(sweep.generate_points())]
+    draw_sweep(sweep.axes, rows, picture)
 
 
-def _report(rows: list[dict[str, Any]], resumed: int, out: Path, as_json: bool) -> None:
-    impossible = sum(bool(row["error"]) for row in rows)
+def _report(counts: Counts, resumed: int, out: Path, as_json: bool) -> None:
     summary = {
-        "runs": len(rows),
+        "runs": counts.runs,
         "resumed": resumed,
-        "fell": sum(bool(row["fell"]) for row in rows),
-        "impossible": impossible,
+        "fell": counts.fell,
+        "impossible": counts.impossible,
         "file": str(out),
     }
-    if impossible == len(rows):
-        raise ParameterError(f"no run is possible: {rows[0]['error']}")
+    if counts.impossible == counts.runs:
+        raise ParameterError(f"no run is possible: {counts.reason}")
     if as_json:
         print_json(summary)
     else:

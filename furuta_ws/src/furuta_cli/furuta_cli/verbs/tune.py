@@ -13,11 +13,11 @@ from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import (
     SIMULATED_SECONDS,
     json_option,
-    model_options,
     namespace_option,
     print_json,
 )
 from furuta_cli.robust_tuning import RobustEffort, robust_options, tune_and_report
+from furuta_cli.uncertain_rig_options import RigOptions, uncertain_rig_options
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings import load_settings, loop
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
@@ -97,7 +97,7 @@ GUARD = FiniteRange(0, min_open=True)
     metavar="FILE.yaml",
     help="Write the parameters to a parameter file.",
 )
-@model_options
+@uncertain_rig_options
 @json_option
 def command(
     running: bool,
@@ -110,8 +110,7 @@ def command(
     robust: bool,
     effort: RobustEffort,
     out: Path | None,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
+    rig_options: RigOptions,
     as_json: bool,
 ) -> None:
     """Find the compensation with the smallest remaining limit cycle.
@@ -129,8 +128,9 @@ def command(
     if robust:
         if running or namespace:
             raise ParameterError("--robust simulates: it cannot be combined with --running")
-        tune_and_report(effort, search, files, assignments, out, as_json)
+        tune_and_report(effort, rig_options, search, out, as_json)
         return
+    files, assignments = rig_options.all_files, rig_options.assignments
     plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
     try:
         plan.check()

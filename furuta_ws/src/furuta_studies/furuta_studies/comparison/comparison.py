@@ -6,7 +6,7 @@ interruption.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any, NamedTuple
 
 from furuta_analysis.simulation.closed_loop import Loop
@@ -67,7 +67,7 @@ class Comparison(NamedTuple):
         for rig in self.rigs.generate(self.settings):
             yield from self._runs_on(rig)
 
-    def remaining_loops(self, done: set[int]) -> Iterator[tuple[int, Loop | str]]:
+    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
         """The loop of every run that is not ``done``, or the reason why it is impossible."""
         control = {each.name: loop(each.applied_to(self.settings)) for each in self.candidates}
         number = 0

@@ -7,7 +7,7 @@ tuned candidates, ``summary.json`` the scores.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,12 @@ from furuta_model.parameters import ParameterError
 from furuta_studies.comparison.candidates import Candidate
 from furuta_studies.comparison.comparison import Comparison, rig_rows
 from furuta_studies.comparison.tuning import Tuning
+from furuta_studies.study_tables import write_csv
 from furuta_studies.sweep import RunResult
-from furuta_studies.sweep_journal import Journal, write_table
+from furuta_studies.sweep_journal import Journal
 
 # Runs what is not done, and reports each result to a callback.
-Runner = Callable[[Comparison, set[int]], Iterator[RunResult]]
+Runner = Callable[[Comparison, Container[int]], Iterator[RunResult]]
 Observer = Callable[[Iterator[RunResult], int, int], None]
 
 
@@ -37,12 +38,11 @@ class Results:
         """Tune the candidates that have not been tuned before an interruption."""
         journal = Journal(self.directory / "tuning.json", tuning)
         try:
-            done = len(journal.results)
-            results = journal.record(tuning.tune(set(journal.results)))
-            observe(results, len(tuning.candidates), done)
+            results = journal.record(tuning.tune(journal))
+            observe(results, len(tuning.candidates), len(journal))
+            tuned = [journal[number] for number in range(len(tuning.candidates))]
         finally:
             journal.close()
-        tuned = [journal.results[number] for number in range(len(tuning.candidates))]
         self._write("tuning.json", tuned)
         return tuple(
             each._replace(settings=found["settings"], ranges={})
@@ -56,14 +56,14 @@ class Results:
         journal = Journal(self._runs, comparison)
         runs = list(comparison.runs())
         try:
-            results = journal.record(runner(comparison, set(journal.results)))
-            observe(results, len(runs), len(journal.results))
+            results = journal.record(runner(comparison, journal))
+            observe(results, len(runs), len(journal))
+            rows = [run._asdict() | journal[number] for number, run in enumerate(runs)]
         finally:
             journal.close()
-        rows = [run._asdict() | journal.results[number] for number, run in enumerate(runs)]
         rigs = list(comparison.rigs.generate(comparison.settings))
-        write_table(rig_rows(rigs), self.directory / "rigs.csv")
-        write_table(rows, self._runs)
+        write_csv(rig_rows(rigs), self.directory / "rigs.csv")
+        write_csv(rows, self._runs)
         self._delete_journals()
         return rows
 

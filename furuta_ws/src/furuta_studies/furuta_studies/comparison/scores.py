@@ -2,30 +2,24 @@
 
 The unit is the rig: its residual is the largest arm angle, peak to peak, over the noise seeds, and
 infinite after a fall. Rigs are independent, so intervals follow from the binomial distribution
-alone: quantiles from order statistics (Conover 1999), fractions by Clopper and Pearson (1934).
+alone: quantiles from order statistics (Conover 1999), fractions as in
+:mod:`furuta_studies.estimates`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import inf, nan
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import binomtest, quantile_test
+from scipy.stats import quantile_test
+
+from furuta_studies.estimates import CONFIDENCE, Estimate, fraction
 
 # Candidate that shows what the rig does by itself.
 UNCOMPENSATED = "none"
 
 Rows = list[dict[str, Any]]
-
-
-class Estimate(NamedTuple):
-    """A value and its 95 % confidence interval; an end is NaN if there are too few rigs for it."""
-
-    value: float
-    low: float
-    high: float
 
 
 class Score(NamedTuple):
@@ -99,7 +93,7 @@ def rank(table: Table, encoder_count: float) -> list[Score]:
     for k in range(len(scores) - 1):
         better = table.residual[table.candidates.index(scores[k].candidate)]
         next_one = table.residual[table.candidates.index(scores[k + 1].candidate)]
-        scores[k] = scores[k]._replace(beats_next=fraction_of(better < next_one))
+        scores[k] = scores[k]._replace(beats_next=_fraction(better < next_one))
     return scores
 
 
@@ -111,7 +105,7 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
         quantile(residual, 0.5),
         quantile(residual, 0.95),
         float(residual.max()),
-        fraction_of(residual <= encoder_count),
+        _fraction(residual <= encoder_count),
         float(np.median(table.command[k])),
         int(np.isinf(residual).sum()),
         None,
@@ -132,14 +126,10 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
 def quantile(values: np.ndarray, fraction: float) -> Estimate:
     """A quantile, which is one of the ``values``, with its exact interval."""
     value = float(np.quantile(values, fraction, method="inverted_cdf"))
-    low, high = quantile_test(values, q=value, p=fraction).confidence_interval(0.95)
+    low, high = quantile_test(values, q=value, p=fraction).confidence_interval(CONFIDENCE)
     return Estimate(value, float(low), float(high))
 
 
-def fraction_of(hits: Iterable[bool]) -> Estimate:
-    """The fraction of the rigs that are ``hits``, with its exact interval."""
-    found = [bool(each) for each in hits]
-    if not found:
-        return Estimate(nan, nan, nan)
-    low, high = binomtest(sum(found), len(found)).proportion_ci(0.95, method="exact")
-    return Estimate(sum(found) / len(found), float(low), float(high))
+def _fraction(hits: np.ndarray) -> Estimate:
+    """The fraction of the rigs that are ``hits`` (n,)."""
+    return fraction(int(np.sum(hits)), len(hits))

@@ -7,7 +7,7 @@ is never worse than its start on these rigs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,7 +51,7 @@ class Tuning(NamedTuple):
     candidates: tuple[Candidate, ...]
     budget: TuningBudget
 
-    def tune(self, done: set[int]) -> Iterator[tuple[int, dict[str, Any]]]:
+    def tune(self, done: Container[int]) -> Iterator[tuple[int, dict[str, Any]]]:
         """Tune the candidates whose numbers are not ``done``."""
         for number, candidate in enumerate(self.candidates):
             if number not in done:

@@ -6,30 +6,42 @@ infinite residual.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Container, Iterable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import binom, binomtest, sobol_indices, uniform
+from scipy.stats import binom, norm, sobol_indices, uniform
 
 from furuta_analysis.simulation.batch import batch
-from furuta_analysis.simulation.closed_loop import Loop
+from furuta_analysis.simulation.closed_loop import Loop, Outcome
+from furuta_model.parameters import ParameterError
+from furuta_studies.estimates import CONFIDENCE, Estimate, fraction
 from furuta_studies.robustness.uncertain_rigs import UncertainRigs
 
-# Probability with which an interval holds the true value.
-CONFIDENCE = 0.95
 # The quantile of the residual that is reported and minimised.
 QUANTILE = 0.95
 # Residual [rad] that a fall counts as, and the largest one, in Sobol indices, which need a number.
 LARGEST_RESIDUAL = 2.0
 
 
-class Probability(NamedTuple):
-    """Estimated probability and its confidence interval (Clopper and Pearson)."""
+class RigStudy(NamedTuple):
+    """A run on each of the first ``size`` rigs of a ``seed``: a study that can be resumed."""
 
-    value: float
-    low: float
-    high: float
+    rigs: UncertainRigs
+    size: int
+    seed: int
+    seconds: float
+
+    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop]]:
+        """The loop of every run that is not ``done``. ParameterError if a rig is impossible."""
+        for number, point in zip(range(self.size), self.rigs.points(self.seed), strict=False):
+            if number not in done:
+                yield number, self.rigs.loop_at(point, self.rigs.nominal.plant.seed + number)
+
+    def values(self) -> Iterator[dict[str, float]]:
+        """The uncertain values of every rig, by name."""
+        for _, point in zip(range(self.size), self.rigs.points(self.seed), strict=False):
+            yield self.rigs.values_at(point)
 
 
 class Robustness(NamedTuple):
@@ -40,8 +52,8 @@ class Robustness(NamedTuple):
     """
 
     runs: int
-    within_bound: Probability
-    fell: Probability
+    within_bound: Estimate
+    fell: Estimate
     falls: int
     p95_rad: float
     p95_low_rad: float
@@ -57,10 +69,15 @@ class Sensitivity(NamedTuple):
     total: float
 
 
+def residual(found: Outcome | dict[str, Any]) -> float:
+    """The residual of a run [rad]."""
+    result = found._asdict() if isinstance(found, Outcome) else found
+    return np.inf if result["fell"] else float(result["phi_peak_to_peak_rad"])
+
+
 def residuals(loops: Iterable[Loop], seconds: float) -> Iterator[float]:
     """The residual of each loop [rad], in order."""
-    for each in batch(loops, seconds):
-        yield np.inf if each.fell else each.phi_peak_to_peak_rad
+    return map(residual, batch(loops, seconds))
 
 
 def robustness(found: np.ndarray, bound: float) -> Robustness:
@@ -71,8 +88,8 @@ def robustness(found: np.ndarray, bound: float) -> Robustness:
     standing = ordered[: len(found) - falls]
     return Robustness(
         len(found),
-        probability(int(np.sum(found <= bound)), len(found)),
-        probability(falls, len(found)),
+        fraction(int(np.sum(found <= bound)), len(found)),
+        fraction(falls, len(found)),
         falls,
         quantile(ordered),
         float(ordered[max(int(low) - 1, 0)]),
@@ -86,19 +103,20 @@ def quantile(found: np.ndarray) -> float:
     return float(np.quantile(found, QUANTILE, method="inverted_cdf"))
 
 
-def probability(successes: int, runs: int) -> Probability:
-    """The probability of an event that happened in ``successes`` of ``runs``."""
-    interval = binomtest(successes, runs).proportion_ci(CONFIDENCE, "exact")
-    return Probability(successes / runs, float(interval.low), float(interval.high))
-
-
 def sobol(
     rigs: UncertainRigs, points: int, seed: int, seconds: float, advance: Callable[[], None]
 ) -> list[Sensitivity]:
     """Sobol indices of the residual, by Saltelli's design with ``points`` (a power of two).
 
-    It takes ``points`` times the number of parameters plus two runs, all with the same noise.
+    It takes ``points`` times the number of parameters plus two runs, all with the same noise. The
+    indices exist only for values that vary independently.
     """
+    covariance = rigs.uncertainty.covariance
+    if np.any(covariance != np.diag(np.diag(covariance))):
+        raise ParameterError("Sobol indices need independent values; those of the rig correlate")
+    errors = rigs.uncertainty.standard_errors
+    if set(errors) & set(rigs.ranges) or 0.0 in errors.values():
+        raise ParameterError("Sobol indices need values that all vary, and each in one way")
 
     def evaluate(x: np.ndarray) -> np.ndarray:
         found = []
@@ -107,6 +125,8 @@ def sobol(
             advance()
         return np.array(found)
 
-    indices = sobol_indices(func=evaluate, n=points, dists=[uniform()] * len(rigs.ranges), rng=seed)
-    rows = zip(rigs.ranges, indices.first_order, indices.total_order, strict=True)
+    distributions = [norm(scale=error) for error in errors.values()]
+    distributions += [uniform()] * len(rigs.ranges)
+    indices = sobol_indices(func=evaluate, n=points, dists=distributions, rng=seed)
+    rows = zip(rigs.names, indices.first_order, indices.total_order, strict=True)
     return [Sensitivity(name, float(first), float(total)) for name, first, total in rows]

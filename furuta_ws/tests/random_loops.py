@@ -1,0 +1,48 @@
+"""Random closed loops of every kind that runs in lanes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_analysis.simulation.closed_loop import Loop
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
+
+LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
+METHODS = ("kalman", "lowpass")
+
+
+def random_loop(
+    r: np.random.Generator, law: str, compensation: str, method: str, ideal: bool
+) -> Loop:
+    """A loop with random parameters; some start so far off upright that they fall."""
+    sensors = Sensors(ideal=ideal, encoder_counts=int(r.choice([0, 250, 4000])))
+    friction = Friction(
+        80.0 * r.uniform(0.3, 10.0),
+        1.5 * r.uniform(0.3, 1.5),
+        r.uniform(0.0, 0.4),
+        r.uniform(0.0, 0.1),
+        r.uniform(0.01, 0.1),
+        r.uniform(0.0, 0.02),
+        r.uniform(-0.3, 0.3),
+    )
+    body = FurutaPendulum(*(each * r.uniform(0.9, 1.1) for each in FurutaPendulum()))
+    start = InitialState(theta=float(r.choice([0.02, -0.1, 0.18, 0.5, 3.0])), phi=r.uniform(-1, 1))
+    plant = PlantParameters(
+        body,
+        PlantFriction(law, friction),
+        sensors,
+        Actuator(bits=int(r.choice([0, 8, 12]))),
+        initial=start,
+        seed=int(r.integers(2**40)),
+    )
+    control = ControllerParameters(
+        integral_time=float(r.choice([0.0, 5.0])), super_twisting=float(r.choice([0.0, 2.0]))
+    )
+    observer = ObserverParameters(compensation=compensation, guard_time=float(r.choice([0, 0.5])))
+    return Loop(plant, EstimatorParameters(method, sensors=sensors), observer, control)
