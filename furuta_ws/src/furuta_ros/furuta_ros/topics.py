@@ -43,8 +43,8 @@ FRICTION_ESTIMATE = Topic(topic_names.FRICTION_ESTIMATE, Float64)
 COMMAND = Topic(topic_names.COMMAND, Float64)
 GROUND_TRUTH = Topic(topic_names.GROUND_TRUTH, JointState)
 
-# What the controller does, published when it changes; until then it is what its parameter mode
-# says. A late subscriber gets the last one.
+# What the controller does, published at its start and when it changes. A late subscriber gets the
+# last ones.
 MODE_IN_FORCE = Topic(topic_names.MODE_IN_FORCE, String)
 LATCHED = QoSProfile(
     depth=QOS.depth,
