@@ -92,9 +92,7 @@ def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str)
 def test_graph_with_all_parts_is_the_offline_loop(ros: None, tmp_path: Path, law: str) -> None:
     """So they are with every part of the plant switched on."""
     chosen = [f"plant.friction.law={law}", "compensation=adaptive"]
-    require_graph_is_the_offline_loop(
-        load_settings([], [*ALL_PARTS, *chosen]), tmp_path / "bag"
-    )
+    require_graph_is_the_offline_loop(load_settings([], [*ALL_PARTS, *chosen]), tmp_path / "bag")
 
 
 def test_graph_swings_up_as_the_offline_loop(ros: None, tmp_path: Path) -> None:

@@ -44,7 +44,12 @@ SHOWN_TIME = 6.0
     show_default=True,
     help="Simulated time after the transients [s].",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Draw each figure; of swing-up also an animation.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Draw each figure; of swing-up also an animation.",
+)
 @model_options
 @json_option
 def command(

@@ -6,7 +6,8 @@ command u by a part of the difference, the response k, and adds white noise w:
 .. math::
     τ_{n+1} = τ_n + k (u - τ_n) + w
 
-limited to the drive's range. The control system knows nothing of it: the measurement contains the commanded voltage.
+limited to the drive's range. The control system knows nothing of it: the measurement contains the
+commanded voltage.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ _PREPARED_PUSH = Pushes(durations=(1e6,), pendulum=(1.0,))
 class DisturbedDrive(NamedTuple):
     """Response k, and standard deviation of the torque's noise [V].
 
-    Every ``knock_down_period`` [s] the pendulum is pushed until it is below the horizontal; 0: never.
+    Every ``knock_down_period`` [s] the pendulum is pushed until it is below the horizontal, unless
+    that is 0.
     """
 
     response: float = 1.0

@@ -1,9 +1,9 @@
 """Robustness of swing-up: the criteria of the double-pendulum competition on a rig.
 
 The definitions are those of ``leaderboard/acrobot/robustness_v2`` and ``analysis/benchmark.py`` in
-dfki-ric-underactuated-lab/double_pendulum (see :mod:`furuta_studies.swing_up.performance`). In every
-run one thing differs from the controller's model, in 21 levels. A run starts hanging at rest and
-succeeds if every angle is within 0.35 rad and every speed within 1 rad/s of upright at 10 s.
+dfki-ric-underactuated-lab/double_pendulum (:mod:`furuta_studies.swing_up.performance` cites it). In
+every run one thing differs from the controller's model, in 21 levels. A run starts hanging at rest
+and succeeds if every angle is within 0.35 rad and every speed within 1 rad/s of upright at 10 s.
 Where noise is drawn, a level counts if more than half of its repetitions succeed. A criterion's
 score is the fraction of levels that count, and the score of all is the mean of the six.
 
@@ -82,7 +82,13 @@ class Robustness(NamedTuple):
 def cases(loop: Loop, seed: int) -> list[Case]:
     """The runs of the benchmark for a loop."""
     drawn = np.random.default_rng(seed)
-    found = [*_model(loop), *_noise(loop), *_drive(loop), *_delay(loop), *_random_pushes(loop, drawn)]
+    found = [
+        *_model(loop),
+        *_noise(loop),
+        *_drive(loop),
+        *_delay(loop),
+        *_random_pushes(loop, drawn),
+    ]
     return [_with_seed(each, seed + k) for k, each in enumerate(found)]
 
 
