@@ -4,7 +4,7 @@ The drive takes a new torque every :data:`DRIVE_PERIOD`. It moves from the last 
 command u by a part of the difference, the response k, and adds white noise w:
 
 .. math::
-    τ_{n+1} = τ_n + k (u - τ_n) + w
+    τ_{n+1} = (1 - k) τ_n + k u + w
 
 limited to the drive's range. The control system knows nothing of it: the measurement contains the
 commanded voltage.
@@ -94,7 +94,8 @@ def _run(
     run: DisturbedRun,
 ) -> None:
     """Fill ``run``; a drive takes a new torque every ``drive_samples`` samples."""
-    measurement, estimate, noise = np.empty(SIGNALS), np.empty(SIGNALS), np.zeros(NOISE_CHANNELS)
+    measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
+    noise = np.zeros(NOISE_CHANNELS)
     estimator_memory, observer_memory = memory.estimator, memory.observer
     controller_memory = memory.controller
     torque, commanded = 0.0, 0.0
@@ -115,8 +116,9 @@ def _run(
         run.state[k] = x[:RIGID_STATES]
         run.command[k] = u
         if k % drive_samples == 0:
-            torque += disturbed.response * (u - torque)
-            torque += disturbed.noise * generator.standard_normal()
+            torque = (1.0 - disturbed.response) * torque + disturbed.response * u
+            if disturbed.noise > 0.0:
+                torque += disturbed.noise * generator.standard_normal()
             torque = min(max(torque, -plant.actuator.voltage_range), plant.actuator.voltage_range)
         if knock_down_samples > 0:
             knocked = _knock_down(x, k, knock_down_samples, knocked, plant)
