@@ -21,7 +21,6 @@ from furuta_studies.swing_up.rig_loop import swing_up_settings
 @click.command()
 @click.option(
     "--rig",
-    "rigs",
     multiple=True,
     metavar="NAME",
     help=f"Name or file of a rig, repeatable; default: {', '.join(RIGS)}.",
@@ -30,7 +29,7 @@ from furuta_studies.swing_up.rig_loop import swing_up_settings
 @parameter_options
 @json_option
 def command(
-    rigs: tuple[str, ...],
+    rig: tuple[str, ...],
     seed: int,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -43,7 +42,7 @@ def command(
     """
     console = Console(stderr=True, quiet=as_json or not sys.stderr.isatty())
     rows = []
-    for name in rigs or RIGS:
+    for name in rig or RIGS:
         settings = swing_up_settings(find_rig(name))
         settings["controller"]["swing_up.recover"] = True
         with console.status(name):
