@@ -17,7 +17,14 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.services import ServiceError
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, Topic
+from furuta_ros.topics import (
+    COMMAND,
+    FRICTION_ESTIMATE,
+    JOINT_STATES,
+    LATCHED,
+    MODE_IN_FORCE,
+    Topic,
+)
 
 X = (0.1, -0.2, 0.03, 0.04)
 FEEDBACK = -float(place_poles(FurutaPendulum(), DesiredPoles()) @ np.array(X))
@@ -68,6 +75,19 @@ def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2)
+
+
+def test_a_late_subscriber_learns_the_mode_in_force(loop: Loop) -> None:
+    """It is ``off`` until the first state; who subscribes later gets what was published before."""
+    loop.state(1)
+    loop.estimate(0.0)
+    loop.expect(FEEDBACK)
+    modes: list[str] = []
+    loop.bench.probe.create_subscription(
+        MODE_IN_FORCE.type, MODE_IN_FORCE.name, lambda message: modes.append(message.data), LATCHED
+    )
+    loop.bench.spin(lambda: len(modes) == 2)
+    assert modes == ["off", "balance"]
 
 
 def test_estimate_may_come_before_its_state(loop: Loop) -> None:

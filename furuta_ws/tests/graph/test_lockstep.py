@@ -13,17 +13,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from random_loops import LAWS, METHODS, random_loop
+from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
+from std_msgs.msg import String
 
-from furuta_analysis.simulation.closed_loop import simulate
+from furuta_analysis.simulation.closed_loop import Record, simulate
 from furuta_analysis.simulation.oscillation import measure_oscillation
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.rigs import find_rig
 from furuta_graph.settings import Settings, default_settings, load_settings, loop
 from furuta_model.parameters import values
+from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_ros.topics import TOPICS
+from furuta_ros.topics import MODE_IN_FORCE, TOPICS
+from furuta_studies.swing_up.rig_loop import swing_up_settings
 
 IDEAL = ["sensors.ideal=true"]
 RANDOM_LOOPS = 20 if os.environ.get("FURUTA_LANES") else 2
@@ -73,33 +78,43 @@ def raw_messages(bag: Path) -> dict[str, list[bytes]]:
     return messages
 
 
-def require_graph_is_the_offline_loop(assignments: list[str], bag: Path) -> None:
-    """The graph in lock-step and the offline simulation agree to the last bit over 3 s."""
-    require_graph_is_simulated(load_settings([], assignments), 3.0, bag)
-
-
-def require_graph_is_simulated(settings: Settings, seconds: float, bag: Path) -> None:
-    """They agree in every sample of a run of any length [s]."""
+def require_graph_is_the_offline_loop(
+    settings: Settings, bag: Path, seconds: float = 3.0
+) -> Record:
+    """The graph in lock-step and the offline simulation agree to the last bit."""
     expected = simulate(loop(settings), seconds)
     recorded = read_recorded_run(record(settings, seconds, bag))
-    assert len(recorded.time) == round(seconds / 0.001)
+    assert len(recorded.time) == round(seconds / expected.sample_time)
     np.testing.assert_array_equal(recorded.state, expected.state)
     np.testing.assert_array_equal(recorded.friction, expected.friction)
     np.testing.assert_array_equal(recorded.friction_estimate, expected.friction_estimate)
     np.testing.assert_array_equal(recorded.command, expected.command)
+    return expected
 
 
 @pytest.mark.parametrize("compensation", ["none", "coulomb", "lugre"])
 def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, compensation: str) -> None:
     """Nodes and offline simulation call the same functions: equal to the last bit."""
-    require_graph_is_the_offline_loop([f"compensation={compensation}"], tmp_path / "bag")
+    settings = load_settings([], [f"compensation={compensation}"])
+    require_graph_is_the_offline_loop(settings, tmp_path / "bag")
 
 
 @pytest.mark.parametrize("law", ["stribeck", "dahl", "maxwell_slip"])
 def test_graph_with_all_parts_is_the_offline_loop(ros: None, tmp_path: Path, law: str) -> None:
     """So they are with every part of the plant switched on."""
     chosen = [f"plant.friction.law={law}", "compensation=adaptive"]
-    require_graph_is_the_offline_loop([*ALL_PARTS, *chosen], tmp_path / "bag")
+    require_graph_is_the_offline_loop(load_settings([], [*ALL_PARTS, *chosen]), tmp_path / "bag")
+
+
+def test_graph_swings_up_as_the_offline_loop(ros: None, tmp_path: Path) -> None:
+    """So they are from hanging to upright, through every phase."""
+    settings = swing_up_settings(find_rig("odrive_furuta"))
+    run = require_graph_is_the_offline_loop(settings, tmp_path / "bag")
+    assert np.cos(run.state[-1, THETA]) > 0.95
+    messages = raw_messages(tmp_path / "bag")["mode_in_force"]
+    modes = [deserialize_message(each, String).data for each in messages]
+    assert modes[0] == "off"
+    assert modes[-2:] == ["catch", "balance"]
 
 
 @pytest.mark.parametrize("others", [["super_twisting=1.0"], ["integral_time=5.0", "phi=2.0"]])
@@ -107,7 +122,8 @@ def test_graph_with_rivals_is_the_offline_loop(
     ros: None, tmp_path: Path, others: list[str]
 ) -> None:
     """So they are with the controller's own means against friction."""
-    require_graph_is_the_offline_loop(["compensation=combined", *others], tmp_path / "bag")
+    settings = load_settings([], ["compensation=combined", *others])
+    require_graph_is_the_offline_loop(settings, tmp_path / "bag")
 
 
 @pytest.mark.parametrize("seed", range(RANDOM_LOOPS))
@@ -125,7 +141,7 @@ def test_graph_with_a_random_loop_is_the_offline_loop(ros: None, tmp_path: Path,
         "controller": values(chosen.controller),
     }
     assert loop(settings) == chosen
-    require_graph_is_simulated(settings, 2.0, tmp_path / "bag")
+    require_graph_is_the_offline_loop(settings, tmp_path / "bag", 2.0)
 
 
 def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
@@ -134,11 +150,11 @@ def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
         raw_messages(record(load_settings([], [f"seed={seed}"]), 2.0, tmp_path / name))
         for name, seed in (("a", 1), ("b", 1), ("c", 2))
     ]
-    assert set(bags[0]) == {topic.name for topic in TOPICS}
-    assert {len(messages) for messages in bags[0].values()} == {2000}
+    assert set(bags[0]) == {topic.name for topic in (*TOPICS, MODE_IN_FORCE)}
+    assert {len(bags[0][topic.name]) for topic in TOPICS} == {2000}
     assert bags[0] == bags[1]
     for topic in bags[0]:
-        if topic != "friction_estimate":  # 0 V without compensation for any seed
+        if topic not in ("friction_estimate", "mode_in_force"):  # 0 V and balance for any seed
             assert bags[0][topic] != bags[2][topic]
 
 

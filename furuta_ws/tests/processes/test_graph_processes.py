@@ -113,7 +113,7 @@ def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
     with AnyReader([bag]) as reader:
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
     del counts["rosout"]  # as many as the nodes log
-    changes = {"parameter_events": 0, "mode_in_force": 0}
+    changes = {"parameter_events": 0, "mode_in_force": 2}  # off, balance
     assert counts == {topic.name: 500 for topic in TOPICS} | changes
 
 

@@ -17,6 +17,14 @@ def test_random_starts(furuta: Any) -> None:
     assert 0.0 < found["median_s"] <= found["worst_s"] < 10.0
 
 
+def test_benchmark_needs_a_rig_that_can(furuta: Any) -> None:
+    """The benchmark refuses a rig that cannot see the hanging pendulum, with the reason."""
+    status, out, err = furuta("benchmark-swing-up", "--rig", "paper")
+    assert (status, out) == (1, "")
+    assert "potentiometer_range must be at least" in err
+    assert len(err.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -22,6 +22,7 @@ VERBS = {
     "simulate": "Simulate the same closed loop without ROS.",
     "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
     "swing-up": "Swing up from random states, and optimise the swing-up.",
+    "benchmark-swing-up": "Score swing-up as the double-pendulum competition does.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
     "compare": "Compare compensations on rigs that they do not know.",

@@ -19,6 +19,7 @@ from furuta_control.control import (
     mode_in_force,
     start_anew,
 )
+from furuta_control.modes import swing_up
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
@@ -56,8 +57,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     late, the estimates for the repetitions are surplus and are ignored. If a state that has been
     answered is repeated, its command is published again without a new step.
 
-    Publishes ``mode_in_force``, what the controller does, whenever that changes. Until the first
-    message it is what the parameter ``mode`` says.
+    Publishes ``mode_in_force``, what the controller does: ``off`` until the first state, then
+    whenever it changes. A late subscriber gets the last messages.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -77,10 +78,11 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
         self._throttled = ThrottledPublisher(self, COMMAND)
-        self._mode_in_force = self.parameters.mode
+        self._mode_in_force = ""
         self._mode_publisher = self.create_publisher(
             MODE_IN_FORCE.type, MODE_IN_FORCE.name, LATCHED
         )
+        self._report_mode(swing_up.OFF)
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
 

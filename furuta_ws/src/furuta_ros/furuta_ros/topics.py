@@ -74,12 +74,12 @@ GROUND_TRUTH = Topic(
     "true state; `effort[0]` is the true friction F [V]",
 )
 
-# A late subscriber gets the last message.
+# A late subscriber gets the last ones.
 MODE_IN_FORCE = Topic(
     topic_names.MODE_IN_FORCE,
     String,
     "controller → any subscriber",
-    "what the controller does, when that changes; until then it is what its parameter `mode` says",
+    "what the controller does, at its start and when that changes; transient local",
 )
 LATCHED = QoSProfile(
     depth=QOS.depth,

@@ -29,6 +29,8 @@ from furuta_studies.tuning.result import observer_parameters
 SWING_UP = "swing-up"
 FULL_TURN_RIG = "paper_full_turn"
 SWING_UP_TIME = 8.0
+# Part of it that the animation shows [s].
+SHOWN_TIME = 6.0
 
 
 @click.command()
@@ -42,7 +44,12 @@ SWING_UP_TIME = 8.0
     show_default=True,
     help="Simulated time after the transients [s].",
 )
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Draw each figure.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Draw each figure; of swing-up also an animation.",
+)
 @model_options
 @json_option
 def command(
@@ -92,9 +99,11 @@ def _swing_up(
     nominal = loop(settings)
     record = simulate(nominal, SWING_UP_TIME)
     if out is not None:
+        from furuta_figures.animation import animate_run
         from furuta_figures.run import draw_run
 
         draw_run(record, out / f"{SWING_UP}.png")
+        animate_run(record, out / f"{SWING_UP}.gif", SHOWN_TIME)
     result = judge(record, nominal)._asdict()
     if as_json:
         print_json({"experiment": SWING_UP, **result})

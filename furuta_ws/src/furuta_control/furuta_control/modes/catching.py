@@ -10,7 +10,12 @@ An arm whose speed is at most V can therefore only stop a |z| below Vγ/β, and 
 about zβ/(γω). The pendulum is caught within the catch angle if z needs at most :data:`USED_SHARE`
 of that speed and :data:`USED_TRAVEL_SHARE` of the travel that is left. The feedback is a
 linear-quadratic regulator; its weights are the inverse squares of what the limits allow (Bryson's
-rule). It brings the pendulum to where balancing takes over.
+rule), that of the command times :data:`EFFORT`. It brings the pendulum to where balancing takes
+over.
+
+A costly command makes the gain small: in the limit the regulator only mirrors the unstable pole.
+Such a loop tolerates several times the delay, and catches as surely: what can be caught depends on
+the arm's speed and travel, not on the gain.
 """
 
 from __future__ import annotations
@@ -38,6 +43,8 @@ USED_TRAVEL_SHARE = 0.25
 # Bryson's weights: deviations [rad], the speed of the pendulum relative to its frequency.
 ARM_DEVIATION = 0.5
 PENDULUM_DEVIATION = 0.3
+# Weight of the command, relative to the inverse square of the voltage limit.
+EFFORT = 100.0
 # Largest arm error [rad] that is fed back, and travel [rad] that weights and errors assume.
 ARM_ERROR = 1.0
 
@@ -68,8 +75,9 @@ def design(
             PENDULUM_DEVIATION * frequency,
         )
     )
-    cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), np.eye(1) / voltage**2)
-    l1, l2, l3, l4 = (float(each) for each in voltage**2 * b @ cost)
+    effort = EFFORT / voltage**2
+    cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
+    l1, l2, l3, l4 = (float(each) for each in b @ cost / effort)
     return Catching(l1, l2, l3, l4, model.gamma / model.beta, frequency, arm_reference), cost
 
 

@@ -16,6 +16,9 @@ from furuta_rig.rig import Rig
 UPRIGHT_ANGLE = 0.451
 # Compensation during swing-up, unless the user chooses another one.
 COMPENSATION = "coulomb"
+# Process noise of the estimator: ten times the default, because the model errs more in large motion
+# than near upright, and because the loop then tolerates more delay [V/√s, rad/s/√s].
+PROCESS_NOISE = {"friction_process_noise": 3.0, "pendulum_process_noise": 1.0}
 # A pendulum that hangs, as an initial state within the range of θ.
 HANGING = -pi
 
@@ -36,7 +39,7 @@ def swing_up_settings(rig: Rig) -> Settings:
     """Parameters of every node for swing-up on a rig, from hanging at rest."""
     settings = rig_settings(rig)
     settings["controller"] |= {"mode": "swing_up"}
-    settings["estimator"] |= {"method": "whole_circle"}
+    settings["estimator"] |= {"method": "whole_circle", **PROCESS_NOISE}
     settings["friction_observer"] |= {"compensation": COMPENSATION}
     settings["plant"] |= {"initial.theta": HANGING}
     return settings

@@ -1,0 +1,146 @@
+"""Swing-up on an emulated rig behind a pseudo-terminal: it is caught, and a kill ends the drive."""
+
+from __future__ import annotations
+
+import os
+import signal
+from math import pi
+from pathlib import Path
+from time import monotonic, monotonic_ns
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool
+from testbench import Bench
+
+from furuta_control.controller_node import ControllerNode
+from furuta_control.estimator_node import EstimatorNode
+from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_graph.rigs import find_rig, rig_directory
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_model.state import THETA
+from furuta_ros.topics import LATCHED, MODE_IN_FORCE
+from furuta_studies.swing_up.rig_loop import swing_up_settings
+
+pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
+
+NAME = "qube_servo_2"
+# Swing-ups from different angles; more on demand.
+SWING_UPS = int(os.environ.get("FURUTA_SWING_UPS", "1"))
+ANGLES = [-pi + 0.2 * k for k in range(SWING_UPS)]
+# Wide enough for a loaded machine [s].
+WATCHDOG, AGE = 0.2, 5.0
+PATIENCE = 240.0
+SETTINGS = swing_up_settings(find_rig(NAME))
+SETTLING = 500  # samples between holding the pendulum and arming
+LONGEST = 8000  # samples in which it must be caught
+
+
+def write_rig(directory: Path, age: float) -> Path:
+    """The rig's file with a long watchdog, and limits on ages that a loaded machine keeps."""
+    content = yaml.safe_load((rig_directory() / f"{NAME}.yaml").read_text())
+    content["line"]["watchdog"] = WATCHDOG
+    content["limits"] |= dict.fromkeys(("command_age", "measurement_age", "estimate_age"), age)
+    path = directory / "rig.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def arm(bench: Bench) -> bool:
+    """Ask the bridge once to drive; it may not be running."""
+    client = bench.probe.create_client(SetBool, "hardware_bridge/arm")
+    future = client.call_async(SetBool.Request(data=True))
+    end = monotonic() + 5.0
+    bench.spin(lambda: future.done() or monotonic() > end)
+    return future.done() and future.result().success
+
+
+def hold_and_arm(bench: Bench, rig: Any) -> None:
+    """Hold the pendulum until the filters have settled, then arm."""
+    end = monotonic() + PATIENCE
+    while True:
+        held = rig.ask("hold")
+        bench.spin(lambda held=held: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
+        if arm(bench):
+            return
+        assert monotonic() < end
+
+
+def overrides(node: str) -> list[Parameter]:
+    """A node's parameters for swing-up on the rig."""
+    return [Parameter(name, value=value) for name, value in SETTINGS[node].items()]
+
+
+@pytest.mark.parametrize("theta", ANGLES)
+def test_swings_up_over_the_serial_line(
+    bench: Bench, emulate: Any, tmp_path: Path, theta: float
+) -> None:
+    """From hanging the real graph brings the pendulum upright, and balances it.
+
+    ``FURUTA_SWING_UPS=10`` repeats it from ten angles.
+    """
+    rig_file = write_rig(tmp_path, AGE)
+    rig = emulate("--lockstep", "--rig", rig_file, "--initial", f"theta={theta}")
+    bridge = bench.add(
+        HardwareBridgeNode(
+            [
+                Parameter("port", value=str(rig.port)),
+                Parameter("rig", value=str(rig_file)),
+                Parameter("autostart", value="active"),
+                Parameter("any_pendulum_angle", value=True),
+            ]
+        )
+    )
+    bench.add(EstimatorNode(overrides("estimator")))
+    bench.add(FrictionObserverNode(overrides("friction_observer")))
+    bench.add(ControllerNode(overrides("controller")))
+    modes: list[str] = []
+    bench.probe.create_subscription(
+        MODE_IN_FORCE.type, MODE_IN_FORCE.name, lambda message: modes.append(message.data), LATCHED
+    )
+    bridge.start()
+    assert bridge.state == "active", bridge.failure
+    hold_and_arm(bench, rig)
+    begun = rig.status["driven"]
+    bench.spin(lambda: modes[-1] == "balance" or rig.status["driven"] > begun + LONGEST, PATIENCE)
+    assert modes[-1] == "balance", (modes, bridge.guard.reason)
+    assert bridge.guard.stops == 0
+    assert np.cos(rig.status["state"][THETA]) > 0.95
+
+
+def test_a_kill_in_the_middle_of_a_swing(
+    bench: Bench, processes: Any, emulate: Any, tmp_path: Path
+) -> None:
+    """SIGKILL of the bridge while the pendulum swings below the horizontal: 0 V by the watchdog."""
+    rig_file = write_rig(tmp_path, WATCHDOG)
+    rig = emulate("--rig", rig_file, "--initial", f"theta={-pi}")
+    bridge = processes.node(
+        *("hardware_bridge", f"port:={rig.port}", f"rig:={rig_file}"),
+        *("autostart:=active", "any_pendulum_angle:=true"),
+    )
+    bench.add(EstimatorNode(overrides("estimator")))
+    bench.add(FrictionObserverNode(overrides("friction_observer")))
+    bench.add(ControllerNode(overrides("controller")))
+    end = monotonic() + PATIENCE
+    while not swinging(rig):
+        assert monotonic() < end
+        hold_and_arm(bench, rig)
+        bench.spin(lambda: swinging(rig) or not rig.status["armed"])
+    bridge.send_signal(signal.SIGKILL)
+    bridge.wait()
+    dead = monotonic_ns()
+    bench.spin(lambda: monotonic_ns() > dead + 2e9 * WATCHDOG)
+    log = rig.log(tmp_path / "log.npz")
+    after = log["time_ns"] > dead + 1e9 * WATCHDOG + 1e6
+    assert np.any(log["volts"][~after][-400:] != 0.0)
+    assert np.all(log["volts"][after] == 0.0)
+
+
+def swinging(rig: Any) -> bool:
+    """Whether the rig is driven and its pendulum is on its way, below the horizontal."""
+    status = rig.status
+    theta = status["state"][THETA]
+    return status["armed"] and np.cos(theta) < 0.0 and abs(np.sin(theta)) > 0.4
