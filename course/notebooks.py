@@ -118,7 +118,8 @@ def _printed(notebook: Any) -> Iterator[str]:
 
 def _pictures(notebook: Any, folder: Path) -> Iterator[Path]:
     """The pictures of an executed notebook, which it writes as files."""
-    folder.mkdir(exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
     for cell in notebook.cells:
         for output in cell.get("outputs", []):
             if image := output.get("data", {}).get("image/png"):
