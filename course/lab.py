@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -46,7 +47,12 @@ def furuta(*arguments: Any) -> Any:
     """
     given = list(map(str, arguments))
     done = subprocess.run(
-        [_command(), *given], capture_output=True, text=True, timeout=TIMEOUT, check=False
+        [_command(), *given],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+        env=_environment(),
     )
     if done.returncode:
         raise RuntimeError(done.stderr.strip() or f"furuta ended with status {done.returncode}")
@@ -63,6 +69,7 @@ class Running:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            env=_environment(),
         )
         self._reader = Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -105,6 +112,12 @@ def running(*arguments: Any) -> Iterator[Running]:
         yield process
     finally:
         process.end()
+
+
+def _environment() -> dict[str, str]:
+    """Without Jupyter's request for colours, which would stand among the text."""
+    colours = ("FORCE_COLOR", "CLICOLOR_FORCE")
+    return {name: value for name, value in os.environ.items() if name not in colours}
 
 
 def _command() -> str:

@@ -74,7 +74,11 @@ def check(directory: Path, names: list[str]) -> bool:
         notebook = _notebook(solution(source.read_text(encoding="utf-8")))
         began, fault = perf_counter(), ""
         client = NotebookClient(
-            notebook, timeout=CELL_TIMEOUT, resources={"metadata": {"path": str(folder)}}
+            notebook,
+            timeout=CELL_TIMEOUT,
+            startup_timeout=CELL_TIMEOUT,
+            extra_arguments=["--log-level=ERROR"],
+            resources={"metadata": {"path": str(folder)}},
         )
         try:
             client.execute()

@@ -93,8 +93,13 @@ def test_friction_needs_a_pendulum_that_hangs_at_rest() -> None:
         for theta in (0.0, 0.3, -0.3):
             with pytest.raises(NotStillError, match="must hang, but its sensor reads"):
                 check_hanging(still(rig, theta, 2))
+    hanging = still(full_turn, pi)
+    swinging = [
+        sample._replace(pendulum_angle=pi + 0.2 * np.sin(0.005 * k))
+        for k, sample in enumerate(hanging)
+    ]
     with pytest.raises(NotStillError, match="swings by"):
-        check_hanging(still(full_turn, pi - 0.3, 600))
+        check_hanging(swinging)
 
 
 @pytest.mark.parametrize("arm", [1, -1])
