@@ -101,10 +101,11 @@ def _prepare(folder: Path) -> None:
 
 def _notebook(markdown: str) -> Any:
     import jupytext
+    import nbformat
 
     notebook = jupytext.reads(markdown, fmt="md")
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
-    notebook.metadata["kernelspec"] = kernel
+    notebook.metadata = nbformat.from_dict({"kernelspec": kernel})
     return notebook
 
 
