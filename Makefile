@@ -1,4 +1,4 @@
-.PHONY: demo test bench docs wheel soak clean
+.PHONY: demo test bench docs wheel course soak clean
 
 demo:
 	./furuta demo
@@ -29,6 +29,13 @@ wheel:
 	tools/in_environment python -m pip wheel --disable-pip-version-check --quiet --no-deps \
 		--no-build-isolation --wheel-dir output/wheel .
 	@ls output/wheel/*.whl
+
+# make course opens JupyterLab with the exercises; CHECK=1 runs all solutions instead.
+course:
+	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
+		--requirement course/requirements.lock
+	tools/in_environment python course/notebooks.py $(if $(CHECK),check,write) output/course
+	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises)
 
 # make soak MINUTES=60 SEED=1; SLICE=messages:4 STEPS=17 repeats the first steps of a slice.
 MINUTES ?= 10

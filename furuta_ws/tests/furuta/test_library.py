@@ -146,6 +146,19 @@ def test_series_of_every_format_come_back(tmp_path: Path) -> None:
         assert all(np.array_equal(again[name], series[name]) for name in series)
 
 
+def test_recording_of_a_simulation_is_what_its_sensors_measured(tmp_path: Path) -> None:
+    """From a table of its series; identification must not see the estimates."""
+    run = furuta.simulate(seconds=0.2)
+    furuta.write_series(tmp_path / "run.csv", furuta.simulated_series(run))
+    recording = furuta.read_recording(tmp_path / "run.csv")
+    assert np.array_equal(recording.measured, run.measurement[:, :4], equal_nan=True)
+    assert not np.array_equal(recording.measured[:, :3], run.estimate[:, :3])
+    assert np.array_equal(recording.command, run.command)
+    counts = run.measurement[:, 0] / (2 * pi / 250)
+    assert counts == pytest.approx(np.round(counts))
+    assert np.all(np.isnan(run.measurement[:, 3]))
+
+
 def test_tune_improves_the_loop() -> None:
     """The tuned compensation leaves less than none does."""
     messages: list[tuple[str, float]] = []

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta_hw.commissioning.friction import measure_friction
+from furuta_hw.commissioning.friction import check_hanging, measure_friction
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import find_zeros
@@ -75,6 +75,31 @@ def test_friction_needs_a_large_enough_arm_range() -> None:
     """A range too small for a slide is rejected before anything moves."""
     with pytest.raises(ParameterError, match="arm range must be at least"):
         next(measure_friction(Rig(), 0.5))
+
+
+def test_friction_reports_every_motion() -> None:
+    """Six ramps and eight slides, in order."""
+    rig, messages = Rig(), []
+    perform(rig, measure_friction(rig, 3.0, rate=1.0, report=messages.append))
+    assert messages[:2] + messages[-1:] == ["ramp 1 of 6", "ramp 2 of 6", "slide 8 of 8"]
+    assert len(messages) == 14
+
+
+def test_friction_needs_a_pendulum_that_hangs_at_rest() -> None:
+    """An upright or swinging one is refused; beyond the sensor's range it cannot be upright."""
+    full_turn = Rig(pendulum=PendulumSensor(sensor="encoder", counts_per_turn=8192))
+    for rig in (Rig(), full_turn):
+        check_hanging(still(rig, pi))
+        for theta in (0.0, 0.3, -0.3):
+            with pytest.raises(NotStillError, match="must hang, but its sensor reads"):
+                check_hanging(still(rig, theta, 2))
+    hanging = still(full_turn, pi)
+    swinging = [
+        sample._replace(pendulum_angle=pi + 0.2 * np.sin(0.005 * k))
+        for k, sample in enumerate(hanging)
+    ]
+    with pytest.raises(NotStillError, match="swings by"):
+        check_hanging(swinging)
 
 
 @pytest.mark.parametrize("arm", [1, -1])

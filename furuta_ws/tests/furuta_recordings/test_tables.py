@@ -174,3 +174,36 @@ def test_times_that_decrease_or_repeat(tmp_path: Path) -> None:
     backward = [lines[0], *reversed(lines[1:])]
     with pytest.raises(ParameterError, match="sort them by time"):
         cleaned(recording_of(tmp_path, "\n".join(backward)))
+
+
+EXPORTED = (
+    "time_s,measured_phi_rad,measured_phi_dot_rad_s,measured_theta_rad,estimated_phi_rad,command_v"
+)
+
+
+def test_exported_series_give_their_measurements(tmp_path: Path) -> None:
+    """Not their estimates; a speed without a sensor is missing."""
+    rows = np.column_stack((TIME, STATE[:, :3], STATE[:, 0] + 1.0, VOLTS))
+    lines = [EXPORTED, *(",".join(map(repr, row.tolist())) for row in rows)]
+    found = recording_of(tmp_path, "\n".join(lines) + "\n")
+    np.testing.assert_array_equal(found.measured[:, :3], STATE[:, :3])
+    assert np.all(np.isnan(found.measured[:, 3]))
+    np.testing.assert_array_equal(found.command, VOLTS)
+    assert found.in_radians
+
+
+def test_estimates_are_no_measurements(tmp_path: Path) -> None:
+    """An exported series without measurements is refused, unless its columns are named."""
+    text = table("time_s,estimated_phi_rad,estimated_phi_dot_rad_s,true_theta_rad,w,command_v")
+    with pytest.raises(ParameterError, match="it takes no estimates for measurements"):
+        recording_of(tmp_path, text)
+    names = Mapping("estimated_phi_rad", "true_theta_rad", "command_v")
+    np.testing.assert_allclose(recording_of(tmp_path, text, names).measured[:, 0], STATE[:, 0])
+
+
+def test_simulations_without_measurements_are_refused(tmp_path: Path) -> None:
+    """Files of earlier versions hold estimates only."""
+    file = tmp_path / "run.npz"
+    np.savez(file, time=TIME, estimate=STATE, command=VOLTS)
+    with pytest.raises(ParameterError, match="has estimates but no measurements"):
+        read(file, NO_NAMES)

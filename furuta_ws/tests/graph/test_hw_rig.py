@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from furuta_analysis.simulation.closed_loop import outcome
 from furuta_graph.rigs import find_rig, rig_directory
 from furuta_graph.settings import load_settings, loop, rig_settings
 from furuta_hw.bridge.sample_clock import SLEW, SampleClock
@@ -113,6 +114,14 @@ def test_rigs_of_the_workspace() -> None:
     paper, default = load_rig(rig_directory() / "paper.yaml"), Rig()
     np.testing.assert_allclose(paper.model, default.model, rtol=1e-12)
     assert paper._replace(model=default.model) == default
+
+
+@pytest.mark.parametrize("name", sorted(each.stem for each in rig_directory().glob("*.yaml")))
+def test_rigs_of_the_workspace_balance(name: str) -> None:
+    """With the rig's own poles and nothing else given; `odrive_furuta` once fell."""
+    found = outcome(loop(load_settings([], [], rig_settings(find_rig(name)))), 20.0)
+    assert not found.fell
+    assert found.theta_peak_to_peak_rad < 0.5
 
 
 def test_the_papers_rig_has_the_default_parameters() -> None:

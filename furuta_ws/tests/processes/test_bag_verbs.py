@@ -18,8 +18,8 @@ from rosbags.typesys import Stores, get_typestore
 from furuta_cli.main import furuta as command_line
 from furuta_cli.main import main
 from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
-from furuta_studies.series_columns import COLUMNS
 from furuta_view.bag_samples import BagSamples
 from furuta_view.samples import COMMAND, FRICTION, PHI, THETA_DOT, TIME
 

@@ -75,7 +75,7 @@ REQUIREMENT_OF_IMPORT = {
     "std_srvs": "ros-jazzy-common-interfaces",
 }
 # Folders with a ``requirements.in``.
-REQUIREMENTS = (".", "benchmarks", "docs", "firmware", "furuta_ws/tests")
+REQUIREMENTS = (".", "benchmarks", "course", "docs", "firmware", "furuta_ws/tests")
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 

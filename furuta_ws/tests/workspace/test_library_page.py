@@ -10,7 +10,7 @@ import pytest
 from sources import ROOT
 
 import furuta
-from furuta_studies.series_columns import column_table
+from furuta_recordings.series_columns import column_table
 
 PAGE = (ROOT / "docs" / "library.md").read_text()
 

@@ -203,7 +203,7 @@ def test_description_of_the_graph_imports_no_ros() -> None:
     [
         ["ruff", "check", "."],
         ["ruff", "format", "--check", "."],
-        ["mypy", "furuta_ws/src", "benchmarks", "docs/site"],
+        ["mypy", "furuta_ws/src", "benchmarks", "course", "docs/site"],
     ],
     ids=" ".join,
 )
@@ -215,6 +215,6 @@ def test_lint_and_types(command: list[str]) -> None:
 
 def test_no_machine_of_ours_is_named() -> None:
     """Pinned requirements carry versions and no addresses."""
-    for folder in (".", "benchmarks", "docs", "firmware", "furuta_ws/tests"):
+    for folder in (".", "benchmarks", "course", "docs", "firmware", "furuta_ws/tests"):
         for name in ("requirements.in", "requirements.lock"):
             assert "://" not in (ROOT / folder / name).read_text()

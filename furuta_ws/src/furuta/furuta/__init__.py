@@ -40,8 +40,8 @@ from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
+from furuta_recordings.series_columns import COLUMNS
 from furuta_rig.rig import Rig
-from furuta_studies.series_columns import COLUMNS
 
 __version__ = version("furuta")
 

@@ -28,7 +28,8 @@ def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
 
     Returns:
         Series of n samples: ``time`` (n,) [s], ``state`` (n, 4) [rad, rad/s], ``estimate`` (n, 5),
-        ``friction``, ``friction_estimate`` and ``command`` (n,) [V].
+        ``friction``, ``friction_estimate`` and ``command`` (n,) [V]; ``measurement`` (n, 5), NaN
+        where there is no sensor.
 
     Raises:
         ParameterError: ``seconds`` is not above 0 and finite.

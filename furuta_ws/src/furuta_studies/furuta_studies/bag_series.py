@@ -16,9 +16,7 @@ from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import read
 from furuta_recordings.readers.bag_topics import JOINT_STATE_TYPE
 from furuta_recordings.recording import Recording
-from furuta_studies.recompute import read_recorded_loop
-from furuta_studies.recorded_loop import RecordedLoop
-from furuta_studies.series_columns import (
+from furuta_recordings.series_columns import (
     COMMAND,
     ESTIMATED,
     FRICTION_ESTIMATE,
@@ -29,6 +27,8 @@ from furuta_studies.series_columns import (
     by_name,
     known,
 )
+from furuta_studies.recompute import read_recorded_loop
+from furuta_studies.recorded_loop import RecordedLoop
 
 FLOATS = (topic_names.FRICTION_ESTIMATE, topic_names.COMMAND)
 # Types of the graph's topics; a bag with other types is of another rig.

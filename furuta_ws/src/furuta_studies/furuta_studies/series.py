@@ -11,24 +11,27 @@ from furuta_analysis.simulation.closed_loop import Record
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import read
-from furuta_recordings.table_files import SUFFIXES, read_columns
-from furuta_studies.bag_series import bag_series, recorded_series
-from furuta_studies.series_columns import (
+from furuta_recordings.series_columns import (
     COLUMNS,
     COMMAND,
     ESTIMATED,
     FRICTION_ESTIMATE,
+    MEASURED,
     TIME,
     TRUE,
     Series,
     by_name,
+    known,
 )
+from furuta_recordings.table_files import SUFFIXES, read_columns
+from furuta_studies.bag_series import bag_series, recorded_series
 
 
 def simulated_series(record: Record) -> Series:
     """The columns of a simulated run."""
     return {
         TIME: record.time,
+        **known(by_name(MEASURED, record.measurement)),
         **by_name(ESTIMATED, record.estimate),
         FRICTION_ESTIMATE: record.friction_estimate,
         COMMAND: record.command,

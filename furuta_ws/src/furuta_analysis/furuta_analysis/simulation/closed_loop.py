@@ -64,7 +64,8 @@ class Record(NamedTuple):
     """Series of a run, one row per sample of ``sample_time`` [s].
 
     ``state`` (n, 4) true x, ``estimate`` (n, 5) of x and of the friction [V], ``friction`` (n,)
-    true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V].
+    true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V], ``measurement`` (n, 5) of
+    x, NaN where there is no sensor, and of the torque applied since the previous sample [V].
     """
 
     sample_time: float
@@ -73,6 +74,7 @@ class Record(NamedTuple):
     friction: np.ndarray
     friction_estimate: np.ndarray
     command: np.ndarray
+    measurement: np.ndarray
 
     @property
     def time(self) -> np.ndarray:
@@ -193,6 +195,7 @@ def _empty_record(sample_time: float, samples: int) -> Record:
         np.empty(samples),
         np.empty(samples),
         np.empty(samples),
+        np.empty((samples, SIGNALS)),
     )
 
 
@@ -266,6 +269,7 @@ def _run(
             record.friction[k] = friction
             record.friction_estimate[k] = estimated
             record.command[k] = u
+            record.measurement[k] = measurement
         if transient // 2 <= k < transient:
             accumulate_midpoint(accumulator, x)
         if k >= transient:

@@ -65,9 +65,9 @@ def _info(bag: Bag) -> dict[str, Any]:
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
     """Write BAG as a table with one row per measurement; docs/bags.md lists its columns."""
+    from furuta_recordings.series_columns import TIME
     from furuta_recordings.table_files import write_columns
     from furuta_studies.series import load_series
-    from furuta_studies.series_columns import TIME
 
     series = load_series(bag, names)
     write_columns(out, series)

@@ -9,12 +9,18 @@ from typing import Any
 
 import click
 import numpy as np
+from rich.console import Console
 
 from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import json_option, print_json
 from furuta_cli.verbs.hw_options import drive_options, rig_options, seconds_option
 from furuta_graph.rigs import find_rig
-from furuta_hw.commissioning.friction import RAMP_RATE, measure_friction
+from furuta_hw.commissioning.friction import (
+    RAMP_RATE,
+    check_arm_range,
+    check_hanging,
+    measure_friction,
+)
 from furuta_hw.commissioning.session import RigSession
 from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import code_statistics, find_zeros
@@ -25,6 +31,8 @@ from furuta_ros.errors import UserError
 
 # Time between two lines of ``read`` [s].
 DISPLAY_PERIOD = 0.1
+# Time for which the pendulum must hang at rest before friction is measured [s].
+REST_SECONDS = 1.0
 
 
 @contextmanager
@@ -151,16 +159,26 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
     show_default=True,
     help="Rate of the voltage ramps [V/s].",
 )
+@click.option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
 @json_option
 def friction(
-    port: str, name: str, voltage: float, arm_range: float, rate: float, as_json: bool
+    port: str,
+    name: str,
+    voltage: float,
+    arm_range: float,
+    rate: float,
+    removed: bool,
+    as_json: bool,
 ) -> None:
     """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
 
-    The pendulum must hang or be removed. Takes one to two minutes.
+    The pendulum must hang at rest or be removed. Takes one to two minutes.
     """
-    with _open_rig(port, name) as session:
-        experiment = measure_friction(session.rig, arm_range, rate)
+    with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
+        check_arm_range(session.rig, arm_range)
+        if not removed:
+            check_hanging(list(session.samples(REST_SECONDS)))
+        experiment = measure_friction(session.rig, arm_range, rate, status.update)
         levels = session.drive(experiment, voltage, arm_range)
     derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
     show(levels._asdict() | derived, as_json)

@@ -23,8 +23,8 @@ def command(recording: Path, out: Path, names: Mapping, as_json: bool) -> None:
     another rig.
     """
     from furuta_figures.series import draw_series
+    from furuta_recordings.series_columns import TIME
     from furuta_studies.series import load_series
-    from furuta_studies.series_columns import TIME
 
     series = load_series(recording, names)
     draw_series(series, out)

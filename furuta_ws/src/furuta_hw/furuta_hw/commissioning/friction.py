@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Sequence
 from math import pi, sqrt
 from typing import NamedTuple
 
@@ -10,7 +10,9 @@ import numpy as np
 
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.errors import NotStillError
 from furuta_model.parameters import ParameterError
+from furuta_rig.channels import wrapped
 from furuta_rig.rig import Rig
 
 # Speed at which the arm counts as broken away: well above noise and creep [rad/s].
@@ -19,12 +21,20 @@ BREAK_AWAY_SPEED = 0.1
 SMOOTHING = 0.05
 # Speeds of the slides [rad/s], well above the Stribeck effect.
 SLIDE_SPEEDS = (0.3, 0.6)
+SLIDE_DIRECTIONS = (1, -1, -1, 1)
 # Bandwidth of the speed control of a slide [rad/s], and its settling time [s].
 BANDWIDTH = 10.0
 SETTLING_TIME = 1.0
 REST_TIME = 0.5  # [s] at 0 V between two motions
 RAMP_RATE = 0.05  # [V/s]
 RAMPS = 3  # in each direction
+# Largest angle [rad] between the pendulum and hanging, and largest change of it, at the start.
+HANGING_RANGE = 0.25 * pi
+STILL_RANGE = 0.1
+
+
+def silent(message: str) -> None:
+    """Report nothing."""
 
 
 class FrictionLevels(NamedTuple):
@@ -52,24 +62,56 @@ class FrictionLevels(NamedTuple):
         return (self.coulomb_positive - self.coulomb_negative) / (2.0 * self.alpha0)
 
 
+def check_hanging(samples: Sequence[RigSample]) -> None:
+    """Check that the pendulum hangs at rest, as far as its sensor shows that.
+
+    An upright or swinging pendulum pulls at the arm, and its torque would count as friction. A
+    sensor at the end of its range shows only that the pendulum is not upright. Raises
+    :class:`NotStillError`.
+    """
+    seen = [each.pendulum_angle for each in samples if not each.at_rail]
+    if not seen:
+        return
+    angles = np.array([wrapped(angle - pi) for angle in seen])  # zero hanging
+    furthest = angles[np.argmax(np.abs(angles))]
+    if abs(furthest) > HANGING_RANGE:
+        raise NotStillError(
+            f"the pendulum must hang, but its sensor reads {wrapped(furthest + pi):.2f} rad "
+            "(0 is upright); let it hang, or give --removed if there is none"
+        )
+    if np.ptp(angles) > STILL_RANGE:
+        raise NotStillError(
+            f"the pendulum swings by {np.ptp(angles):.2f} rad; wait until it hangs at rest"
+        )
+
+
+def check_arm_range(rig: Rig, arm_range: float) -> None:
+    """Check that the slides fit into ``arm_range`` [rad]; raises :class:`ParameterError`."""
+    needed = max(SLIDE_SPEEDS) * (SETTLING_TIME + _swing_period(rig)) * 1.2
+    if arm_range < needed:
+        raise ParameterError(
+            f"arm range must be at least {needed:.2f} rad for this rig, given {arm_range:g}"
+        )
+
+
 def measure_friction(
-    rig: Rig, arm_range: float, rate: float = RAMP_RATE
+    rig: Rig,
+    arm_range: float,
+    rate: float = RAMP_RATE,
+    report: Callable[[str], None] = silent,
 ) -> Experiment[FrictionLevels]:
     """Measure friction by voltage ramps until the arm breaks away, and by slow slides.
 
     The stiction level is the median voltage of the ramps, rising by ``rate`` [V/s], at which the
     arm breaks away. While the arm slides at a constant speed v under a speed control, its voltage
     is the friction at v: levels and viscous friction are the straight line through all slides.
+    ``report`` is called before each motion.
     Raises :class:`ParameterError` if ``arm_range`` [rad] is too small for the slides.
     """
-    needed = max(SLIDE_SPEEDS) * (SETTLING_TIME + _swing_period(rig)) * 1.2
-    if arm_range < needed:
-        raise ParameterError(
-            f"arm range must be at least {needed:.2f} rad for this rig, given {arm_range:g}"
-        )
+    check_arm_range(rig, arm_range)
     yield 0.0
-    stiction = yield from _ramps(rig, rate)
-    positive, negative, viscous = yield from _slides(rig)
+    stiction = yield from _ramps(rig, rate, report)
+    positive, negative, viscous = yield from _slides(rig, report)
     # The filtered speed reaches BREAK_AWAY_SPEED a time SMOOTHING after the arm has reached it.
     excess = viscous * BREAK_AWAY_SPEED + rate * SMOOTHING
     return FrictionLevels(
@@ -81,21 +123,26 @@ def measure_friction(
     )
 
 
-def _ramps(rig: Rig, rate: float) -> Experiment[dict[int, list[float]]]:
+def _ramps(
+    rig: Rig, rate: float, report: Callable[[str], None]
+) -> Experiment[dict[int, list[float]]]:
     """Return the voltages [V] of all break-aways by direction."""
     stiction: dict[int, list[float]] = {1: [], -1: []}
-    for _ in range(RAMPS):
-        for direction in (1, -1):
+    for number in range(RAMPS):
+        for k, direction in enumerate((1, -1)):
+            report(f"ramp {2 * number + k + 1} of {2 * RAMPS}")
             stiction[direction].append((yield from _break_away(rig, direction, rate)))
             yield from _rest(rig)
     return stiction
 
 
-def _slides(rig: Rig) -> Experiment[tuple[float, float, float]]:
+def _slides(rig: Rig, report: Callable[[str], None]) -> Experiment[tuple[float, float, float]]:
     """Return the levels [V] in positive and negative direction, and the viscous friction."""
     slides: list[tuple[int, float, float]] = []
     for speed in SLIDE_SPEEDS:
-        for direction in (1, -1, -1, 1):
+        for direction in SLIDE_DIRECTIONS:
+            number, last = len(slides) + 1, len(SLIDE_SPEEDS) * len(SLIDE_DIRECTIONS)
+            report(f"slide {number} of {last}")
             slides.append((direction, *(yield from _slide(rig, direction * speed))))
             yield from _rest(rig)
     # |u| = level of the direction + viscous |v|

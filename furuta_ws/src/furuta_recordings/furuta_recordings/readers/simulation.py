@@ -40,12 +40,17 @@ def read_simulation(path: Path) -> tuple[Recording, list[str]]:
 
 
 def _recording(path: Path, file: ZipFile) -> Recording:
-    time, measured, command = (_series(file, name) for name in ("time", "estimate", "command"))
+    time = _series(file, "time")
+    if "measurement.npy" not in file.namelist():
+        raise ParameterError(
+            f"{path} has estimates but no measurements, which identification needs; simulate again"
+        )
+    measured, command = _series(file, "measurement"), _series(file, "command")
     n = len(time)
     if time.shape != (n,) or command.shape != (n,) or measured.ndim != 2 or len(measured) != n:
         raise ValueError("its series have different lengths")
     if measured.shape[1] < RIGID_STATES:
-        raise ValueError(f"an estimate needs {RIGID_STATES} columns")
+        raise ValueError(f"a measurement needs {RIGID_STATES} columns")
     return Recording(path.name, time, np.array(measured[:, :RIGID_STATES]), time, command)
 
 

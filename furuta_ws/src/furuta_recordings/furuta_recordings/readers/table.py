@@ -26,6 +26,10 @@ from furuta_recordings.readers.table_joints import (
 )
 from furuta_recordings.readers.table_times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
+from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
+
+# The measured columns of an exported series in the order of a recording.
+EXPORTED = tuple(MEASURED)[:4]
 
 Columns = dict[str, np.ndarray]
 
@@ -36,6 +40,8 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     Rows without time or angle belong to the command alone.
     """
     columns = csv_columns(path)
+    if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
+        return _exported(path, columns)
     clock = clock_column(path, columns, mapping.time)
     (arm, pendulum), notes = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
@@ -60,6 +66,30 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         volts[given],
         in_radians=all(column(name).unit for name in angles),
     ), notes
+
+
+def _exported(path: Path, columns: Columns) -> tuple[Recording, list[str]]:
+    """The measured columns of an exported series; estimates and true states are no measurements."""
+    if not {*EXPORTED[::2], COMMAND} <= columns.keys():
+        raise ParameterError(
+            f"{path} lacks {EXPORTED[0]}, {EXPORTED[2]} or {COMMAND}, which identification needs; "
+            "it takes no estimates for measurements"
+        )
+    time, command = columns[TIME], columns[COMMAND]
+    missing = np.full(len(time), np.nan)
+    measured = np.column_stack([columns.get(name, missing) for name in EXPORTED])
+    rows, given = np.isfinite(time + measured[:, 0] + measured[:, 2]), np.isfinite(time + command)
+    if not np.any(rows):
+        raise ParameterError(f"{path}: no row with time and both angles")
+    start = time[rows][0]
+    return Recording(
+        path.name,
+        time[rows] - start,
+        np.ascontiguousarray(measured[rows]),
+        time[given] - start,
+        command[given],
+        in_radians=True,
+    ), [f"{path.name}: the measured columns of an exported series"]
 
 
 def _in_si(
