@@ -1,13 +1,13 @@
 r"""One joint with friction: the electro-mechanical positioning system (EMPS).
 
 .. math::
-    M \dot v = u(t - τ) - F_v v - a |v| - F - f_0 - f_1 t
+    M \dot v = u(t - τ) - F_v v - a |v| - F - f_0 - k (x - x_0) - f_1 (t - t_0)
 
 u is the force [N] of the drive, F the dry friction with the level
-:math:`(F_c + F_s e^{-(v/v_s)^2} + l|u|)(1 \pm a_c)`. Viscous friction differs by direction by a.
-The joint truly sticks, or moves a LuGre bristle if σ₀ > 0. Source: Janot, Gautier
-and Brunot, Data set and reference models of EMPS, Nonlinear System Identification
-Benchmarks (2019).
+:math:`(F_c + s (x - x_0) + F_s e^{-(v/v_s)^2} + l|u|)(1 \pm a_c)`. Viscous friction differs by
+direction by a. x₀ is the middle of the travel, t₀ that of the record. The joint truly sticks, or
+moves a LuGre bristle if σ₀ > 0. Source: Janot, Gautier and Brunot, Data set and reference models of
+EMPS, Nonlinear System Identification Benchmarks (2019).
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from furuta_model.friction.parameters import Friction
 FORCE_PER_VOLT = 35.15065
 # Integration steps per sample of 1 ms.
 STEPS = 2
+# Middle of the travel [m].
+MIDDLE = 0.12
 # Samples at the start from which position and speed at the start are found.
 START_SAMPLES = 20
 
@@ -37,9 +39,11 @@ class Joint(NamedTuple):
     viscous: float = 200.0  # F_v [N s/m]
     coulomb: float = 20.0  # F_c [N]
     direction: float = 0.0  # a: what viscous friction is more for v > 0, and less for v < 0 [N s/m]
+    offset: float = 0.0  # f₀ [N]
+    level_slope: float = 0.0  # s: change of the level along the travel [N/m]
+    spring: float = 0.0  # k [N/m]
     drift: float = 0.0  # f₁ [N/s]
     delay: float = 1e-3  # τ, as a lag [s]
-    offset: float = 0.0  # f₀ [N]
     stiction: float = 0.0  # F_s [N]
     stribeck_velocity: float = 0.02  # v_s [m/s]
     asymmetry: float = 0.0  # a_c
@@ -48,7 +52,10 @@ class Joint(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A record: time [s], position [m] and force [N] (n,), evenly sampled."""
+    """A record: time [s], position [m] and force [N] (n,), evenly sampled.
+
+    The middle of the whole record in time is at 0.
+    """
 
     time: np.ndarray
     position: np.ndarray
@@ -84,12 +91,13 @@ def read_record(file: Path) -> Record:
         raise ValueError(f"{file} must have four columns and {10 * START_SAMPLES} rows or more")
     if not np.all(np.isfinite(table)) or np.any(np.diff(table[:, 0]) <= 0.0):
         raise ValueError(f"{file} must have numbers only, and increasing times")
-    return Record(table[:, 0], table[:, 1], FORCE_PER_VOLT * table[:, 3])
+    time = table[:, 0] - 0.5 * (table[0, 0] + table[-1, 0])
+    return Record(time, table[:, 1], FORCE_PER_VOLT * table[:, 3])
 
 
 def predict(joint: Joint, record: Record) -> np.ndarray:
     """Free run: the position (n,) [m] from the force alone, and the position at the start."""
-    return _free_run(record.force, record.time - record.time[0], *record.start, record.step, joint)
+    return _free_run(record.force, record.time, *record.start, record.step, joint)
 
 
 def error_mm(joint: Joint, record: Record) -> float:
@@ -107,24 +115,30 @@ def _free_run(
     for k in range(len(force)):
         positions[k] = x
         u += share * (force[k] - u)
-        driving = u - p.offset - p.drift * time[k]
+        driving = u - p.offset - p.drift * time[k] - p.spring * (x - MIDDLE)
+        level = p.coulomb + p.level_slope * (x - MIDDLE) + p.load * abs(u)
         for _ in range(STEPS):
             before = v
             free = driving - p.viscous * v - p.direction * abs(v)
-            v, z = _after(v, z, free, abs(u), h, p)
+            v, z = _after(v, z, free, level, h, p)
             x += 0.5 * h * (before + v)
     return positions
 
 
 @compiled
-def _after(v: float, z: float, free: float, load: float, h: float, p: Joint) -> tuple[float, float]:
-    """Speed [m/s] and bristle [m] after a step, for the force ``free`` of dry friction [N]."""
+def _after(
+    v: float, z: float, free: float, level: float, h: float, p: Joint
+) -> tuple[float, float]:
+    """Speed [m/s] and bristle [m] after a step, for the force ``free`` of dry friction [N].
+
+    ``level`` [N] is that of the friction without Stribeck effect and asymmetry.
+    """
     if p.stiffness > 0.0:
         damping = 0.5 * (p.stiffness * p.mass) ** 0.5
         friction = Friction(
             p.stiffness,
             damping,
-            p.coulomb + p.load * load,
+            level,
             p.stiction,
             p.stribeck_velocity,
             0.0,
@@ -133,7 +147,7 @@ def _after(v: float, z: float, free: float, load: float, h: float, p: Joint) -> 
         end, mean = bristle_after(v, 0.0, z, h, friction)
         force = p.stiffness * mean + damping * (end - z) / h
         return v + h * (free - force) / p.mass, end
-    level = p.coulomb + p.stiction * exp(-((v / p.stribeck_velocity) ** 2)) + p.load * load
+    level += p.stiction * exp(-((v / p.stribeck_velocity) ** 2))
     moved = v + h * free / p.mass
     change = h * level * (1.0 + p.asymmetry if moved > 0.0 else 1.0 - p.asymmetry) / p.mass
     if moved > change:

@@ -24,7 +24,7 @@ from furuta_rig.rig import Rig
 from furuta_rig.rig_file import ARM_TURNS, LinearCoefficients
 from furuta_rig.uncertainty import ABSOLUTE, RELATIVE
 from furuta_ros.topics import EVERY_TOPIC, THROTTLED_TOPICS, Topic
-from furuta_studies.series_columns import column_table
+from furuta_recordings.series_columns import column_table
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = "Generated from the code by `docs/site/reference_pages.py`."

@@ -21,6 +21,8 @@ STEP, SLIDING = 2.5e-4, 0.01
 PER_SAMPLE = 8
 DEGREE, RPM = pi / 180.0, pi / 30.0
 KINDS = ("step", "steps", "sine", "chirp", "multisine")
+# Largest and smallest amplitude of the command [V], and length of a recording [s].
+AMPLITUDES, SECONDS = (1.0, 6.0), 6.0
 
 
 class Rig(NamedTuple):
@@ -52,6 +54,15 @@ class Readings(NamedTuple):
     hanging: bool = True
     zero: float = 0.0
     first_missing: bool = False
+
+
+def sampled(seed: int) -> tuple[Rig, Readings, Recording]:
+    """A random rig, how it is recorded, and a recording of it."""
+    rng = np.random.default_rng(seed)
+    rig, readings = random_rig(rng), random_readings(rng)
+    amplitude = float(rng.uniform(*AMPLITUDES))
+    kind = KINDS[seed % len(KINDS)]
+    return rig, readings, record(rig, kind, amplitude, SECONDS, readings, rng, f"{seed} {kind}")
 
 
 def random_rig(rng: np.random.Generator) -> Rig:

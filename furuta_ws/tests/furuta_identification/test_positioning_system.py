@@ -1,4 +1,4 @@
-"""The model of one joint in benchmarks/positioning_model.py, against closed solutions."""
+"""The study of one joint in benchmarks: its model against closed solutions, and its fit."""
 
 from __future__ import annotations
 
@@ -18,6 +18,14 @@ def model() -> Iterator[Any]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT / "benchmarks"))
         yield import_module("positioning_model")
+
+
+@pytest.fixture(scope="module")
+def study(model: Any) -> Any:
+    """The module that fits the model."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "benchmarks"))
+        return import_module("positioning_system")
 
 
 def record(model: Any, force: float, seconds: float = 1.0) -> Any:
@@ -44,6 +52,23 @@ def test_sticking_joint(model: Any) -> None:
     moved = model.predict(model.Joint(stiffness=1e5), given)
     # The bristle's deflection is -(F_c/σ₀) ln(1 - F/F_c), and more after the first overshoot.
     assert 5.5e-5 < moved[-1] < 1.2e-4
+
+
+def test_a_drift_does_not_bias_the_fit(model: Any, study: Any) -> None:
+    """The other parameters are found, and predictions leave the drift out."""
+    time = np.arange(-2.0, 2.0, 1e-3)
+    force = 40.0 * np.sign(np.sin(4.0 * time)) + 15.0 * np.sin(11.0 * time)
+    force[:50] = 0.0  # it starts at rest
+    truth = model.Joint(95.0, 200.0, 20.0, -30.0, offset=0.3, level_slope=-4.0, drift=0.2)
+    given = model.Record(time, np.zeros(len(time)), force)
+    given = given._replace(position=model.predict(truth, given))
+    names = (*study.CHOSEN, "drift")
+    found = study.fit(given, names)
+    values = {name: getattr(found, name) for name in names}
+    assert values == pytest.approx({name: getattr(truth, name) for name in names}, rel=0.02)
+    other = study.without_drift(found, given)
+    assert other.drift == 0.0
+    assert other.mass == found.mass
 
 
 def test_another_table_is_refused(model: Any, tmp_path: Path) -> None:

@@ -51,6 +51,22 @@ def test_draws_have_the_covariance() -> None:
     assert len(inertia) == 1
 
 
+def test_waves_are_uncertain(tmp_path: Path) -> None:
+    """Their amplitudes are drawn; those of a wave that the rig does not have are refused."""
+    file = tmp_path / "rig.yaml"
+    given = Uncertainty(("wave14_sin", "wave1_cos"), np.diag([1e-4, 0.0]))
+    file.write_text(rig_file_text(RIG, given, "a rig"))
+    rig, uncertainty = load_uncertain_rig(file)
+    waves = [each.waves for each in drawn_rigs(rig, uncertainty, 500, seed=1)]
+    assert np.std([each.sine[1] for each in waves]) == pytest.approx(0.01, rel=0.1)
+    assert {(each.orders, each.cosine, each.sine[0]) for each in waves} == {
+        ((1.0, 14.0), (0.01, 0.02), 0.0)
+    }
+    file.write_text(file.read_text().replace("wave14_sin", "wave15_sin"))
+    with pytest.raises(ParameterError, match=r"unknown wave15_sin; known are .*wave14_sin"):
+        load_rig(file)
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

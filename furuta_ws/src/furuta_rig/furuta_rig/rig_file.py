@@ -58,7 +58,8 @@ def load_uncertain_rig(file: Path) -> tuple[Rig, Uncertainty]:
 def rig_from_content(content: Mapping[str, Any], file: Path) -> tuple[Rig, Uncertainty]:
     """The rig and the uncertainty that the ``content`` of a rig file describes."""
     try:
-        return _rig(content), uncertainty_from(content.get(UNCERTAINTY))
+        rig = _rig(content)
+        return rig, uncertainty_from(content.get(UNCERTAINTY), rig.waves)
     except ParameterError as error:
         raise ParameterError(f"{file}: {error}") from None
 

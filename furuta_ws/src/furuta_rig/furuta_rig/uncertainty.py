@@ -7,6 +7,8 @@ a possible pendulum. In a rig file:
     uncertainty:
       standard_errors: {arm_inertia: 0.05, beta: 0.1, viscous: 0.01}
       correlations: [[1.0], [0.3, 1.0], [0.0, 0.0, 1.0]]    # lower triangle; default: none
+
+Each wave of the torque has two values, `wave14_cos` and `wave14_sin` [V] for 14 waves per turn.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError, number_from_text, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_rig.rig import Rig
+from furuta_sim.parts.torque_waves import TorqueWaves
 
 # Values whose standard error is relative, that of the logarithm.
 RELATIVE = ("arm_inertia", "beta", "gamma", "delta", "sigma0", "sigma1", "stribeck_velocity")
@@ -36,7 +39,9 @@ ABSOLUTE = {
     "tilt_y": (-0.5, 0.5),
 }
 NAMES = (*RELATIVE, *ABSOLUTE)
+LARGEST_WAVE = 10.0  # amplitude [V]
 INERTIAS = ("arm_inertia", "beta", "gamma", "delta")
+_PARTS = ("cos", "sin")
 _FRICTION = ("sigma0", "sigma1", "stribeck_velocity", "viscous", "alpha0", "alpha1", "asymmetry")
 
 
@@ -64,6 +69,17 @@ class Uncertainty(NamedTuple):
 CERTAIN = Uncertainty((), np.zeros((0, 0)))
 
 
+def wave_values(waves: TorqueWaves) -> dict[str, float]:
+    """The amplitudes [V] of the waves by name; order 0 is no wave."""
+    rows = zip(*waves, strict=True)
+    return {
+        f"wave{order:g}_{part}": value
+        for order, *amplitudes in rows
+        if order != 0.0
+        for part, value in zip(_PARTS, amplitudes, strict=True)
+    }
+
+
 def values_of(rig: Rig) -> dict[str, float]:
     """The values that can be uncertain, by name."""
     body = rig.model
@@ -76,6 +92,7 @@ def values_of(rig: Rig) -> dict[str, float]:
         "delay": rig.drive.delay,
         "tilt_x": rig.tilt.x,
         "tilt_y": rig.tilt.y,
+        **wave_values(rig.waves),
     }
 
 
@@ -86,7 +103,7 @@ def changed_rig(rig: Rig, names: tuple[str, ...], change: np.ndarray) -> Rig:
         if name in RELATIVE:
             values[name] *= exp(difference)
         else:
-            low, high = ABSOLUTE[name]
+            low, high = ABSOLUTE.get(name, (-LARGEST_WAVE, LARGEST_WAVE))
             values[name] = min(max(values[name] + difference, low), high)
     return _with_values(rig, values)
 
@@ -103,7 +120,20 @@ def _with_values(rig: Rig, values: dict[str, float]) -> Rig:
         ),
         drive=rig.drive._replace(delay=values["delay"]),
         tilt=rig.tilt._replace(x=values["tilt_x"], y=values["tilt_y"]),
+        waves=_with_amplitudes(rig.waves, values),
     )
+
+
+def _with_amplitudes(waves: TorqueWaves, values: dict[str, float]) -> TorqueWaves:
+    """The waves with other amplitudes by name."""
+    cosine, sine = (
+        tuple(
+            values.get(f"wave{order:g}_{part}", old)
+            for order, old in zip(waves.orders, amplitudes, strict=True)
+        )
+        for part, amplitudes in zip(_PARTS, (waves.cosine, waves.sine), strict=True)
+    )
+    return waves._replace(cosine=cosine, sine=sine)
 
 
 def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int = 0) -> Iterator[Rig]:
@@ -112,8 +142,11 @@ def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int = 0) ->
         yield changed_rig(rig, uncertainty.names, change)
 
 
-def uncertainty_from(content: Any) -> Uncertainty:
-    """The uncertainty that the section of a rig file describes; none without a section."""
+def uncertainty_from(content: Any, waves: TorqueWaves) -> Uncertainty:
+    """The uncertainty that the section of a rig file describes; none without a section.
+
+    ``waves`` are those of the rig.
+    """
     if content is None:
         return CERTAIN
     if not isinstance(content, Mapping) or not isinstance(content.get("standard_errors"), Mapping):
@@ -121,7 +154,8 @@ def uncertainty_from(content: Any) -> Uncertainty:
     unknown = sorted(str(each) for each in content if each not in _SECTION)
     if unknown:
         raise ParameterError(f"unknown: uncertainty.{', uncertainty.'.join(unknown)}")
-    given = {name: _number(name, each) for name, each in content["standard_errors"].items()}
+    known = (*NAMES, *wave_values(waves))
+    given = {name: _number(name, each, known) for name, each in content["standard_errors"].items()}
     correlations = _correlations(content.get("correlations"), len(given))
     errors = np.array(list(given.values()))
     return Uncertainty(tuple(given), correlations * np.outer(errors, errors))
@@ -132,10 +166,10 @@ _SECTION = ("standard_errors", "correlations")
 ROUNDING = 1e-5
 
 
-def _number(name: Any, value: Any) -> float:
+def _number(name: Any, value: Any, known: tuple[str, ...]) -> float:
     """The standard error of a value; raises ParameterError if it is not one."""
-    if name not in NAMES:
-        raise ParameterError(f"uncertainty of unknown {name}; known are {', '.join(NAMES)}")
+    if name not in known:
+        raise ParameterError(f"uncertainty of unknown {name}; known are {', '.join(known)}")
     error = number_from_text(value)
     if isinstance(error, bool) or not isinstance(error, (int, float)) or not 0 <= error < 1e6:
         raise ParameterError(

@@ -13,6 +13,7 @@ from furuta_cli.file_types import FIGURE
 from furuta_cli.number_types import FiniteRange, NonZero
 from furuta_cli.options import json_option, print_json
 from furuta_graph.rigs import find_rig
+from furuta_identification.fitting.free_swing import identify_free_swing
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -22,6 +23,7 @@ from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping, read
+from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
 from furuta_rig.rig import Rig
@@ -58,7 +60,8 @@ class Zero(click.ParamType):
 @click.option(
     "--command",
     "command_name",
-    help="Topic or column of the command, or `effort` for the arm's effort.",
+    help="Topic or column of the command, `effort` for the arm's effort, or `none` for free swings "
+    "of the pendulum with a held arm.",
 )
 @click.option("--states", help="Topic of the joint states.")
 @click.option("--time", help="Column of a table's time.")
@@ -157,6 +160,11 @@ def command(
     options = Options(zero, window, angles, command_scale, float(DIRECTIONS[direction]), ceiling)
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
+    if command_name == NO_COMMAND:
+        if out or write or validation_paths:
+            raise ParameterError("free swings give no model: no --out, --write, --validate")
+        _free_swing(paths, mapping, options, as_json)
+        return
     given = find_rig(base) if base else None
     with Console(stderr=True).status("reading") as status:
         options = options._replace(report=status.update)
@@ -175,6 +183,23 @@ def command(
         print_json(result)
     else:
         _print(result)
+
+
+def _free_swing(paths: tuple[Path, ...], mapping: Mapping, options: Options, as_json: bool) -> None:
+    """Fit and print the pendulum's own motion."""
+    recordings, notes = _read_all(paths, mapping)
+    found = identify_free_swing(recordings, options)
+    findings = [*notes, *found.findings]
+    if as_json:
+        errors = {"standard_errors": found.standard_errors}
+        print_json({**found.values, **errors, "fit": found.fit, "findings": findings})
+        return
+    for name, value in found.values.items():
+        print(f"{name:26} {value:12.6g}  ± {found.standard_errors[name]:.2g}")
+    for name, fit in found.fit.items():
+        print(f"fit {name}: pendulum angle {fit:.1f} %")
+    for finding in findings:
+        print(f"found: {finding}")
 
 
 class Identified(NamedTuple):

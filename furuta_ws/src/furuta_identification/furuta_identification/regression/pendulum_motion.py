@@ -109,7 +109,7 @@ def _regression(
     correlated = max(2.0, correlation_length(residual))
     variance = correlated * float(residual @ residual) / len(y)
     inverse = np.linalg.pinv((x / scale).T @ (x / scale), rcond=1e-12)
-    errors = np.sqrt(variance * np.diag(inverse)) / scale
+    errors = np.sqrt(np.maximum(variance * np.diag(inverse), 0.0)) / scale
     gravity, across, coupling = (solution / scale)[:3]
     size = float(np.linalg.norm(y))
     motion = PendulumMotion(

@@ -13,7 +13,7 @@ from furuta_identification.fitting.model import Model
 from furuta_identification.shooting.unknowns import BY_NAME, LUGRE
 from furuta_model.friction.parameters import Friction
 from furuta_rig.rig import Rig, SafetyLimits
-from furuta_rig.uncertainty import ABSOLUTE, NAMES, Uncertainty
+from furuta_rig.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_sim.parts.motion import PendulumFriction
 from furuta_sim.parts.tilt import Tilt
 from furuta_sim.parts.torque_waves import TorqueWaves
@@ -48,7 +48,7 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
         limits=limits,
         poles=quadratic_poles(values.body, friction.viscous, limits.voltage),
     )
-    return rig, _uncertainty(model)
+    return rig, _uncertainty(model, (*NAMES, *wave_values(rig.waves)))
 
 
 def _limits_for_balancing(base: Rig, ceiling: float) -> SafetyLimits:
@@ -91,10 +91,13 @@ def _waves(model: Model) -> TorqueWaves:
     return TorqueWaves(orders, cosine, sine)
 
 
-def _uncertainty(model: Model) -> Uncertainty:
-    """The covariance of the fit; unknowns that were not fitted have their prior's spread."""
+def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
+    """The covariance of the fit; unknowns that were not fitted have their prior's spread.
+
+    ``known`` are the names that a rig file can have.
+    """
     fitted = [RIG_NAMES.get(name, name) for name in model.names]
-    chosen = [index for index, name in enumerate(fitted) if name in NAMES]
+    chosen = [index for index, name in enumerate(fitted) if name in known]
     names = [fitted[index] for index in chosen]
     covariance = model.covariance[np.ix_(chosen, chosen)]
     others = [

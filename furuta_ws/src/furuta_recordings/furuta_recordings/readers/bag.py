@@ -18,7 +18,7 @@ from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.readers.bag_topics import command_topic, states_topic
 from furuta_recordings.readers.drive import through_drive
 from furuta_recordings.readers.joint_states import JointSample, command_value, joint_sample
-from furuta_recordings.readers.mapping import Mapping, joints_of
+from furuta_recordings.readers.mapping import NO_COMMAND, Mapping, joints_of
 from furuta_recordings.recording import Recording
 from furuta_sim.parameters import Actuator
 
@@ -28,14 +28,15 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
         states = states_topic(path, types, mapping)
-        command = command_topic(path, types, states, mapping)
+        driven = mapping.command != NO_COMMAND
+        command = command_topic(path, types, states, mapping) if driven else None
         content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, message in bag.messages_in_memory(chosen):
             content.add(connection.topic == states, time / NANOSECONDS, message)
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
-    recording = content.recording(command_is_effort=command is None)
+    recording = content.recording(command_is_effort=driven and command is None)
     return _with_recorded_drive(recording, path / PARAMETERS_FILE, content.notes)
 
 

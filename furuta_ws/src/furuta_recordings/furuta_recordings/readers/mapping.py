@@ -10,12 +10,14 @@ from furuta_model.topic_names import JOINTS
 
 # Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")
+# Name of the command if the motor was not driven.
+NO_COMMAND = "none"
 
 
 class Mapping(NamedTuple):
     """Names given by the user: joints, topic of the states, topic or column of the command.
 
-    ``time`` is the column of a table's time.
+    ``command`` is "none" if the motor was not driven. ``time`` is the column of a table's time.
     """
 
     arm: str | None = None

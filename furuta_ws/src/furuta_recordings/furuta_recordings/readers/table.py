@@ -16,7 +16,7 @@ from furuta_recordings.readers.column_names import (
     column,
 )
 from furuta_recordings.readers.csv_columns import csv_columns
-from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.readers.table_joints import (
     ANGLE_WORDS,
     SPEED_WORDS,
@@ -53,10 +53,11 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         raise ParameterError(f"{path}: no row with time and both angles")
     series = [_in_si(path, columns, name, ANGLE_UNITS)[rows] for name in angles]
     rates = [_in_si(path, columns, name, SPEED_UNITS)[rows] for name in speeds]
-    command = _command_column(path, columns, mapping)
+    command = None if mapping.command == NO_COMMAND else _command_column(path, columns, mapping)
     volts = _in_si(path, columns, command, COMMAND_UNITS)
     given = np.isfinite(volts) & np.isfinite(command_time)
-    notes.append(f"{path.name}: command from column {command}, times from {stamps}")
+    source = f"command from column {command}" if command else "no command"
+    notes.append(f"{path.name}: {source}, times from {stamps}")
     start = time[rows][0]
     return Recording(
         path.name,

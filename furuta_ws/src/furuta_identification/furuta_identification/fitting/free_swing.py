@@ -1,0 +1,139 @@
+r"""The pendulum's own motion, from swings while the arm is held and the motor is not driven.
+
+With the arm at rest, (1) is
+
+.. math::
+    θ̈ = ω_0^2 \sinθ - c θ̇ - f \,\mathrm{sign}\,θ̇, \qquad ω_0^2 = δ/β
+
+so such recordings determine the natural frequency and the friction of the pendulum's joint, each
+divided by β. They say nothing about the arm.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
+from furuta_identification.fitting.validation import fit_percent
+from furuta_identification.preparation.options import Options
+from furuta_identification.preparation.orientation import oriented
+from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
+from furuta_identification.regression.pendulum_motion import pendulum_motion
+from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.unknowns import prior
+from furuta_identification.uncertainty.bootstrap import sensor_covariance
+from furuta_identification.uncertainty.jackknife import block_covariance
+from furuta_identification.uncertainty.sensor_errors import noise_of, sensor_errors
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_recordings.cleaning import cleaned
+from furuta_recordings.recording import Recording
+
+# The scale β [V s²/rad], which the motion does not show: that of a small rig, so that priors suit.
+SCALE = 0.0025
+# Inertia of a held arm [V s²/rad], and the coupling to it.
+HELD, COUPLING = 1e6, 1e-6
+# Motion of the arm as a part of the pendulum's, at which the frequency errs by 0.1 %.
+LARGEST_ARM_PART = 0.003
+# Lengths of the first segments [s]; the last ones are halves, whose states at the start are fitted.
+FIRST_LENGTHS = (1.0, 3.0)
+UNKNOWNS = ["delta", "pendulum_viscous", "pendulum_coulomb", "zero"]
+NATURAL_FREQUENCY, DAMPING, FRICTION = (
+    "natural_frequency_rad_s",
+    "pendulum_damping_1_s",
+    "pendulum_friction_rad_s2",
+)
+
+
+class FreeSwing(NamedTuple):
+    """Values and standard errors by name, fit of the angle [%] by recording, and findings.
+
+    The names are those of ω₀ [rad/s], c [1/s] and f [rad/s²].
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    fit: dict[str, float]
+    findings: list[str]
+
+
+def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:
+    """Fit recordings of one rig without a command; raises ParameterError if the arm moves."""
+    ready, findings = _prepared(recordings, options)
+    gravity = float(np.median([pendulum_motion(each).gravity for each in ready]))
+    values = ParameterValues.of(
+        arm_inertia=HELD, beta=SCALE, gamma=COUPLING, delta=gravity * SCALE, coulomb=0.0, lag=0.0
+    )
+    scale = np.median([noise_of(each) for each in ready], axis=0)
+    half = 0.5 * min(each.duration for each in ready)
+    for window in (*FIRST_LENGTHS, half):
+        length = min(window, half)
+        optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True, tolerance=COARSE)
+        values, scale = optimum.values, residual_scale(optimum)
+    optimum = optimise(ready, UNKNOWNS, values, half, scale, robust=True)
+    predictions = optimum.shooting.predictions(optimum.vector)
+    fits = {
+        each.name: fit_percent(each.measured[:, THETA], predicted[:, THETA])
+        for each, predicted in zip(ready, predictions, strict=True)
+    }
+    return FreeSwing(*_reported(optimum), fits, findings)
+
+
+def _prepared(recordings: list[Recording], options: Options) -> tuple[list[Recording], list[str]]:
+    """The recordings in SI units, with θ = 0 upright. The angle's direction does not matter."""
+    usable, findings = [], []
+    for recording in recordings:
+        ready, found = cleaned(recording, driven=False)
+        _refuse_moving_arm(ready)
+        usable.append(_with_resting_arm(ready))
+        findings += [f"{recording.name}: {each}" for each in found]
+    angles, found = angle_unit(usable, options.angles)
+    findings += found
+    turned = []
+    for number, recording in enumerate(usable):
+        ready, found = with_usable_speeds(in_unit(recording, angles))
+        ready, _, more = oriented(ready, options.zero, options.direction, 1.0)
+        turned.append(ready._replace(number=number))
+        findings += [f"{recording.name}: {each}" for each in (*found, *more[:1])]
+    return turned, findings
+
+
+def _refuse_moving_arm(recording: Recording) -> None:
+    arm, pendulum = (float(np.ptp(recording.measured[:, each])) for each in (PHI, THETA))
+    if arm > LARGEST_ARM_PART * pendulum + 1.5 * sensor_errors(recording).step[PHI]:
+        raise ParameterError(
+            f"{recording.name}: the arm moves by {100.0 * arm / pendulum:.2g} % of the pendulum's "
+            "motion without a command; hold it, or name the command with --command"
+        )
+
+
+def _with_resting_arm(recording: Recording) -> Recording:
+    """The recording with the arm at 0, without commands."""
+    measured = recording.measured.copy()
+    measured[:, [PHI, PHI_DOT]] = 0.0
+    nothing = np.zeros(0)
+    return recording._replace(measured=measured, command_time=nothing, command=nothing)
+
+
+def _reported(optimum: Optimum) -> tuple[dict[str, float], dict[str, float]]:
+    """Values and standard errors by name."""
+    shooting, vector = optimum.shooting, optimum.vector
+    slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
+    _, spread = prior(shooting.names)
+    information = slopes.T @ slopes + np.diag(1.0 / spread**2)
+    gain = np.linalg.pinv(information) @ slopes.T
+    covariance = block_covariance(shooting, slopes, residuals, information)
+    covariance = covariance + sensor_covariance(shooting, vector, residuals, gain)
+    errors = np.sqrt(np.diag(covariance))
+    omega = float(np.sqrt(optimum.values["delta"] / SCALE))
+    values = {
+        NATURAL_FREQUENCY: omega,
+        DAMPING: optimum.values["pendulum_viscous"] / SCALE,
+        FRICTION: optimum.values["pendulum_coulomb"] / SCALE,
+    }
+    # δ is fitted as its logarithm.
+    sizes = (0.5 * omega, 1.0 / SCALE, 1.0 / SCALE)
+    found = (float(size * error) for size, error in zip(sizes, errors, strict=False))
+    return values, dict(zip(values, found, strict=True))
