@@ -11,7 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from furuta_graph.description import HARDWARE_BRIDGE
-from furuta_ros.services import ServiceError, call_service
+from furuta_ros.services import ATTEMPTS, ServiceError, call_service
 from furuta_ros.spinning import executor_of
 
 # Longest wait for the bridge, and for its answer, which can take as long as the rig's [s].
@@ -33,8 +33,13 @@ class BridgeClient:
         self._executor = executor_of([self._node])
 
     def arm(self) -> None:
-        """Arm the bridge. Raises :class:`ServiceError` with the reason if it refuses."""
-        answer = self._call(SetBool, "arm", SetBool.Request(data=True))
+        """Arm the bridge. Raises :class:`ServiceError` with the reason if it refuses.
+
+        The request is sent once, because a copy that arrives late would arm again after a stop.
+        A harmless request goes first: after its response both sides know each other.
+        """
+        self.state()
+        answer = self._call(SetBool, "arm", SetBool.Request(data=True), attempts=1)
         if not answer.success:
             raise ServiceError(f"not armed: {answer.message}")
 
@@ -57,8 +62,9 @@ class BridgeClient:
         if now != goal:
             raise ServiceError(f"{HARDWARE_BRIDGE} did not {transition}, it is {now}; see its log")
 
-    def _call(self, kind: Any, service: str, request: Any) -> Any:
-        """The response to a request, which may be sent more than once."""
+    def _call(self, kind: Any, service: str, request: Any, attempts: int = ATTEMPTS) -> Any:
+        """The response to a request, which is sent up to ``attempts`` times."""
         client = self._node.create_client(kind, f"{HARDWARE_BRIDGE}/{service}")
         send = partial(client.call_async, request)
-        return call_service(self._executor, HARDWARE_BRIDGE, client.wait_for_service, send, TIMEOUT)
+        wait = client.wait_for_service
+        return call_service(self._executor, HARDWARE_BRIDGE, wait, send, TIMEOUT, attempts)
