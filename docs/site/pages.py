@@ -108,7 +108,8 @@ def _site_link(
     if "://" in link or not address:
         return found.group()
     target = Path(os.path.normpath(file.parent / address))
-    if target.is_dir():
+    is_source = target.suffix == ".md" and target not in names
+    if target.is_dir() or (is_source and target.exists()):
         return f"{text} (`{target.relative_to(ROOT)}`)"
     if not target.exists():
         raise BrokenLinkError(f"{file.relative_to(ROOT)} links to {link}, which does not exist")

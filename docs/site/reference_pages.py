@@ -40,7 +40,7 @@ def verbs_page() -> str:
         "error), 2 (wrong\nusage) or 130 (Ctrl-C). `--json` prints one JSON object and nothing "
         "else.\n"
     ]
-    context = click.Context(command_line, info_name="./furuta")
+    context = click.Context(command_line, info_name="./furuta", **command_line.context_settings)
     for name in command_line.list_commands(context):
         command = command_line.get_command(context, name)
         if command is not None:

@@ -25,9 +25,9 @@ def test_animation_is_a_moving_gif(tmp_path: Path) -> None:
     samples = 300
     state = np.zeros((samples, 4))
     state[:, 2] = np.linspace(-np.pi, np.pi, samples)
-    empty = np.zeros(samples)
+    empty, series = np.zeros(samples), np.zeros((samples, 5))
     path = tmp_path / "new" / "run.gif"
-    animate_run(Record(0.001, state, np.zeros((samples, 5)), empty, empty, empty), path, 0.2)
+    animate_run(Record(0.001, state, series, empty, empty, empty, series), path, 0.2)
     assert path.read_bytes().startswith(b"GIF89a")
     assert image.imread(path).shape[2] in (3, 4)
     assert path.read_bytes().count(b"\x21\xf9\x04") == 4

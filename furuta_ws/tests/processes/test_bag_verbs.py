@@ -42,7 +42,7 @@ def recorded(furuta: Any, bag: Path) -> None:
 def test_info(furuta: Any, bag: Path) -> None:
     """Messages, topics, types and the parameter file of a bag."""
     result = json.loads(furuta("bag", "info", bag, "--json")[1])
-    assert result["messages"] == 10_000
+    assert result["messages"] == 10_002  # mode_in_force: off, then balance
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
     assert Path(result["parameters"]).is_file()
 
