@@ -179,6 +179,7 @@ def test_tune_improves_the_loop() -> None:
         (lambda: furuta.simulate(seconds=float("nan")), "seconds must be above 0"),
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
         (lambda: furuta.ideal_loop(feedback=[1, 2]), "feedback must be four finite numbers"),
+        (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
         (lambda: furuta.ideal_loop(law="maxwell_slip"), "not defined for the friction law"),
         (lambda: furuta.friction_law("glue"), "no friction law glue; laws are coulomb"),
         (lambda: furuta.describing_function(0.0, 1.0, furuta.friction_law("lugre")), "above 0"),

@@ -46,6 +46,7 @@ for verb in VERBS:
     ready += [verb] if done.exit_code == 0 else []
     assert done.exit_code == 0 or "which is not installed" in str(done.exception), done
 print(*ready)
+print(CliRunner().invoke(command, ["view", "--no-open"]).exception)
 print(CliRunner().invoke(command, ["--version"]).output)
 """
 
@@ -93,12 +94,13 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    cycle, about, verbs, version = done.stdout.strip().splitlines()
+    cycle, about, verbs, view, version = done.stdout.strip().splitlines()
     assert cycle == "0.511 rad, 2.37 s"
     assert str(tmp_path) in about
     assert "paper paper_full_turn qube_servo_2" in about
     assert {"simulate", "limit-cycle", "identify", "sweep", "bag", "plot"} <= set(verbs.split())
     assert not {"run", "reset", "param"} & set(verbs.split())
+    assert view.startswith("furuta view needs ") and view.endswith(", which is not installed")
     assert version == f"furuta {manifest('furuta').findtext('version')}"
 
 

@@ -15,7 +15,7 @@ from furuta_graph.rigs import SUFFIX, find_rig, rig_directory
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback
 from furuta_rig.rig import Rig
-from furuta_studies.analysis_options import ideal_loop_of
+from furuta_studies.analysis_options import ideal_loop_of, require_stabilising
 
 
 def rig_names() -> list[str]:
@@ -89,10 +89,15 @@ def ideal_loop(
         The ideal loop.
 
     Raises:
-        ParameterError: The law is not one of these, or the feedback is not four finite numbers.
+        ParameterError: The law is not one of these, or the feedback is not four finite numbers or
+            does not stabilise the pendulum; :func:`place_poles` gives L of u = -L·x, with the
+            other sign.
     """
-    gains = None if feedback is None else checked_feedback(list(feedback))
-    return ideal_loop_of(loop or Loop(), law, gains, linear)
+    if feedback is None:
+        return ideal_loop_of(loop or Loop(), law, None, linear)
+    ideal = ideal_loop_of(loop or Loop(), law, checked_feedback(list(feedback)), linear)
+    require_stabilising(ideal)
+    return ideal
 
 
 def _text(value: Any) -> str:

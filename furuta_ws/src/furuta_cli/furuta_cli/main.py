@@ -7,6 +7,7 @@ import logging
 import sys
 from difflib import get_close_matches
 from importlib.metadata import packages_distributions, version
+from typing import Any
 
 import click
 
@@ -49,11 +50,16 @@ def _load(verb: str) -> click.Command:
     try:
         module = importlib.import_module(f"furuta_cli.verbs.{verb.replace('-', '_')}")
     except ModuleNotFoundError as error:
-        if (error.name or "").startswith("furuta"):
-            raise
-        raise UserError(f"furuta {verb} needs {error.name}, which is not installed") from None
+        raise _explained(error, verb) from None
     command: click.Command = module.command
     return command
+
+
+def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
+    """What to raise if ``verb`` imports what is not installed."""
+    if (error.name or "").startswith("furuta"):
+        return error
+    return UserError(f"furuta {verb} needs {error.name}, which is not installed")
 
 
 class Verbs(click.Group):
@@ -68,6 +74,13 @@ class Verbs(click.Group):
         if cmd_name not in VERBS:
             return None
         return _load(cmd_name)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a verb, which may import some packages only then."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            raise _explained(error, ctx.invoked_subcommand) from None
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
