@@ -23,6 +23,8 @@ SIZE = (1000, 500)
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Opens pages; a test is skipped, with the reason, where there is no browser."""
+    if not os.environ.get("FURUTA_BROWSER"):
+        pytest.skip("on demand: FURUTA_BROWSER=1, with Chromium installed")
     with open_browser() as show:
         yield show
 
