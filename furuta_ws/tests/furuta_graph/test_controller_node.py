@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64
 from testbench import Bench, joint_state
 
 from furuta_control.control import POLE_PLACEMENT
@@ -18,6 +18,7 @@ from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.services import ServiceError
 from furuta_ros.topics import (
+    ARMED,
     COMMAND,
     FRICTION_ESTIMATE,
     JOINT_STATES,
@@ -75,6 +76,21 @@ def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2)
+
+
+def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
+    """Super-twisting does not take the missing torque for friction; once armed it corrects."""
+    ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)
+    rig = loop.bench.probe.create_publisher(ARMED.type, ARMED.name, LATCHED)
+    for armed, correction in ((False, 0.02), (True, 1.0)):
+        rig.publish(Bool(data=armed))
+        loop.bench.spin(lambda armed=armed: loop.node._applied == armed)
+        for milliseconds in range(300):
+            loop.state(1 + milliseconds + 300 * armed)
+            loop.estimate(0.0)
+        loop.bench.spin(lambda armed=armed: len(loop.commands) == 300 + 300 * armed)
+        added = abs(loop.commands[-1].data - FEEDBACK)
+        assert (added < correction) != armed
 
 
 def test_a_late_subscriber_learns_the_mode_in_force(loop: Loop) -> None:

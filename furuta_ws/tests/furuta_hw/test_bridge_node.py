@@ -16,7 +16,7 @@ from testbench import Bench
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
-from furuta_ros.topics import MEASUREMENT
+from furuta_ros.topics import ARMED, LATCHED, MEASUREMENT
 
 
 @pytest.fixture
@@ -57,6 +57,22 @@ def test_states(bench: Bench, permissive_rig: str) -> None:
     assert (node.guard.armed, node.guard.reason) == (False, "deactivated")
     assert change(bench, Transition.TRANSITION_CLEANUP)
     assert (node.state, node.connection) == ("unconfigured", None)
+
+
+def test_reports_whether_it_is_armed(bench: Bench, permissive_rig: str) -> None:
+    """A subscriber that comes late knows it, and every change."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
+    reports: list[bool] = []
+    bench.probe.create_subscription(
+        ARMED.type, ARMED.name, lambda message: reports.append(message.data), LATCHED
+    )
+    bench.spin(lambda: reports == [False])
+    Loop(bench, 1.0)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    bench.spin(lambda: reports == [False, True])
+    node.guarded_rig.stop("test")
+    bench.spin(lambda: reports == [False, True, False])
 
 
 def test_autostart_takes_effect_when_the_node_spins(bench: Bench) -> None:

@@ -257,6 +257,12 @@ def start_anew(memory: np.ndarray) -> None:
 
 
 @inlined
+def forget_integrals(memory: np.ndarray) -> None:
+    """Forget what has been integrated, as the last command was not applied."""
+    balance.forget_integrals(memory, BALANCE_MEMORY)
+
+
+@inlined
 def _mode_command(
     memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
 ) -> tuple[float, bool]:

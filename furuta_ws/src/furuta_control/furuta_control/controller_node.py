@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Bool, Float64, String
 
 from furuta_control.control import (
     MEMORY,
@@ -16,6 +16,7 @@ from furuta_control.control import (
     ControllerParameters,
     control,
     design_controller,
+    forget_integrals,
     mode_in_force,
     start_anew,
 )
@@ -29,6 +30,7 @@ from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.topics import (
+    ARMED,
     COMMAND,
     FRICTION_ESTIMATE,
     JOINT_STATES,
@@ -57,6 +59,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     late, the estimates for the repetitions are surplus and are ignored. If a state that has been
     answered is repeated, its command is published again without a new step.
 
+    While ``armed`` says that a rig does not apply the commands, nothing is integrated.
+
     Publishes ``mode_in_force``, what the controller does: ``off`` until the first state, then
     whenever it changes. A late subscriber gets the last messages.
     """
@@ -70,6 +74,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._surplus = 0  # number of estimates minus number of states
         self._missed_in_a_row = 0
         self._repetitions = 0  # of this state while it waits: estimates that may be surplus
+        self._applied = True  # whether commands are applied
         self._command = Float64()
         self._answered_stamp = -1
         self._is_repeat = False  # whether this state has been answered and is now repeated
@@ -85,6 +90,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._report_mode(swing_up.OFF)
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
+        self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
 
     def parameters_changed(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""
@@ -122,6 +128,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         if self._surplus == 0:
             self._answer()
 
+    def _on_armed(self, message: Bool) -> None:
+        self._applied = message.data
+
     def _answer(self) -> None:
         self._missed_in_a_row = 0
         self._publish(self._friction)
@@ -145,6 +154,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _publish(self, friction: float) -> None:
         if not self._is_repeat:
+            if not self._applied:
+                forget_integrals(self._memory)
             self._command.data, mode = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
             self._report_mode(mode)

@@ -13,6 +13,7 @@ FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
 MODE_IN_FORCE: Final = "mode_in_force"
+ARMED: Final = "armed"
 TIMING: Final = "timing"
 # After the name of a topic: its throttled copy, as topic_tools names it.
 THROTTLED: Final = "_throttle"

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64, String, UInt64MultiArray
+from std_msgs.msg import Bool, Float64, String, UInt64MultiArray
 
 from furuta_model import topic_names
 
@@ -81,6 +81,12 @@ MODE_IN_FORCE = Topic(
     "controller → any subscriber",
     "what the controller does, at its start and when that changes; transient local",
 )
+ARMED = Topic(
+    topic_names.ARMED,
+    Bool,
+    "hardware bridge → controller",
+    "whether the rig applies commands, at the bridge's start and when that changes; transient local",
+)
 LATCHED = QoSProfile(
     depth=QOS.depth,
     reliability=QoSReliabilityPolicy.RELIABLE,
@@ -110,4 +116,4 @@ CLOCK = Topic(
 )
 
 # Every topic that the nodes of the graph publish.
-EVERY_TOPIC = (*TOPICS, MODE_IN_FORCE, CLOCK, TIMING)
+EVERY_TOPIC = (*TOPICS, MODE_IN_FORCE, ARMED, CLOCK, TIMING)

@@ -102,15 +102,22 @@ def _allowed(x: np.ndarray, p: Balance) -> bool:
 @inlined
 def leave(memory: np.ndarray, at: int) -> None:
     """Stop balancing: the pendulum counts as fallen."""
-    memory[at + BALANCING] = memory[at + READY] = memory[at + INTEGRAL] = 0.0
-    memory[at + TWISTING + super_twisting.STARTED] = 0.0
+    memory[at + BALANCING] = memory[at + READY] = 0.0
     memory[at + FALLEN] = 1.0
+    forget_integrals(memory, at)
 
 
 @inlined
 def start_anew(memory: np.ndarray, at: int) -> None:
     """Forget a fall and what was integrated: the pendulum has been put back."""
-    memory[at + FALLEN] = memory[at + INTEGRAL] = 0.0
+    memory[at + FALLEN] = 0.0
+    forget_integrals(memory, at)
+
+
+@inlined
+def forget_integrals(memory: np.ndarray, at: int) -> None:
+    """Forget what was integrated: integral action and super-twisting start again."""
+    memory[at + INTEGRAL] = 0.0
     memory[at + TWISTING + super_twisting.STARTED] = 0.0
 
 

@@ -12,7 +12,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64
 from std_srvs.srv import SetBool
 
 from furuta_hw.bridge.diagnostics_node import rig_status
@@ -33,7 +33,7 @@ from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
+from furuta_ros.topics import ARMED, COMMAND, FRICTION_ESTIMATE, LATCHED, MEASUREMENT
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
@@ -48,7 +48,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
     A managed node. When configured it reads the rig and publishes. It drives the rig only while it
     is active and armed by the service ``~/arm``. The reason of a stop is logged once and reported
-    on ``/diagnostics``. After a stop the bridge must be armed again.
+    on ``/diagnostics``. After a stop the bridge must be armed again. ``armed`` tells the controller
+    whether its commands are applied.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -66,6 +67,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._timers_when_configured: list[Timer] = []
         self._writer = JointWriter()
         self._publisher = self.publish_on(MEASUREMENT)
+        self._armed = Bool()
+        self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
+        self._armed_publisher.publish(self._armed)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.subscribe_to(COMMAND, self._on_command)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
@@ -164,6 +168,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             )
         reason = self.guarded_rig.arm()
         if not reason:
+            self._report_armed()
             self.get_logger().info("armed")
         return reason
 
@@ -239,7 +244,14 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if self.guarded_rig is not None:
             self.guarded_rig.check()
 
+    def _report_armed(self) -> None:
+        """Publish whether the rig applies commands, if that has changed."""
+        if self.guard.armed != self._armed.data:
+            self._armed.data = self.guard.armed
+            self._armed_publisher.publish(self._armed)
+
     def _report_stop(self) -> None:
+        self._report_armed()
         self.get_logger().error(f"stopped, 0 V: {self.guard.reason}")
         self._publish_diagnostics()
 
