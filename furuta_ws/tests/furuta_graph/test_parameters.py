@@ -167,6 +167,7 @@ def test_choices(node: str, each: Declared) -> None:
         ({"gain": [1.0]}, r"or \[0.0\] for pole placement, given \[1.0\]"),
         ({"model.gamma": 0.0204}, r"alpha \* beta must exceed .* gamma = 0\.0204"),
         ({"catch_angle": 0.8}, r"catch_angle must not exceed fall_angle, given 0\.8 > 0\.7"),
+        ({"mode": "swing_up", "voltage_limit": 0.0}, "mode swing_up needs a feedback that catches"),
         ({"fall_angle": 0.1}, r"catch_angle must not exceed fall_angle, given 0\.2 > 0\.1"),
     ],
 )

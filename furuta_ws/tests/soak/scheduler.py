@@ -45,7 +45,10 @@ def run_soak(seconds: float, seed: int, out: Path) -> int:
     results: list[dict[str, Any]] = []
     with LoadMeter() as load:
         lanes = [
-            Thread(target=_run_lane, args=(list(plan(lane, seconds, seed)), out, results))
+            # Daemons, so that Ctrl-C ends the soak and not only the wait for them.
+            Thread(
+                target=_run_lane, args=(list(plan(lane, seconds, seed)), out, results), daemon=True
+            )
             for lane in LANES
         ]
         for lane in lanes:

@@ -145,6 +145,14 @@ class ControllerParameters(NamedTuple):
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
                 f"{self.fall_angle:g}"
             )
+        if self.mode == list(MODES)[SWING_UP] and not swing_up.is_possible(
+            self.model, self.model_viscous, _balance(self), self.sample_time
+        ):
+            raise ParameterError(
+                f"mode {self.mode} needs a feedback that catches the pendulum, and none can be "
+                f"computed for voltage_limit {self.voltage_limit:g} V and "
+                f"{shortened(self.model)}"
+            )
 
     @property
     def feedback_gain(self) -> tuple[float, float, float, float]:

@@ -5,17 +5,23 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from rclpy.client import Client
 from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 
 from furuta_graph.description import HARDWARE_BRIDGE
-from furuta_ros.services import ATTEMPTS, ServiceError, call_service
-from furuta_ros.spinning import executor_of
+from furuta_ros.services import ATTEMPTS, ServiceError, WaitsForFutures, call_service
+from furuta_ros.topics import ARMED, DIAGNOSTICS, LATCHED
 
 # Longest wait for the bridge, and for its answer, which can take as long as the rig's [s].
 TIMEOUT = 10.0
+# Time after arming within which a stop is reported, and longest wait for its reason [s].
+STARTING = 0.5
 # Each transition with its number and the state after it.
 TRANSITIONS = {
     "configure": (Transition.TRANSITION_CONFIGURE, "inactive"),
@@ -28,9 +34,10 @@ TRANSITIONS = {
 class BridgeClient:
     """Calls the services of the bridge. Raises :class:`ServiceError` if it does not answer."""
 
-    def __init__(self) -> None:
-        self._node = Node("furuta_hw")
-        self._executor = executor_of([self._node])
+    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+        self._node = node
+        self._executor = executor
+        self._clients: dict[str, Client] = {}
 
     def arm(self) -> None:
         """Arm the bridge. Raises :class:`ServiceError` with the reason if it refuses.
@@ -42,6 +49,12 @@ class BridgeClient:
         answer = self._call(SetBool, "arm", SetBool.Request(data=True), attempts=1)
         if not answer.success:
             raise ServiceError(f"not armed: {answer.message}")
+
+    def arm_and_watch(self) -> None:
+        """Arm the bridge; raises :class:`ServiceError` also if it stops within half a second."""
+        stop = _Stop(self._node)
+        self.arm()
+        stop.wait(self._executor)
 
     def disarm(self) -> None:
         """Disarm the bridge: the rig goes to 0 V."""
@@ -64,7 +77,42 @@ class BridgeClient:
 
     def _call(self, kind: Any, service: str, request: Any, attempts: int = ATTEMPTS) -> Any:
         """The response to a request, which is sent up to ``attempts`` times."""
-        client = self._node.create_client(kind, f"{HARDWARE_BRIDGE}/{service}")
+        if service not in self._clients:
+            name = f"{HARDWARE_BRIDGE}/{service}"
+            self._clients[service] = self._node.create_client(kind, name)
+        client = self._clients[service]
         send = partial(client.call_async, request)
         wait = client.wait_for_service
         return call_service(self._executor, HARDWARE_BRIDGE, wait, send, TIMEOUT, attempts)
+
+
+class _Stop:
+    """Waits for a stop soon after arming, and for its reason; the node is used for nothing else."""
+
+    def __init__(self, node: Node) -> None:
+        self._was_armed = False
+        self._stopped, self._explained = Future(), Future()
+        node.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
+        node.create_subscription(DIAGNOSTICS.type, DIAGNOSTICS.name, self._on_diagnostics, 10)
+
+    def wait(self, executor: WaitsForFutures) -> None:
+        """Raises ServiceError if the bridge stops before the time is up."""
+        executor.spin_until_future_complete(self._stopped, timeout_sec=STARTING)
+        if self._stopped.done():
+            executor.spin_until_future_complete(self._explained, timeout_sec=STARTING)
+            explained = self._explained.done()
+            reason = self._explained.result() if explained else "the bridge's log has the reason"
+            raise ServiceError(f"armed, and stopped at once: {reason}")
+
+    def _on_armed(self, message: Bool) -> None:
+        if self._was_armed and not message.data and not self._stopped.done():
+            self._stopped.set_result(None)
+        self._was_armed = self._was_armed or message.data
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Take the reason from the bridge's first report of an error after arming."""
+        for status in message.status:
+            ours = status.name.startswith(HARDWARE_BRIDGE)
+            failed = status.level == DiagnosticStatus.ERROR
+            if ours and failed and self._was_armed and not self._explained.done():
+                self._explained.set_result(status.message)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -85,7 +86,7 @@ ARMED = Topic(
     topic_names.ARMED,
     Bool,
     "hardware bridge → controller",
-    "whether the rig applies commands, at the bridge's start and when that changes; transient local",
+    "whether the rig applies commands, at the start and when that changes; transient local",
 )
 LATCHED = QoSProfile(
     depth=QOS.depth,
@@ -114,6 +115,9 @@ CLOCK = Topic(
     "plant → nodes with `use_sim_time`",
     "simulated time in lock-step",
 )
+
+# Every ROS 2 program for robots publishes its state here; the bridge does so for the rig.
+DIAGNOSTICS = Topic("/diagnostics", DiagnosticArray)
 
 # Every topic that the nodes of the graph publish.
 EVERY_TOPIC = (*TOPICS, MODE_IN_FORCE, ARMED, CLOCK, TIMING)

@@ -10,14 +10,14 @@ from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.client import Client
 from rclpy.node import Node
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import Trigger
 
-from furuta_graph.description import HARDWARE_BRIDGE, PLANT
+from furuta_graph.bridge_client import BridgeClient
+from furuta_graph.description import PLANT
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.ros_parameters import is_of_ros
-from furuta_ros.services import ATTEMPTS, ServiceError, call_service
+from furuta_ros.services import call_service
 from furuta_ros.spinning_thread import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
@@ -39,7 +39,8 @@ class GraphLink:
         self._node = Node("view_requests", start_parameter_services=False)
         self._executor = SpinningThread([self._node])
         self._client = ParameterClient(self._node, self._executor)
-        self._services: dict[str, Client] = {}
+        self._bridge = BridgeClient(self._node, self._executor)
+        self._reset = self._node.create_client(Trigger, f"{PLANT}/reset")
         self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
 
     def close(self) -> None:
@@ -77,27 +78,15 @@ class GraphLink:
 
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state."""
-        self._call(PLANT, Trigger, "reset", Trigger.Request())
+        send = partial(self._reset.call_async, Trigger.Request())
+        call_service(self._executor, PLANT, self._reset.wait_for_service, send)
 
     def arm(self, armed: bool) -> None:
-        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses.
-
-        The request to arm is sent once: a copy that arrives late would arm again after a stop.
-        """
-        request, attempts = SetBool.Request(data=armed), 1 if armed else ATTEMPTS
-        answer = self._call(HARDWARE_BRIDGE, SetBool, "arm", request, attempts)
-        if not answer.success:
-            raise ServiceError(f"not armed: {answer.message}")
-
-    def _call(
-        self, node: str, kind: Any, service: str, request: Any, attempts: int = ATTEMPTS
-    ) -> Any:
-        name = f"{node}/{service}"
-        if name not in self._services:
-            self._services[name] = self._node.create_client(kind, name)
-        client = self._services[name]
-        send = partial(client.call_async, request)
-        return call_service(self._executor, node, client.wait_for_service, send, attempts=attempts)
+        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""
+        if armed:
+            self._bridge.arm()
+        else:
+            self._bridge.disarm()
 
     def _has_parameters(self, node: str) -> bool:
         namespace = self._node.get_namespace()

@@ -27,7 +27,15 @@ from furuta_model import topic_names
 from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.messages import RefusedError, read_joints
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH, JOINT_STATES, TIMING, Topic
+from furuta_ros.topics import (
+    COMMAND,
+    DIAGNOSTICS,
+    FRICTION_ESTIMATE,
+    GROUND_TRUTH,
+    JOINT_STATES,
+    TIMING,
+    Topic,
+)
 from furuta_view.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, Samples
 from furuta_view.samples import COMMAND as COMMAND_COLUMN
 
@@ -39,7 +47,6 @@ KEPT = 12
 PERIOD = NANOSECONDS // RATE
 
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
-DIAGNOSTICS = Topic("/diagnostics", DiagnosticArray)
 
 
 class LiveNode(Node):

@@ -6,24 +6,32 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import click
+from rclpy.node import Node
 
 from furuta_cli.options import namespace_option
 from furuta_graph.bridge_client import TRANSITIONS, BridgeClient
 from furuta_ros.context import ros_context
+from furuta_ros.spinning import executor_of
 
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
     with ros_context(namespace=namespace):
-        yield BridgeClient()
+        node = Node("furuta_hw")
+        yield BridgeClient(node, executor_of([node]))
 
 
 @click.command()
 @namespace_option
 def arm(namespace: str) -> None:
-    """Arm the bridge: commands drive the rig from now on."""
+    """Arm the bridge: commands drive the rig from now on.
+
+    If the bridge refuses, or stops within half a second, the reason is printed and the exit status
+    is 1.
+    """
     with _bridge_client(namespace) as client:
-        client.arm()
+        client.arm_and_watch()
+        print("armed")
 
 
 @click.command()
@@ -32,6 +40,7 @@ def disarm(namespace: str) -> None:
     """Disarm the bridge: the rig goes to 0 V."""
     with _bridge_client(namespace) as client:
         client.disarm()
+        print("disarmed, 0 V")
 
 
 @click.command()

@@ -109,14 +109,7 @@ def design(
     ``balance``: poles that suit one rig let another one fall.
     """
     voltage = balancing.voltage_limit
-    limits = arm_limits.design(
-        model,
-        voltage,
-        viscous,
-        balancing.arm_angle_limit,
-        balancing.arm_speed_limit,
-        dt,
-    )
+    limits = _limits(model, viscous, balancing, dt)
     regulator, cost = (
         catching.design(model, voltage, limits, balancing.arm_reference)
         if used
@@ -142,6 +135,29 @@ def design(
         trajectory,
         ceil(SETTLED_TIME / dt),
         ceil(BRAKE_TIME / dt),
+    )
+
+
+def is_possible(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> bool:
+    """Whether :func:`design` finds a feedback that catches the pendulum."""
+    limits = _limits(model, viscous, balancing, dt)
+    try:
+        regulator, cost = catching.design(
+            model, balancing.voltage_limit, limits, balancing.arm_reference
+        )
+    except (np.linalg.LinAlgError, ArithmeticError, ValueError):
+        return False
+    return bool(np.all(np.isfinite([*regulator, *cost.flat])))
+
+
+def _limits(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> ArmLimits:
+    return arm_limits.design(
+        model,
+        balancing.voltage_limit,
+        viscous,
+        balancing.arm_angle_limit,
+        balancing.arm_speed_limit,
+        dt,
     )
 
 

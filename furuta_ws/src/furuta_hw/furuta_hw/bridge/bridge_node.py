@@ -33,7 +33,14 @@ from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
-from furuta_ros.topics import ARMED, COMMAND, FRICTION_ESTIMATE, LATCHED, MEASUREMENT
+from furuta_ros.topics import (
+    ARMED,
+    COMMAND,
+    DIAGNOSTICS,
+    FRICTION_ESTIMATE,
+    LATCHED,
+    MEASUREMENT,
+)
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
@@ -70,7 +77,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._armed = Bool()
         self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._diagnostics = self.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
         self.subscribe_to(COMMAND, self._on_command)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
