@@ -23,7 +23,7 @@ class StateFeedbackNode(Node):
 
     def __init__(self) -> None:
         super().__init__("controller")
-        self.gain = self.declare_parameter("gain", GAIN).value
+        self.declare_parameter("gain", GAIN)
         self.publisher = self.create_publisher(Float64, "command", 10)
         self.create_subscription(JointState, "joint_states", self.on_state, 10)
 
@@ -32,7 +32,8 @@ class StateFeedbackNode(Node):
         arm, pendulum = message.name.index("arm"), message.name.index("pendulum")
         theta = message.position[pendulum]
         state = (message.position[arm], message.velocity[arm], theta, message.velocity[pendulum])
-        command = -sum(gain * value for gain, value in zip(self.gain, state, strict=True))
+        gains = self.get_parameter("gain").value  # ros2 param set applies at the next state
+        command = -sum(gain * value for gain, value in zip(gains, state, strict=True))
         if abs(theta) > FALL_ANGLE:
             command = 0.0
         self.publisher.publish(Float64(data=min(max(command, -LIMIT), LIMIT)))

@@ -91,6 +91,11 @@ DEG, RPM = np.pi / 180.0, 2.0 * np.pi / 60.0
             Mapping("motor arm", "pole"),
         ),
         (
+            "millis,motor arm position,motor arm speed,pole_angle,pole_angle_dot,u",
+            (1e-3, 1.0, 1.0, 1.0, 1.0, 1.0),
+            Mapping("motor arm", "pole"),
+        ),
+        (
             "t (s),phi,phi dot,theta [°],theta dot [°/s],Motor Voltage [V]",
             (1.0, 1.0, 1.0, DEG, DEG, 1.0),
             Mapping("phi", "theta", "Motor Voltage"),

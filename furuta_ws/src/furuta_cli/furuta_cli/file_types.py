@@ -9,6 +9,9 @@ import click
 
 from furuta_recordings.table_files import SUFFIXES
 
+# Suffixes that help names; others are accepted too.
+USUAL_SUFFIXES = (".png", ".pdf", ".svg", *SUFFIXES)
+
 
 class OutputFile(click.Path):
     """A file to write, whose suffix determines its format."""
@@ -16,6 +19,11 @@ class OutputFile(click.Path):
     def __init__(self, *suffixes: str) -> None:
         super().__init__(dir_okay=False, path_type=Path)
         self._suffixes = suffixes
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """What help shows for the value."""
+        usual = [suffix[1:] for suffix in self._suffixes if suffix in USUAL_SUFFIXES]
+        return f"FILE.({'|'.join(usual)})"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path."""

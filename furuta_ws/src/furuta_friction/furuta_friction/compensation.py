@@ -89,8 +89,9 @@ class ObserverParameters(NamedTuple):
         """What to tell the user when the guard has switched the compensation off."""
         return (
             f"compensation {self.compensation} is switched off: for {self.guard_time:g} s it gave "
-            "the arm more than twice the power that friction takes, which is worse than none; "
-            "the friction is lower than the parameters say. Changing a parameter tries it again"
+            "the arm more than twice the power that friction takes, which is worse than none. "
+            "Either the estimate of the friction is too large, or it is too late: a delay or a "
+            "slow estimator does that too. Changing a parameter tries it again"
         )
 
 

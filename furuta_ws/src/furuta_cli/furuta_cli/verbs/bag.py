@@ -164,7 +164,6 @@ def replay(
 @click.option(
     "--out",
     type=FIGURE,
-    metavar="FILE.png",
     help="Draw recorded and recomputed time series.",
 )
 @model_options

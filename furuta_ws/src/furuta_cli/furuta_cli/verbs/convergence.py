@@ -30,7 +30,7 @@ MODEL_MISMATCH = (
 
 
 @click.command()
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw G.")
+@click.option("--out", type=FIGURE, help="Draw G.")
 @feedback_option
 @model_options
 @json_option

@@ -21,12 +21,16 @@ INCOMPLETE = "The winding number does not match the cycles found; some may be mi
 
 
 @click.command()
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw G and -1/N.")
+@click.option("--out", type=FIGURE, help="Draw G and -1/N.")
 @click.option(
-    "--curves", type=FIGURE, metavar="FILE.png", help="Draw friction over speed for all laws."
+    "--curves",
+    type=FIGURE,
+    help="Draw friction over speed for all laws.",
 )
 @click.option(
-    "--presliding", type=FIGURE, metavar="FILE.png", help="Draw presliding, with Maxwell slip."
+    "--presliding",
+    type=FIGURE,
+    help="Draw presliding, with Maxwell slip.",
 )
 @ideal_options
 @model_options

@@ -116,7 +116,7 @@ class Zero(click.ParamType):
     metavar="PATH",
     help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the residuals.")
+@click.option("--out", type=FIGURE, help="Draw the residuals.")
 @click.option(
     "--write",
     type=click.Path(path_type=Path),

@@ -34,7 +34,7 @@ BRANCH_STARTS = 9
     help="Initial pendulum angle, not 0 [rad].",
 )
 @click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the limit cycle over a parameter.")
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the limit cycle, or the branch.")
+@click.option("--out", type=FIGURE, help="Draw the limit cycle, or the branch.")
 @model_options
 @json_option
 def command(

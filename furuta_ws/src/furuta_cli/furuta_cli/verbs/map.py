@@ -24,7 +24,7 @@ DEFAULT_COUNT = 20
 @click.command()
 @click.argument("ranges", nargs=2, metavar="NAME=LOW:HIGH[:COUNT] NAME=LOW:HIGH[:COUNT]")
 @ideal_options
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the map.")
+@click.option("--out", type=FIGURE, help="Draw the map.")
 @click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the rows.")
 @model_options
 @json_option

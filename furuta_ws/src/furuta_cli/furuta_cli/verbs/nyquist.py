@@ -19,7 +19,7 @@ from furuta_studies.loop_note import loop_note
 
 @click.command()
 @click.option("--figure-4", is_flag=True, help="Use the paper's four feedbacks.")
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the Nyquist plot.")
+@click.option("--out", type=FIGURE, help="Draw the Nyquist plot.")
 @ideal_options
 @model_options
 @json_option

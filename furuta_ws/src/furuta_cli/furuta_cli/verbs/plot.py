@@ -13,7 +13,7 @@ from furuta_recordings.readers import Mapping
 
 @click.command()
 @click.argument("recording", type=click.Path(path_type=Path), metavar="BAG|FILE")
-@click.option("--out", type=FIGURE, required=True, metavar="FILE.png", help="Picture to write.")
+@click.option("--out", type=FIGURE, required=True, help="Picture to write.")
 @names_options
 @json_option
 def command(recording: Path, out: Path, names: Mapping, as_json: bool) -> None:

@@ -11,6 +11,7 @@ from furuta_cli.number_types import FiniteRange
 from furuta_cli.options import SEED, json_option, print_json
 from furuta_graph.rigs import find_uncertain_rig
 from furuta_model.parameters import ParameterError
+from furuta_studies.comparison.candidates import STANDARD
 from furuta_studies.next_experiment import Proposal, propose
 from furuta_studies.rig_check import RigCheck, check_rig
 
@@ -92,6 +93,12 @@ def _print_proposal(p: Proposal) -> None:
     )
 
 
+def _options(candidate: str) -> str:
+    """The options of other verbs that choose a standard candidate."""
+    settings = STANDARD[candidate].settings.items()
+    return " ".join(f"--set {name.rpartition('.')[2]}={value}" for name, value in settings)
+
+
 def _as_json(result: RigCheck) -> dict[str, Any]:
     return {**result._asdict(), "rows": [row._asdict() for row in result.rows]}
 
@@ -108,7 +115,7 @@ def _print(result: RigCheck, certain: bool) -> None:
     else:
         print(
             f"recommended: {result.recommended}; fewer than {result.falls_below:.1%} fall "
-            "(95 % confidence)"
+            f"(95 % confidence); choose it by {_options(result.recommended)}"
         )
     for name, correlation in result.influences.items():
         print(f"the residual depends on {name} (rank correlation {correlation:+.2f})")

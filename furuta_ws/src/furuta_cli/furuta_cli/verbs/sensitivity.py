@@ -36,7 +36,7 @@ NOISES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
     show_default=True,
     help="Number of seeds per case.",
 )
-@click.option("--out", type=FIGURE, metavar="FILE.png", help="Draw the result.")
+@click.option("--out", type=FIGURE, help="Draw the result.")
 @model_options
 @json_option
 def command(

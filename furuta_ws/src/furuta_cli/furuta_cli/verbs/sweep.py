@@ -52,7 +52,7 @@ DEFAULT_COUNT = 10
     default=Path("output/sweep.csv"), show_default=True,
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
-@click.option("--picture", type=FIGURE, metavar="FILE.png", help="Draw the results.")
+@click.option("--picture", type=FIGURE, help="Draw the results.")
 @model_options
 @json_option
 def command(

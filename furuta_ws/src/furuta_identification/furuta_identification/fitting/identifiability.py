@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from furuta_identification.fitting.coulomb import turns_one_way
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
@@ -16,6 +17,7 @@ LARGEST_PART_TO_REPORT = 0.7
 # Largest standard error of a logarithm, that is the largest relative one, that is reported.
 LARGEST_RELATIVE_ERROR = 0.5
 ASSUMED = "the arm turns in one direction only: a smaller command would have the same effect"
+NO_EFFECT = "it has no effect on these recordings"
 NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
 AT_END = "the fit ends at {:.3g}, the end of the allowed range"
 # Part of the range within which a value is at its end.
@@ -58,7 +60,7 @@ def _reason(model: Model, name: str) -> str | None:
     """Why the data do not determine a fitted or assumed unknown; None if they do."""
     index = model.names.index(name)
     if model.information[index, index] == 0.0:
-        return ASSUMED
+        return ASSUMED if all(turns_one_way(each) for each in model.recordings) else NO_EFFECT
     about = unknown(name)
     value = model.values.coordinates[name]
     if _is_at_end(value, about):

@@ -39,6 +39,8 @@ SPEED_UNITS = {
     "1/min": 2.0 * pi / 60.0,
     "1/s": 1.0,
 }
+# Names of a time that contain the unit: those of Arduino's functions.
+_TIMES = {"millis": "ms", "micros": "us"}
 COMMAND_UNITS = {"v": 1.0, "volt": 1.0, "volts": 1.0, "mv": 1e-3}
 
 
@@ -57,8 +59,10 @@ def column(name: str) -> Column:
         name, unit = in_brackets[1], in_brackets[2]
     elif at_end is not None and _is_unit(at_end[2]):
         name, unit = at_end[1], at_end[2]
-    words = _SEPARATORS.split(name.strip().lower())
-    return Column(tuple(word for word in words if word), unit.strip().lower())
+    words = tuple(word for word in _SEPARATORS.split(name.strip().lower()) if word)
+    if not unit and len(words) == 1 and words[0] in _TIMES:
+        return Column(("time",), _TIMES[words[0]])
+    return Column(words, unit.strip().lower())
 
 
 def _is_unit(text: str) -> bool:

@@ -13,7 +13,7 @@ Columns = dict[str, np.ndarray]
 
 # Names of a column with the time; `stamp` alone is one too.
 TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime")
-USUAL = "__time, time, timestamp, t, time_ms, `Time [s]`"
+USUAL = "__time, time, timestamp, t, time_ms, millis, `Time [s]`"
 # Smallest time since 1970 in each unit: that of the year 2001 in ns, µs and ms.
 EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
 # Median interval [s] from which a time cannot be in seconds.
