@@ -160,7 +160,9 @@ def test_reset(furuta: Any, processes: Any) -> None:
     assert "initial state" in json.loads(out)["message"]
     status, _, err = furuta("reset", "--namespace", "elsewhere")
     assert status == 1
-    assert err.strip() == "error: no node plant answers (waited 5 s)"
+    assert err.strip() == (
+        "error: no node plant answers (waited 5 s); in other namespaces: /plant (--namespace)"
+    )
 
 
 def test_simulate_explicit_feedback(furuta: Any) -> None:

@@ -83,7 +83,9 @@ class BridgeClient:
         client = self._clients[service]
         send = partial(client.call_async, request)
         wait = client.wait_for_service
-        return call_service(self._executor, HARDWARE_BRIDGE, wait, send, TIMEOUT, attempts)
+        return call_service(
+            self._executor, HARDWARE_BRIDGE, wait, send, TIMEOUT, attempts, caller=self._node
+        )
 
 
 class _Stop:

@@ -81,4 +81,5 @@ class ParameterClient:
             return self._clients[node]
 
     def _call(self, node: str, send: Callable[[], Future]) -> Any:
-        return call_service(self._executor, node, self._client(node).wait_for_services, send)
+        wait = self._client(node).wait_for_services
+        return call_service(self._executor, node, wait, send, caller=self._node)

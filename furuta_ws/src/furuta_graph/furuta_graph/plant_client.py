@@ -23,7 +23,7 @@ def reset_plant() -> str:
     node = Node("furuta_reset")
     client = node.create_client(Trigger, f"{PLANT}/reset")
     send = partial(client.call_async, Trigger.Request())
-    answer = call_service(executor_of([node]), PLANT, client.wait_for_service, send)
+    answer = call_service(executor_of([node]), PLANT, client.wait_for_service, send, caller=node)
     if not answer.success:
         raise ServiceError(f"{PLANT} rejects the reset: {answer.message}")
     return str(answer.message)

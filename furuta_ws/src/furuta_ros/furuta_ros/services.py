@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
 
+from rclpy.node import Node
 from rclpy.task import Future
 
 from furuta_ros.errors import UserError
@@ -33,6 +34,7 @@ def call_service(
     send: Callable[[], Future],
     timeout: float = TIMEOUT,
     attempts: int = ATTEMPTS,
+    caller: Node | None = None,
 ) -> Any:
     """The response of a service of ``node``; the executor spins until it arrives.
 
@@ -40,12 +42,15 @@ def call_service(
     request. The first response can get lost before both sides know each other, so the request is
     sent ``attempts`` times: more than once only if it may be repeated. The first response counts,
     whichever request it answers: on a busy machine each takes longer than the time until the next.
+    If the node is missing, the error names nodes of that name in the other namespaces that the node
+    ``caller`` sees.
 
     Raises:
         ServiceError: No such service, or no response, within ``timeout`` [s].
     """
     if not wait(timeout):
-        raise ServiceError(f"no node {node} answers (waited {timeout:g} s)")
+        elsewhere = _nodes_elsewhere(caller, node) if caller else ""
+        raise ServiceError(f"no node {node} answers (waited {timeout:g} s){elsewhere}")
     answered = Future()
     for _ in range(attempts):
         send().add_done_callback(partial(_pass_on, answered))
@@ -53,6 +58,17 @@ def call_service(
         if answered.done():
             return answered.result()
     raise ServiceError(f"{node} did not answer within {timeout:g} s")
+
+
+def _nodes_elsewhere(caller: Node, node: str) -> str:
+    """The end of a sentence that names the nodes of this name in all namespaces."""
+    name = node.rpartition("/")[2]
+    found = sorted(
+        f"{namespace.rstrip('/')}/{each}"
+        for each, namespace in caller.get_node_names_and_namespaces()
+        if each == name
+    )
+    return f"; in other namespaces: {', '.join(found)} (--namespace)" if found else ""
 
 
 def _pass_on(answered: Future, response: Future) -> None:
