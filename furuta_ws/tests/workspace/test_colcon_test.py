@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 
 from sources import PACKAGES, ROOT, SOURCES, TESTS
 
+# A package with few tests.
+PACKAGE = "furuta_description"
 # colcon passes options for its own run of pytest, such as the file for its results.
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"}
 
@@ -26,16 +30,23 @@ def collected(folders: list[Path]) -> list[str]:
     return [line for line in done.stdout.splitlines() if "::" in line]
 
 
-def behind_links(test: str) -> str:
-    """The test with the path of its file, not of a link to it."""
-    file, _, name = test.partition("::")
-    return f"{(ROOT / file).resolve()}::{name}"
+def files_of(folder: Path) -> list[Path]:
+    """The files of tests in a folder, behind all links."""
+    found = [
+        Path(at) / name for at, _, names in os.walk(folder, followlinks=True) for name in names
+    ]
+    return [file.resolve() for file in found if re.fullmatch(r"test_\w+\.py", file.name)]
 
 
 def test_every_test_is_in_one_package() -> None:
     """None is left out, none runs twice, and every package has some."""
-    tests = collected([TESTS, *(SOURCES / package for package in PACKAGES)])
-    by_package = [each for each in tests if each.startswith("furuta_ws/src/")]
-    all_tests = [each for each in tests if each.startswith("furuta_ws/tests/")]
-    assert sorted(map(behind_links, by_package)) == sorted(map(behind_links, all_tests))
-    assert {each.split("/")[2] for each in by_package} == set(PACKAGES)
+    by_package = {package: files_of(SOURCES / package) for package in PACKAGES}
+    assert all(by_package.values())
+    assert sorted(chain(*by_package.values())) == sorted(files_of(TESTS))
+
+
+def test_pytest_follows_the_links() -> None:
+    """It finds the same tests in a package as in the folder of its tests."""
+    in_package = collected([SOURCES / PACKAGE])
+    ends = [test.rpartition("/")[2] for test in collected([TESTS / PACKAGE])]
+    assert [test.rpartition("/")[2] for test in in_package] == ends != []
