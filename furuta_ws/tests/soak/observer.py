@@ -98,6 +98,11 @@ def stamps(messages: list[Any]) -> np.ndarray:
     return np.array(values, dtype=np.int64)
 
 
+def newest_stamp(messages: list[Any]) -> int:
+    """Time stamp of the last message [ns]; 0 without any."""
+    return int(stamps(messages[-1:])[0]) if messages else 0
+
+
 def motion(observer: Observer, since: int = 0) -> np.ndarray:
     """True pendulum angle [rad] and torque [V] (n, 2) of the samples received on both topics.
 

@@ -20,7 +20,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, QOS
 from soak.mutators import damaged_joint_state, joint_state, pick, random_change, random_float
 from soak.node_process import NodeProcess, end
-from soak.observer import Observer, motion, states
+from soak.observer import Observer, motion, newest_stamp, states
 from soak.oracles import fallen, hanging_drive, not_recovered, out_of_bounds
 from soak.record import Record
 from soak.resources import ResourceMonitor
@@ -33,6 +33,7 @@ SAMPLES, RECOVERY = 100, 60.0
 # The timeout is 0.05 s; the rest is what a machine under load delays messages and the plant.
 SILENT = 0.5
 AT_ZERO = 20
+PERIOD = 1_000_000  # from one sample to the next [ns]
 STRAYS = 50
 
 
@@ -103,7 +104,8 @@ class RealtimeProcesses:
             return
         silent = time_ns() + round(SILENT * 1e9)
         observer.clear()
-        received = observer.spin(lambda: len(motion(observer, silent)) > AT_ZERO, RECOVERY)
+        last = silent + AT_ZERO * PERIOD
+        received = observer.spin(lambda: newest_stamp(observer.truths) > last, RECOVERY)
         problem = not_recovered(received, f"{AT_ZERO} samples without commands", RECOVERY)
         driven = int(np.count_nonzero(motion(observer, silent)[:, 1]))
         problem = problem or (f"{driven} samples driven {SILENT:g} s later" if driven else "")
