@@ -36,6 +36,16 @@ def check(claim: str, holds: Any, hint: str) -> None:
     print(f"Right: {claim}.")
 
 
+def need(answer: Any) -> None:
+    """Ask for an answer that a check needs.
+
+    Raises:
+        NotYetError: There is none: it is None.
+    """
+    if answer is None:
+        raise NotYetError("there is no answer yet")
+
+
 def furuta(*arguments: Any) -> Any:
     """Run a verb of the command line to its end.
 
