@@ -151,6 +151,7 @@ def reason_not_to_run(command: str, notes: tuple[tuple[str, str], ...]) -> str:
     for kind, text in notes:
         if kind in ("not run", "page not run"):
             return text
+    command = without_comment(command)
     return next((why for part, why in NOT_RUN.items() if re.search(part, command)), "")
 
 
