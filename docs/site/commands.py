@@ -38,7 +38,8 @@ NOTE = re.compile(r"<!-- (page not run|not run|file|before): (.*?) -->")
 # What no fresh clone on this machine can run, by a part of the command.
 NOT_RUN = {
     r"^make (test|bench|soak|docs)|pytest|colcon test": "tests, which run by themselves",
-    r"^make course$": "opens JupyterLab; make course CHECK=1 runs the notebooks",
+    r"^(make course|jupyter lab)$": "opens JupyterLab; make course CHECK=1 runs the notebooks",
+    r"benchmarks/view\.py": "needs Chromium, for up to an hour",
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",
     r"/dev/tty|--port P\b": "needs a rig",
     r"\b(log|step|sine|train)\.csv": "needs a recording of another rig",
