@@ -42,7 +42,7 @@ NOT_RUN = {
     r"benchmarks/view\.py": "needs Chromium, for up to an hour",
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",
     r"/dev/tty|--port P\b": "needs a rig",
-    r"\b(log|step|sine|train)\.csv": "needs a recording of another rig",
+    r"\b(log|step|sine|swing|train)\.csv": "needs a recording of another rig",
     r"broken_bag": "needs a damaged bag",
     r"tcp://": "needs a cluster",
     r"^pip install": "tests/workspace/test_wheel.py installs the wheel",
