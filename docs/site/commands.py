@@ -43,6 +43,7 @@ NOT_RUN = {
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",
     r"/dev/tty|--port P\b": "needs a rig",
     r"\b(log|step|sine|swing|train)\.csv": "needs a recording of another rig",
+    r"\b(mine\.yaml|emps\.json)\b": "needs a file of a rig of one's own",
     r"broken_bag": "needs a damaged bag",
     r"tcp://": "needs a cluster",
     r"^pip install": "tests/workspace/test_wheel.py installs the wheel",
@@ -51,6 +52,8 @@ NOT_RUN = {
 ENDLESS = re.compile(r"\./furuta (run(?!.*--seconds)|view)|_node\.py|hw emulate")
 # Time until an endless command is interrupted [s]. It includes the start.
 SHOWN = 25.0
+# Time that a reader leaves what runs in the background to start [s].
+SETTLED = 10.0
 # Time in which what runs in the background must let a command succeed [s].
 READY = 90.0
 # Statuses of an interrupted command: ended in order, or before it was ready; that of make.
@@ -193,6 +196,7 @@ class Reader:
         start = time.monotonic()
         if command.endswith("&"):
             self._background.append(self._start(command.rstrip("& "), subprocess.DEVNULL))
+            time.sleep(SETTLED)
             return Result(block, command, "ran", "in the background", 0.0)
         while True:
             state, detail = self._once(command)

@@ -22,12 +22,15 @@ from furuta_recordings.bags.mcap_records import BagTopic
 from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_ros.loop_topics import several_publishers
 from furuta_ros.topics import MODE_IN_FORCE, QOS, TIMING, TOPICS, Topic, deep
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
 RECEIVE_DEPTH = 100_000
 # Time [s] between two calls of :meth:`RecorderNode.collect` by whoever runs the recorder.
 COLLECT_EVERY = 0.005
+# How often two publishers of a topic may take turns before a recording ends; stray messages do so.
+MOST_TURNS = 20
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 ROSOUT = Topic(topic_names.ROSOUT, Log)
 # What is offered on these: rcl keeps a log message for 10 s for late subscribers.
@@ -52,7 +55,9 @@ class RecorderNode(Node):
     By default a message gets the time of its arrival. With ``stamped``, for lock-step, it gets the
     newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for the
     writer. If writing fails, for example on a full disk, recording ends with an error message, the
-    graph continues, and the bag keeps what was written. ``kept`` and ``lost`` count the messages
+    graph continues, and the bag keeps what was written. It also ends when two nodes publish one of
+    the loop's topics, because a bag does not tell their messages apart; a few stray messages are
+    recorded. ``kept`` and ``lost`` count the messages
     that were passed on and those that the middleware dropped.
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
@@ -72,14 +77,14 @@ class RecorderNode(Node):
         self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
-        chosen = [*topics, PARAMETER_EVENTS, ROSOUT, MODE_IN_FORCE]
+        chosen = self._topics = [*topics, PARAMETER_EVENTS, ROSOUT, MODE_IN_FORCE]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
         self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
         self._inputs = [
             self.create_subscription(topic.type, topic.name, _never_called, _qos(topic), raw=True)
             for topic in chosen
         ]
-        self._last_numbers = [0] * len(chosen)
+        self._sequences = [_Sequence() for _ in chosen]
 
     def _bag_topic(self, topic: Topic) -> BagTopic:
         name = _type_name(topic)
@@ -106,7 +111,7 @@ class RecorderNode(Node):
         with handle:
             while (taken := handle.take_message(message_type, True)) is not None:
                 data, info = taken
-                self._count_missing(subscription, index, info["publication_sequence_number"])
+                self._follow(subscription, index, info["publication_sequence_number"])
                 yield info["received_timestamp"], index, data
 
     def _add(self, time: int, index: int, data: bytes) -> None:
@@ -119,24 +124,31 @@ class RecorderNode(Node):
         self._writer.add(index, self._newest_stamp if self._stamped else time, data)
         self.kept += 1
 
-    def _count_missing(self, subscription: Subscription, index: int, number: int) -> None:
-        """Report messages that the middleware dropped, by the sequence numbers of a publisher.
+    def _follow(self, subscription: Subscription, index: int, number: int) -> None:
+        """Report messages that the middleware dropped, and end if two publishers take turns.
 
-        With several publishers the numbers say nothing.
+        With several publishers the numbers do not tell what was dropped. A node that was killed
+        and restarted does not take turns with its predecessor.
         """
-        missing = number - self._last_numbers[index] - 1
-        known = self._last_numbers[index] > 0 and subscription.get_publisher_count() == 1
-        if missing > 0 and known:
+        sequence = self._sequences[index]
+        missing = sequence.missing(number)
+        if missing > 0 and subscription.get_publisher_count() == 1:
             self.lost += missing
             self.get_logger().warning(f"{missing} messages on {subscription.topic} were dropped")
-        self._last_numbers[index] = number
+        single = self._topics[index] in TOPICS
+        if single and sequence.turns > MOST_TURNS and self.failure is None:
+            self.failure = several_publishers(self, self._topics[index])
+            self._report_end()
 
     def _report_failure(self) -> None:
         if self.failure is None and self._writer.failure is not None:
             self.failure = self._writer.failure
-            self.get_logger().error(
-                f"recording ended: {self.failure}; the bag keeps what was written before"
-            )
+            self._report_end()
+
+    def _report_end(self) -> None:
+        self.get_logger().error(
+            f"recording ended: {self.failure}; the bag keeps what was written before"
+        )
 
     def close(self) -> None:
         """Collect what is left and finish the bag."""
@@ -148,6 +160,26 @@ class RecorderNode(Node):
         """Finish the bag with the node."""
         self.close()
         super().destroy_node()
+
+
+class _Sequence:
+    """Sequence numbers of the messages on one topic, which two publishers may send in turns."""
+
+    def __init__(self) -> None:
+        self._next = self._other = 0  # numbers that continue this sequence and the one before
+        self.turns = 0
+
+    def missing(self, number: int) -> int:
+        """Take note of a message; returns how many are missing before it, if all have one source.
+
+        ``turns`` counts how often the sequence before the last one was continued.
+        """
+        missing = number - self._next if self._next else 0
+        if missing != 0:
+            self.turns += number == self._other
+            self._other = self._next
+        self._next = number + 1
+        return missing
 
 
 # Creates the recorder of a run once ROS is started.

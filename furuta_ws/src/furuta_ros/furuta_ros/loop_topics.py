@@ -18,6 +18,15 @@ def publishers_of(node: Node, topic: Topic) -> list[TopicPublisher]:
     return [TopicPublisher(bytes(each.endpoint_gid), _node_name(each)) for each in endpoints]
 
 
+def several_publishers(node: Node, topic: Topic) -> str:
+    """Who publishes a topic that must have one publisher, in words."""
+    names = sorted(each.node for each in publishers_of(node, topic))
+    return (
+        f"{len(names)} nodes publish {topic.name}: {' and '.join(names)}; another graph needs "
+        "another namespace or ROS_DOMAIN_ID"
+    )
+
+
 def missing_from_loop(plant: Node) -> list[str]:
     """What the loop lacks besides ``plant``, one clause for each topic."""
     name = plant.resolve_topic_name(MEASUREMENT.name)
