@@ -17,7 +17,7 @@ from furuta_identification.fitting.validation import Prediction, predict_prepare
 from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
-from furuta_identification.regression.speeds import speed_lag
+from furuta_identification.regression.speeds import speed_lag, with_speeds
 from furuta_identification.regression.whiteness import coloured_part
 from furuta_identification.rigs.identified_rig import identified_rig
 from furuta_identification.shooting.unknowns import wave_names
@@ -54,6 +54,15 @@ def test_recordings_of_one_call_share_units() -> None:
     large = recorded("steps", 2.5, Readings(DEGREE, DEGREE))
     assert prepare_all([small, large], Options()).angles == "deg"
     assert prepare_all([recorded("sine", 0.5), recorded("steps", 2.5)], Options()).angles == "rad"
+
+
+def test_times_since_1970_give_the_same_speeds() -> None:
+    """Squares of such times have no digits left for the intervals."""
+    recording = recorded("multisine", 1.0)
+    recording.measured[:, THETA + 1] = np.nan
+    late = recording._replace(time=recording.time + 1.7e9)
+    found, later = (with_speeds(each, 0.0).measured[:, THETA + 1] for each in (recording, late))
+    np.testing.assert_allclose(later, found, atol=1e-3 * np.max(np.abs(found)))
 
 
 def test_a_small_swing_in_radians_stays_in_radians() -> None:

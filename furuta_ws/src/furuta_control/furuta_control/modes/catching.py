@@ -38,7 +38,7 @@ MISSED_ANGLE = 0.7
 # Part of the used travel within which the arm must be.
 CATCH_TRAVEL = 0.8
 # Shares of the arm's speed, and of the travel left, that catching may need.
-USED_SHARE = 0.5
+USED_SHARE = 0.65
 USED_TRAVEL_SHARE = 0.25
 # Bryson's weights: deviations [rad], the speed of the pendulum relative to its frequency.
 ARM_DEVIATION = 0.5
