@@ -26,12 +26,16 @@ from furuta_recordings.recording import Recording
 # First zeros [rad] of the iteration, and its steps.
 FIRST_ZEROS = (0.0, 0.5 * np.pi, np.pi, -0.5 * np.pi)
 STEPS = 6
+# Ratio of two misfits that is no difference.
+SAME = 1.01
 # A window is so short that joints turn at most this far in it [rad], but not shorter [s].
 LARGEST_TURN, SHORTEST_WINDOW = 3.0, 0.04
 # Speed [rad/s] from which windows count less.
 FAST = 15.0
 # Farthest turn [rad] over which a slope is taken, and slowest motion [rad/s].
 LARGEST_STEP, SLOWEST = 0.2, 1e-6
+# Size of a regressor, relative to the largest, that rounding can have: that of an arm at rest.
+ROUNDING = 1e-9
 
 
 class PendulumMotion(NamedTuple):
@@ -76,13 +80,17 @@ def _fastest(recording: Recording) -> float:
 
 
 def _from_zero(recording: Recording, windows: Windows, zero: float) -> PendulumMotion:
-    """Iterate from a first ``zero`` [rad]; of all steps the one with the smallest misfit."""
+    """Iterate from a first ``zero`` [rad]; the last step, or one with a clearly smaller misfit.
+
+    The zero hardly changes the misfit of a slow motion, but gravity is known at the right one only.
+    """
     found = []
     for _ in range(STEPS):
         step, motion = _regression(recording.reoriented(zero, 1.0, 1.0), windows, zero)
         found.append(motion)
         zero = (zero + step + np.pi) % (2.0 * np.pi) - np.pi
-    return min(found, key=lambda motion: motion.misfit)
+    best = min(found, key=lambda motion: motion.misfit)
+    return found[-1] if found[-1].misfit <= SAME * best.misfit else best
 
 
 def _regression(
@@ -102,14 +110,16 @@ def _regression(
     weights = _weights(v, w, windows)
     x, y = weights[:, None] * np.array(columns).T, weights * y
     scale = np.linalg.norm(x, axis=0)
-    scale[scale == 0.0] = 1.0
-    solution = np.linalg.lstsq(x / scale, y, rcond=1e-9)[0]
+    nothing = scale <= ROUNDING * np.max(scale)
+    x[:, nothing], scale[nothing] = 0.0, 1.0
+    solution = np.where(nothing, 0.0, np.linalg.lstsq(x / scale, y, rcond=1e-9)[0])
     residual = y - x @ (solution / scale)
     # Windows overlap by half, so at most every other one counts.
     correlated = max(2.0, correlation_length(residual))
     variance = correlated * float(residual @ residual) / len(y)
     inverse = np.linalg.pinv((x / scale).T @ (x / scale), rcond=1e-12)
     errors = np.sqrt(np.maximum(variance * np.diag(inverse), 0.0)) / scale
+    errors[nothing] = np.inf
     gravity, across, coupling = (solution / scale)[:3]
     size = float(np.linalg.norm(y))
     motion = PendulumMotion(
