@@ -39,6 +39,7 @@ NOTE = re.compile(r"<!-- (page not run|not run|file|before): (.*?) -->")
 NOT_RUN = {
     r"^make (test|bench|soak|docs)|pytest|colcon test": "tests, which run by themselves",
     r"^(make course|jupyter lab)$": "opens JupyterLab; make course CHECK=1 runs the notebooks",
+    r"pictures\.py": "changes the pages' pictures, for some minutes",
     r"standard_errors\.py": "takes more than an hour",
     r"benchmarks/view\.py": "needs Chromium, for up to an hour",
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",

@@ -44,7 +44,9 @@ def draw(name: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         places = {"OUT": str(Path(folder, name)), "DIR": str(Path(folder, "results"))}
         arguments = [places.get(word, word) for word in COMMANDS[name].split()]
-        subprocess.run(["furuta", *arguments], check=True, stdout=subprocess.DEVNULL)
+        done = subprocess.run(["furuta", *arguments], stdout=subprocess.DEVNULL, check=False)
+        if done.returncode:
+            sys.exit(done.returncode)  # the command has said why
         (picture,) = Path(folder).rglob(name)
         shutil.copyfile(picture, DOCS / name)
 
