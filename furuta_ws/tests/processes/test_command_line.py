@@ -366,7 +366,9 @@ def test_param_verbs(furuta: Any, processes: Any) -> None:
     values = json.loads(furuta("param", "list", "friction_observer", "--json")[1])
     assert (values["sigma0"], values["alpha0"]) == (90.0, 0.21)
     assert values["observer_gain"] == -0.1
-    assert "/friction_observer" in json.loads(furuta("node", "list", "--json")[1])["nodes"]
+    # On a loaded machine discovery can take longer than the list waits.
+    lists = (json.loads(furuta("node", "list", "--json")[1])["nodes"] for _ in range(5))
+    assert any("/friction_observer" in nodes for nodes in lists)
     status, _, err = furuta("param", "get", "nobody", "x")
     assert status == 1
     assert "no node nobody" in err
