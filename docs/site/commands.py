@@ -58,9 +58,8 @@ SHOWN = 25.0
 SETTLED = 10.0
 # Time in which what runs in the background must let a command succeed [s].
 READY = 90.0
-# Statuses of an interrupted command: ended in order, before it was ready, or by the signal itself;
-# that of make.
-INTERRUPTED = (0, 130, -signal.SIGINT)
+# Statuses of an interrupted command: ended in order, or before it was ready; that of make.
+INTERRUPTED = (0, 130)
 INTERRUPTED_MAKE = 2
 
 

@@ -164,7 +164,7 @@ def test_a_long_command_is_cut_short(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     """It passes if it ends in order, and not with a traceback."""
     monkeypatch.setattr(commands, "ROOT", tmp_path)
     good = "trap 'exit 130' INT; while true; do sleep 0.05; done"
-    bad = "echo Traceback; while true; do sleep 0.05; done"
+    bad = "trap 'echo Traceback; exit 1' INT; while true; do sleep 0.05; done"
     results = run_page(tmp_path, f"    echo; {good}\n\n    echo; {bad}\n", limit=3.0)
     assert [result.state for result in results] == ["cut short", "FAILED"]
     assert "traceback" in results[1].detail

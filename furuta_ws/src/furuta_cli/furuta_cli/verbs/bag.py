@@ -161,11 +161,7 @@ def replay(
 
 @command.command()
 @BAG
-@click.option(
-    "--out",
-    type=FIGURE,
-    help="Draw recorded and recomputed time series.",
-)
+@click.option("--out", type=FIGURE, help="Draw recorded and recomputed time series.")
 @model_options
 @json_option
 def recompute(

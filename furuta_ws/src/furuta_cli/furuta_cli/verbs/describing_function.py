@@ -22,16 +22,8 @@ INCOMPLETE = "The winding number does not match the cycles found; some may be mi
 
 @click.command()
 @click.option("--out", type=FIGURE, help="Draw G and -1/N.")
-@click.option(
-    "--curves",
-    type=FIGURE,
-    help="Draw friction over speed for all laws.",
-)
-@click.option(
-    "--presliding",
-    type=FIGURE,
-    help="Draw presliding, with Maxwell slip.",
-)
+@click.option("--curves", type=FIGURE, help="Draw friction over speed for all laws.")
+@click.option("--presliding", type=FIGURE, help="Draw presliding, with Maxwell slip.")
 @ideal_options
 @model_options
 @json_option
