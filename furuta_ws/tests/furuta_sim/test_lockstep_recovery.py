@@ -9,7 +9,7 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from testbench import Bench
 
-from furuta_ros.topics import COMMAND, MEASUREMENT
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 from furuta_sim import lockstep
 from furuta_sim.plant_node import PlantNode
 
@@ -51,6 +51,31 @@ def test_a_paused_plant_does_not_wait(
     node.set_parameters([Parameter("run_until", value=0.0)])
     bench.settle(1.0)
     assert "waiting" not in capfd.readouterr().err
+
+
+def test_the_run_starts_when_no_topic_waits_for_a_publisher(bench: Bench) -> None:
+    """A node that joins in the middle of repetitions would get some of them only."""
+    plant(bench)
+    estimates = bench.collect(FRICTION_ESTIMATE)
+    measurements = bench.collect(MEASUREMENT)
+    bench.publisher(COMMAND)
+    bench.settle(1.0)
+    assert measurements == []
+    bench.publisher(FRICTION_ESTIMATE)
+    bench.spin(lambda: len(measurements) == 1)
+    assert estimates == []
+
+
+def test_a_recorder_does_not_delay_the_run_for_ever(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A graph without friction observer starts too, after a while."""
+    monkeypatch.setattr(lockstep, "INCOMPLETE_AFTER", 0.5)
+    plant(bench)
+    bench.collect(FRICTION_ESTIMATE)
+    measurements = bench.collect(MEASUREMENT)
+    bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) >= 1)
 
 
 def test_a_lost_measurement_is_sent_again(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,8 +56,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     late as the queue can hold, they count as lost and are no longer expected.
 
     A state may be repeated (same stamp) because its estimate seems lost. If the estimate was only
-    late, the estimates for the repetitions are surplus and are ignored. If a state that has been
-    answered is repeated, its command is published again without a new step.
+    late, the estimates for the repetitions are surplus: each has the same command published again,
+    which tells the plant that it is no longer in transit. If a state that has been answered is
+    repeated, its command is published again without a new step.
 
     While ``armed`` says that a rig does not apply the commands, nothing is integrated.
 
@@ -121,6 +122,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             return
         if self._repetitions > 0 and self._surplus >= 0:
             self._repetitions -= 1
+            self._publish_again()
             return
         self._friction = friction
         self._friction_stamp = self._stamp
@@ -159,6 +161,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             self._command.data, mode = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
             self._report_mode(mode)
+        self._publish_again()
+
+    def _publish_again(self) -> None:
         self._publisher.publish(self._command)
         self._throttled.publish(self._command, self._stamp)
 

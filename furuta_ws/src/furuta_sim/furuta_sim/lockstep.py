@@ -23,8 +23,10 @@ REPEAT_AFTER = 0.5  # [s] without a command until a lost measurement is sent aga
 # [s] without a command until it is sent again although the loop has the same nodes: a slow
 # controller gets this time for a sample.
 LOST_AFTER = 3.0
-SETTLE_TIME = 1.0  # [s] without a further command until the command to a repetition is applied
+SETTLE_TIME = 2.0  # [s] without a further command until the command to a repetition is applied
 WARN_AFTER = 4.0  # [s] without a command until a warning, and between warnings
+# [s] from the first connection until the run starts although a topic has subscribers only.
+INCOMPLETE_AFTER = 4.0
 
 
 class LockStep:
@@ -38,6 +40,7 @@ class LockStep:
         self._command: float | None = None  # received after a repetition, not yet applied
         self._publish_time = self._repeat_time = self._warning_time = monotonic()
         self._arrival_time = 0.0
+        self._connected_since: float | None = None
         self._known_publishers: frozenset[bytes] = frozenset()
         self._clock = SimulatedClock(plant)
         plant.create_timer(CHECK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -80,7 +83,7 @@ class LockStep:
             self._recover(now)
         elif self._plant.paused:
             self._warning_time = now
-        elif self._connected():
+        elif self._may_start(now):
             self._known_publishers = self._publishers()
             self._publish()
         self._clock.repeat()
@@ -113,6 +116,24 @@ class LockStep:
             plant.count_subscribers(plant.resolve_topic_name(MEASUREMENT.name)) > 0
             and plant.count_publishers(plant.resolve_topic_name(COMMAND.name)) > 0
         )
+
+    def _may_start(self, now: float) -> bool:
+        """Whether the loop is complete; a recorder may wait for a topic that nobody publishes.
+
+        A node that joins later would get some of the repeated messages only.
+        """
+        if not self._connected():
+            self._connected_since = None
+            return False
+        if self._connected_since is None:
+            self._connected_since = now
+        return self._complete() or now - self._connected_since >= INCOMPLETE_AFTER
+
+    def _complete(self) -> bool:
+        """Whether all topics between the nodes that have subscribers have publishers."""
+        plant = self._plant
+        names = [plant.resolve_topic_name(each.name) for each in (JOINT_STATES, FRICTION_ESTIMATE)]
+        return all(plant.count_publishers(n) or not plant.count_subscribers(n) for n in names)
 
     def _publishers(self) -> frozenset[bytes]:
         """Identities of all publishers in the loop."""
