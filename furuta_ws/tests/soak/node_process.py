@@ -62,13 +62,22 @@ class NodeProcess:
             self.kill()
         return self.log[before:]
 
-    def pause(self, seconds: float) -> None:
-        """SIGSTOP, and SIGCONT after some time."""
+    def pause(self, seconds: float) -> tuple[int, int]:
+        """SIGSTOP, and SIGCONT after some time.
+
+        Returns the times [ns] of the steady clock between which no thread of it ran: on a busy
+        machine some run on for a while after the signal.
+        """
+        pid = self.process.pid
         self.process.send_signal(signal.SIGSTOP)
         try:
+            os.waitid(os.P_PID, pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+            stopped = monotonic_ns()
             sleep(seconds)
         finally:
+            back = monotonic_ns()
             self.process.send_signal(signal.SIGCONT)
+        return stopped, back
 
     def check(self, record: Record) -> None:
         """Check that it runs on, or gives a reason; a process that has ended is started again."""

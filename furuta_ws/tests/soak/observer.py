@@ -18,7 +18,7 @@ from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, Topic, deep
 # Messages of a topic that may wait.
 DEPTH = 10_000
 # Time to wait for the answer of a service [s].
-ANSWER = 20.0
+ANSWER = 60.0
 
 
 class Observer:

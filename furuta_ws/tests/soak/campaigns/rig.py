@@ -6,7 +6,6 @@ publisher. The log of the emulated rig shows when it was driven; it does not dep
 
 from __future__ import annotations
 
-import signal
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -140,12 +139,7 @@ class RigGraph:
     def _pause(self) -> None:
         node = self._nodes[str(pick(self._random, NAMES))]
         self._record.tried[f"pause {node.name}"] += 1
-        node.process.send_signal(signal.SIGSTOP)
-        paused = monotonic_ns()
-        sleep(float(self._random.uniform(0.01, 0.5)))
-        back = monotonic_ns()
-        node.process.send_signal(signal.SIGCONT)
-        self._silences.append((paused, back))
+        self._silences.append(node.pause(float(self._random.uniform(0.01, 0.5))))
 
     def _damage(self) -> None:
         """Damage bytes on the line."""
