@@ -16,6 +16,7 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
+from furuta_graph.description import graph_nodes
 from furuta_recordings.bags.writer_process import FLUSH_INTERVAL
 
 KILLS = int(os.environ.get("FURUTA_KILLS", "2"))
@@ -39,6 +40,10 @@ def wait_for(file: Path) -> None:
 def children(pid: int) -> list[int]:
     tasks = Path(f"/proc/{pid}/task").glob("*/children")
     return [int(child) for file in tasks for child in file.read_text().split()]
+
+
+def is_writer(pid: int) -> bool:
+    return b"writer_process" in Path(f"/proc/{pid}/cmdline").read_bytes()
 
 
 def wait_for_messages(bag: Path, count: int) -> int:
@@ -92,20 +97,25 @@ def test_sigkill_of_a_recording(furuta: Any, processes: Any, tmp_path: Path) -> 
         assert json.loads(out)["messages"] <= len(kept)
 
 
-def test_a_killed_writer_ends_the_recording_only(processes: Any, tmp_path: Path) -> None:
-    """The control loop continues and reports it; what was recorded is readable."""
+@pytest.mark.parametrize("options", [(), ("--processes",)], ids=["composed", "processes"])
+def test_a_killed_writer_ends_the_recording_only(
+    processes: Any, tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    """The control loop continues; an error and the exit status tell it; the bag is readable."""
     bag = tmp_path / "bag"
-    process = processes.furuta("run", "--record", bag)
+    process = processes.furuta("run", *options, "--record", bag)
     wait_for(bag)
-    (writer,) = children(process.pid)
+    (writer,) = (pid for pid in children(process.pid) if is_writer(pid))
     seen = wait_for_messages(bag, 1)
     os.kill(writer, signal.SIGKILL)
-    line = ""
-    while "recording ended" not in line:
+    log = ""
+    while "recording ended" not in log or (options and log.count(": ready") < len(graph_nodes())):
         line = process.stderr.readline()
-        assert line
+        assert line, log
+        log += line
     process.send_signal(signal.SIGINT)
     out, err = process.communicate()
-    assert process.returncode == 0, err
-    assert "samples" in out
+    assert process.returncode == 1, err
+    assert "error: the recording is incomplete: " in log + err
+    assert options or "samples" in out
     assert len(recorded(bag)) >= seen

@@ -65,6 +65,11 @@ class ComposedGraph:
         """The node of that name."""
         return self._by_name[name]
 
+    @property
+    def recording_failure(self) -> str | None:
+        """Why the recording ended before the graph; None if it did not."""
+        return self._recorder.failure if self._recorder is not None else None
+
     def close(self) -> None:
         """End the recording, then the nodes."""
         self.executor.shutdown()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
@@ -15,7 +15,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from furuta_graph.children import Children
 from furuta_graph.graph_plan import Graph
 from furuta_model.parameters import ParameterError
-from furuta_recordings.recorder_node import MakeRecorder
+from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import StopSignal
 
@@ -78,10 +78,11 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     """Run a process per node until ``stop()`` or until one ends; returns the exit status.
 
     This process records, if ``record`` is given. The status is that of the first node that failed,
-    with a line on standard error for each such node.
+    with a line on standard error for each such node; it is 1 if the recording ended early.
     """
     started = Children()
-    with _recording(record, graph.namespace) as collect:
+    with _recording(record, graph.namespace) as recorder:
+        collect = recorder.collect if recorder else lambda: None
         try:
             for each in node_processes(graph):
                 started.start(each.name, each.command)
@@ -95,18 +96,22 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     for name in failures:
         print(f"error: {started.describe_end(name)}", file=sys.stderr)
     unready = stop.status if stop() and not started.all_were_ready else 0
-    return next(iter(failures.values()), unready)
+    unrecorded = 0
+    if recorder is not None and recorder.failure is not None:
+        print(f"error: the recording is incomplete: {recorder.failure}", file=sys.stderr)
+        unrecorded = 1
+    return next(iter(failures.values()), unready or unrecorded)
 
 
 @contextmanager
-def _recording(record: MakeRecorder | None, namespace: str) -> Iterator[Callable[[], None]]:
-    """A function to call regularly; the recording begins before and ends after."""
+def _recording(record: MakeRecorder | None, namespace: str) -> Iterator[RecorderNode | None]:
+    """The recorder, if there is something to record; it ends with the context."""
     if record is None:
-        yield lambda: None
+        yield None
         return
     with ros_context(namespace=namespace):
         recorder = record()
         try:
-            yield recorder.collect
+            yield recorder
         finally:
             recorder.destroy_node()

@@ -16,6 +16,7 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_model.state import PHI, THETA
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
+from furuta_ros.errors import UserError
 from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import StopSignal, spin_until
 from furuta_sim.realtime import RealTime
@@ -92,7 +93,11 @@ def _running(
     record: MakeRecorder | None,
     scheduling: Scheduling,
 ) -> Iterator[AnyGraph]:
-    """The composed graph from ROS's start to its end; prints the results of ``scheduling``."""
+    """The composed graph from ROS's start to its end; prints the results of ``scheduling``.
+
+    Raises:
+        UserError: The recording ended before the graph.
+    """
     for result in apply_scheduling(scheduling):
         print(result)
     with ros_context(namespace=graph.namespace):
@@ -101,6 +106,8 @@ def _running(
             yield composed
         finally:
             composed.close()
+    if composed.recording_failure is not None:
+        raise UserError(f"the recording is incomplete: {composed.recording_failure}")
 
 
 def _report(graph: SimulatedGraph) -> None:
