@@ -8,22 +8,28 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from furuta_graph.description import PLANT
-from furuta_ros.services import ServiceError, call_service
-from furuta_ros.spinning import executor_of
+from furuta_ros.services import ServiceError, WaitsForFutures, call_service
 
 
-def reset_plant() -> str:
-    """Call the reset service of the plant; returns what it answers.
+class PlantClient:
+    """Calls the reset service of the plant."""
 
-    Estimator and friction observer start anew when its next measurement arrives.
+    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+        self._node = node
+        self._executor = executor
+        self._reset = node.create_client(Trigger, f"{PLANT}/reset")
 
-    Raises:
-        ServiceError: No plant answers, or it rejects the reset.
-    """
-    node = Node("furuta_reset")
-    client = node.create_client(Trigger, f"{PLANT}/reset")
-    send = partial(client.call_async, Trigger.Request())
-    answer = call_service(executor_of([node]), PLANT, client.wait_for_service, send, caller=node)
-    if not answer.success:
-        raise ServiceError(f"{PLANT} rejects the reset: {answer.message}")
-    return str(answer.message)
+    def reset(self) -> str:
+        """Put the pendulum into its initial state; returns the plant's answer.
+
+        Estimator and friction observer start anew when its next measurement arrives.
+
+        Raises:
+            ServiceError: No plant answers, or it rejects the reset.
+        """
+        send = partial(self._reset.call_async, Trigger.Request())
+        wait = self._reset.wait_for_service
+        answer = call_service(self._executor, PLANT, wait, send, caller=self._node)
+        if not answer.success:
+            raise ServiceError(f"{PLANT} rejects the reset: {answer.message}")
+        return str(answer.message)

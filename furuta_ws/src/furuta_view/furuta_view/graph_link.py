@@ -6,18 +6,15 @@ arming have a thread each: *Disarm* never waits for another node.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 
 from furuta_graph.bridge_client import BridgeClient
-from furuta_graph.description import PLANT
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.plant_client import PlantClient
 from furuta_model.ros_parameters import is_of_ros
-from furuta_ros.services import call_service
 from furuta_ros.spinning_thread import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
@@ -40,7 +37,7 @@ class GraphLink:
         self._executor = SpinningThread([self._node])
         self._client = ParameterClient(self._node, self._executor)
         self._bridge = BridgeClient(self._node, self._executor)
-        self._reset = self._node.create_client(Trigger, f"{PLANT}/reset")
+        self._plant = PlantClient(self._node, self._executor)
         self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
 
     def close(self) -> None:
@@ -77,9 +74,8 @@ class GraphLink:
         return self._client.get(node, names)
 
     def reset(self) -> None:
-        """Put the simulated pendulum into its initial state."""
-        send = partial(self._reset.call_async, Trigger.Request())
-        call_service(self._executor, PLANT, self._reset.wait_for_service, send)
+        """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
+        self._plant.reset()
 
     def arm(self, armed: bool) -> None:
         """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""
