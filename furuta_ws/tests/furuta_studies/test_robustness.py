@@ -129,3 +129,10 @@ def test_robust_tuning_starts_from_the_best_compensation() -> None:
     result = tune_robustly(tuning, 20, lambda *_: None)
     assert result.observer.compensation == "adaptive"
     assert result.after < 0.7 * result.before
+
+
+def test_rigs_that_fall_have_no_quantile() -> None:
+    """With a coupling that the feedback was not designed for no compensation keeps them up."""
+    rigs = UncertainRigs(LUGRE, {"gamma": (0.001, 0.002)})
+    result = tune_robustly(RobustTuning(rigs, ("alpha0",), 20, 4, 6.0, 0), 20, lambda *_: None)
+    assert result.before == result.fresh_after == np.inf

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
+from math import isinf
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -74,7 +75,7 @@ def tune_and_report(
     result = tune_robustly(
         tuning,
         effort.fresh_rigs,
-        lambda number, found: console.print(f"candidate {number}: {found:.4f} rad"),
+        lambda number, found: console.print(f"candidate {number}: {_words(found)}"),
     )
     if out is not None:
         write_parameter_file(result.observer, out)
@@ -99,9 +100,13 @@ def _as_json(result: RobustResult, effort: RobustEffort, rigs: UncertainRigs) ->
 
 def _print(result: RobustResult, effort: RobustEffort, out: Path | None) -> None:
     print(f"95 % quantile of the arm, peak to peak, on {effort.fresh_rigs} fresh rigs")
-    print(f"before                   {result.fresh_before:.4f} rad")
-    print(f"after                    {result.fresh_after:.4f} rad")
+    print(f"before                   {_words(result.fresh_before)}")
+    print(f"after                    {_words(result.fresh_after)}")
     for name, value in observer_parameters(result.observer).items():
         print(f"{name:24} {value if isinstance(value, str) else f'{value:.5g}'}")
     if out is not None:
         print(f"parameter file: {out}")
+
+
+def _words(quantile: float) -> str:
+    return "more than 5 % of the rigs fall" if isinf(quantile) else f"{quantile:.4f} rad"

@@ -38,7 +38,10 @@ class RobustTuning(NamedTuple):
 
 
 class RobustResult(NamedTuple):
-    """The tuned observer, and the quantile [rad] before and after, on tuning and fresh rigs."""
+    """The tuned observer, and the quantile [rad] before and after, on tuning and fresh rigs.
+
+    A quantile is infinite if more rigs fall than it leaves out.
+    """
 
     observer: ObserverParameters
     before: float
@@ -64,7 +67,13 @@ def tune_robustly(tuning: RobustTuning, fresh: int, report: ReportTrial) -> Robu
         if each != start.compensation:
             amplitude(start._replace(compensation=each))
     _, begin = min(tried, key=lambda each: each[0])
-    minimise_amplitude(amplitude, begin, tuning.search, tuning.trials - len(tried))
+    # The search needs numbers.
+    minimise_amplitude(
+        lambda observer: min(amplitude(observer), LARGEST_RESIDUAL),
+        begin,
+        tuning.search,
+        tuning.trials - len(tried),
+    )
     after, best = min(tried, key=lambda each: each[0])
     seed = tuning.seed + FRESH
     fresh_before = _quantile(tuning, start, fresh, seed)
@@ -75,4 +84,4 @@ def tune_robustly(tuning: RobustTuning, fresh: int, report: ReportTrial) -> Robu
 def _quantile(tuning: RobustTuning, observer: ObserverParameters, size: int, seed: int) -> float:
     rigs = tuning.rigs._replace(nominal=tuning.rigs.nominal._replace(observer=observer))
     found = np.fromiter(residuals(rigs.loops(size, seed), tuning.seconds), float, size)
-    return min(quantile(found), LARGEST_RESIDUAL)
+    return quantile(found)
