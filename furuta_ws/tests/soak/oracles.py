@@ -96,15 +96,13 @@ def beyond_friction_limit(estimate: float, limit: float) -> str:
     return f"friction estimate {estimate!r} V, limit {limit:g} V"
 
 
-def hanging_drive(
-    theta: np.ndarray, volts: np.ndarray, sample_time: float, allowed: float = FALL_GRACE
-) -> str:
+def hanging_drive(theta: np.ndarray, volts: np.ndarray, sample_time: float) -> str:
     """True θ (n,) and the torque or command (n,) [V] of the same samples.
 
-    Beyond :data:`FALLEN` for ``allowed`` [s] the command must be 0 V until it is upright again.
+    Beyond :data:`FALLEN` for :data:`FALL_GRACE` the command must be 0 V until it is upright again.
     """
     upright = np.abs(np.remainder(theta + pi, 2 * pi) - pi) <= FALLEN
-    grace = round(allowed / sample_time)
+    grace = round(FALL_GRACE / sample_time)
     fallen = 0
     for k in range(len(theta)):
         fallen = 0 if upright[k] else fallen + 1

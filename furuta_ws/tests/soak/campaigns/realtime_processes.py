@@ -29,10 +29,9 @@ NAMES = [each.name for each in graph_nodes()]
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
 # Samples that the graph must make after an intrusion, and the time for them [s].
 SAMPLES, RECOVERY = 100, 60.0
-# Times after which the drive must be at 0 V while no command comes, and after a fall [s], and the
-# samples to look at. The plant holds a command for 0.05 s; the rest is what a machine under load
-# delays messages and the plant.
-SILENT, AFTER_FALL = 0.5, 0.2
+# Time after which the drive must be at 0 V while no command comes [s], and the samples to look at.
+# The timeout is 0.05 s; the rest is what a machine under load delays messages and the plant.
+SILENT = 0.5
 AT_ZERO = 20
 STRAYS = 50
 
@@ -153,7 +152,7 @@ class RealtimeProcesses:
         for i, name in ((0, "arm angle [rad]"), (1, "arm speed [rad/s]")):
             self._record.measure(name, float(np.max(np.abs(x[:, i]), initial=0.0)))
         theta, volts = motion(self._observer).T
-        self._record.check("hanging", hanging_drive(theta, volts, 0.001, AFTER_FALL))
+        self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if len(theta) and fallen(theta[-1]):
             self._record.tried["fall"] += 1
             self._balance()
