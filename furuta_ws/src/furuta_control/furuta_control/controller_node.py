@@ -122,7 +122,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             return
         if self._repetitions > 0 and self._surplus >= 0:
             self._repetitions -= 1
-            self._publish_again()
+            self._publish_command()
             return
         self._friction = friction
         self._friction_stamp = self._stamp
@@ -161,9 +161,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             self._command.data, mode = _control(self._memory, self._x, friction, self._design)
             self._answered_stamp = self._stamp
             self._report_mode(mode)
-        self._publish_again()
+        self._publish_command()
 
-    def _publish_again(self) -> None:
+    def _publish_command(self) -> None:
         self._publisher.publish(self._command)
         self._throttled.publish(self._command, self._stamp)
 
