@@ -14,16 +14,20 @@ from sensor_msgs.msg import JointState
 
 from furuta_ros.messages import JointWriter
 from furuta_ros.spinning import executor_of
-from furuta_ros.topics import QOS, TOPICS, Topic, deep
+from furuta_ros.topics import CLOCK, QOS, TOPICS, Topic, deep
 
 TIMEOUT = 120.0
 
 
 class Bench:
-    """Nodes under test with a probe that publishes and collects."""
+    """Nodes under test with a probe that publishes and collects.
+
+    By its clock the time is simulated, so that no message is too old on a busy computer.
+    """
 
     def __init__(self) -> None:
         self.probe = Node("probe")
+        self.clock = self.probe.create_publisher(CLOCK.type, CLOCK.name, QOS)
         self.received: dict[str, list[Any]] = {topic.name: [] for topic in TOPICS}
         self._nodes: list[Node] = [self.probe]
         self._executor: Executor | None = None

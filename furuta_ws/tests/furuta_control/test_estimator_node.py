@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import isnan, nan
+from time import sleep
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -10,6 +11,7 @@ from testbench import Bench, joint_state
 
 from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
 from furuta_control.estimator_node import EstimatorNode
+from furuta_ros.message_age import MAX_AGE
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000
@@ -60,6 +62,24 @@ def test_rejects_bad_measurements_and_continues(bench: Bench) -> None:
     measurement.publish(joint_state((0.0, 0.0, 0.25, nan), 3))
     bench.spin(lambda: len(states) == 1)
     assert states[0].position[1] == 0.25
+
+
+def test_a_measurement_that_waited_is_ignored_in_real_time(bench: Bench) -> None:
+    """It says where the rig was; with simulated time it is answered however late."""
+    node = bench.add(EstimatorNode())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+    measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 1))
+    sleep(2 * MAX_AGE)
+    bench.spin(lambda: len(states) == 1)
+    bench.probe.destroy_publisher(bench.clock)
+    measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 2))
+    sleep(2 * MAX_AGE)
+    bench.spin(lambda: node.message_age.expired == 1)
+    node.message_age.answerable = lambda: True
+    measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 3))
+    bench.spin(lambda: len(states) == 2)
+    assert [each.header.stamp.nanosec for each in states] == [1, 3]
 
 
 def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:

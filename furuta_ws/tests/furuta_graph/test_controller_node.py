@@ -78,6 +78,17 @@ def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
     loop.expect(FEEDBACK + 0.2)
 
 
+def test_a_command_that_comes_too_late_is_not_sent(loop: Loop) -> None:
+    """A process can stand still between a state and its command."""
+    loop.bench.probe.destroy_publisher(loop.bench.clock)
+    answers = iter([True, True, False, True, True, True])  # on arrival, or before the command
+    loop.node.message_age.answerable = lambda: next(answers)
+    for milliseconds in (1, 2):
+        loop.state(milliseconds)
+        loop.estimate(0.1 * milliseconds)
+    loop.expect(FEEDBACK + 0.2)
+
+
 def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
     """Super-twisting does not take the missing torque for friction; once armed it corrects."""
     ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)

@@ -80,6 +80,7 @@ def test_each_namespace_has_its_own_clock(namespace: str, name: str) -> None:
 
 def test_realtime_publishes_no_clock(bench: Bench) -> None:
     """Its time is the system's time."""
+    bench.probe.destroy_publisher(bench.clock)
     node = bench.add(PlantNode())
     assert node.count_publishers("/clock") == 0
 

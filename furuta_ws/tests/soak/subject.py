@@ -12,7 +12,7 @@ from furuta_ros.topics import TOPICS
 from soak.mutators import Change
 
 # What the middleware says about a message.
-NO_INFO = {"publication_sequence_number": None}
+NO_INFO = {"publication_sequence_number": None, "source_timestamp": 0}
 
 
 class Subject:

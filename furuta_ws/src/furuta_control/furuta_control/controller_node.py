@@ -60,6 +60,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     which tells the plant that it is no longer in transit. If a state that has been answered is
     repeated, its command is published again without a new step.
 
+    A state that has become too old is not answered.
+
     While ``armed`` says that a rig does not apply the commands, nothing is integrated.
 
     Publishes ``mode_in_force``, what the controller does: ``off`` until the first state, then
@@ -164,6 +166,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._publish_command()
 
     def _publish_command(self) -> None:
+        if not self.message_age.answerable():
+            return
         self._publisher.publish(self._command)
         self._throttled.publish(self._command, self._stamp)
 

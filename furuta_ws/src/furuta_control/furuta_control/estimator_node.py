@@ -43,7 +43,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     publishes ``joint_states`` with the stamp of the measurement (effort of the arm: the observed
     friction [V], NaN with method lowpass). If a measurement is repeated (same stamp), the last
     estimate is published again without a new step. Readings that cannot be used are replaced and
-    reported. What cannot be estimated is NaN.
+    reported. What cannot be estimated is NaN. An estimate that has become too old is not published.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
@@ -85,6 +85,8 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
             answer.header.stamp = message.header.stamp
             self._check_interval(stamp - self._last_stamp)
             self._last_stamp = stamp
+        if not self.message_age.answerable():
+            return
         self._publisher.publish(self._writer.message)
         self._throttled.publish(self._writer.message, stamp)
 

@@ -13,10 +13,11 @@ from rclpy.publisher import Publisher
 
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.loop_topics import publishers_of
+from furuta_ros.message_age import MAX_AGE, MessageAge
 from furuta_ros.messages import RefusedError
 from furuta_ros.one_publisher import OnePublisher
 from furuta_ros.parameters import NodeParameters
-from furuta_ros.topics import QOS, Topic
+from furuta_ros.topics import CLOCK, QOS, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -32,6 +33,7 @@ class FurutaNode(Node, Generic[Group]):
     Attributes:
         refused: Number of invalid messages.
         accepted_publishers: By topic name, which publisher's messages are accepted.
+        message_age: Of the message that the node answers.
     """
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
@@ -41,6 +43,7 @@ class FurutaNode(Node, Generic[Group]):
             raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
         self.refused = 0
         self.accepted_publishers: dict[str, OnePublisher] = {}
+        self.message_age = MessageAge(self._time_is_simulated)
         self._declared = NodeParameters(self, group)
 
     @property
@@ -67,13 +70,16 @@ class FurutaNode(Node, Generic[Group]):
     def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
         """Call ``receive`` with each message from the one publisher of the topic.
 
-        A message that ``receive`` refuses is counted and logged.
+        A message that is too old or that ``receive`` refuses is counted and logged.
         """
         one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
         self.accepted_publishers[topic.name] = one
 
         def checked(message: Any, info: dict[str, Any]) -> None:
             if not one.accepts(info["publication_sequence_number"]):
+                return
+            if not self.message_age.received(info["source_timestamp"]):
+                self._report_age(topic)
                 return
             try:
                 receive(message)
@@ -86,6 +92,18 @@ class FurutaNode(Node, Generic[Group]):
 
         self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS)
         self.create_timer(CHECK_PERIOD, one.check, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _time_is_simulated(self) -> bool:
+        """Whether the plant of this graph publishes simulated time."""
+        return self.count_publishers(self.resolve_topic_name(CLOCK.name)) > 0
+
+    def _report_age(self, topic: Topic) -> None:
+        self.get_logger().warning(
+            f"ignored a message on {topic.name} that was sent {self.message_age.age:.3g} s ago, "
+            f"at most {MAX_AGE:g} s ({self.message_age.expired} so far); if it comes from another "
+            "computer, set both clocks",
+            throttle_duration_sec=WARNING_PERIOD,
+        )
 
     def _warn(self, text: str) -> None:
         self.get_logger().warning(text)
