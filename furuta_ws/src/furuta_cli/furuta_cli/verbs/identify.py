@@ -14,6 +14,7 @@ from furuta_cli.number_types import FiniteRange, NonZero
 from furuta_cli.options import json_option, print_json
 from furuta_graph.rigs import find_rig
 from furuta_identification.fitting.free_swing import identify_free_swing
+from furuta_identification.fitting.friction_laws import carried_law, compare_laws
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -116,6 +117,12 @@ class Zero(click.ParamType):
     metavar="PATH",
     help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
+@click.option(
+    "--laws",
+    is_flag=True,
+    help="Compare laws of the arm's friction by their predictions of held-out recordings, or of "
+    "held-out halves of a single one.",
+)
 @click.option("--out", type=FIGURE, help="Draw the residuals.")
 @click.option(
     "--write",
@@ -146,6 +153,7 @@ def command(
     ceiling: float | None,
     window: float | None,
     validation_paths: tuple[Path, ...],
+    laws: bool,
     out: Path | None,
     write: Path | None,
     base: str,
@@ -161,15 +169,21 @@ def command(
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
     if command_name == NO_COMMAND:
-        if out or write or validation_paths:
-            raise ParameterError("free swings give no model: no --out, --write, --validate")
+        if out or write or validation_paths or laws:
+            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
         _free_swing(paths, mapping, options, as_json)
         return
     given = find_rig(base) if base else None
-    with Console(stderr=True).status("reading") as status:
-        options = options._replace(report=status.update)
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        # Without a terminal there is no line to update: a line for each stage.
+        options = options._replace(report=status.update if console.is_terminal else console.print)
         identified = _identify(paths, validation_paths, mapping, options)
+        compared = compare_laws(identified.model, options.report) if laws else []
     result = _result(identified)
+    if laws:
+        result["friction_laws"] = [each._asdict() for each in compared]
+        result["carried_law"] = carried_law(compared).law
     if out is not None:
         from furuta_figures.residual import draw_residuals
 
@@ -290,12 +304,22 @@ def _print(result: dict[str, Any]) -> None:
         if wave["cos"] is not None and wave["sin"] is not None:
             size = np.hypot(wave["cos"], wave["sin"])
             print(f"torque wave, {wave['order']:2d} per turn {size:11.3g} V")
+    _print_laws(result)
     _print_verdict(result["verdict"])
     for finding in result["findings"]:
         print(f"found: {finding}")
     for name in ("figure", "rig_file"):
         if name in result:
             print(f"{name.replace('_', ' ')}: {result[name]}")
+
+
+def _print_laws(result: dict[str, Any]) -> None:
+    for each in result.get("friction_laws", []):
+        errors = ", ".join(f"{name} {error:.3f}" for name, error in each["errors"].items())
+        law = f"{each['law']} ({each['parameters']} parameters)"
+        print(f"law {law:31} held-out error over Coulomb's: {errors}")
+    if "carried_law" in result:
+        print(f"the data carry the law: {result['carried_law']}")
 
 
 def _print_verdict(found: dict[str, Any]) -> None:

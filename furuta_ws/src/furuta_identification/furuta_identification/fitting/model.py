@@ -40,6 +40,11 @@ class Model(NamedTuple):
     direction: float = 1.0
 
     @property
+    def fitted(self) -> list[str]:
+        """Names of the unknowns that were fitted, without those that had to be assumed."""
+        return [name for name, row in zip(self.names, self.information, strict=True) if row.any()]
+
+    @property
     def largest_command(self) -> float:
         """The largest command of the fitted recordings [V]."""
         return max(float(np.max(np.abs(each.command))) for each in self.recordings)

@@ -108,6 +108,7 @@ class ParameterValues:
             self["tilt_x"],
             self["tilt_y"],
             self.waves,
+            self["load"],
         )
 
 

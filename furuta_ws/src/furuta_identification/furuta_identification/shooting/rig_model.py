@@ -8,7 +8,8 @@ base, and the potential is
 
 The motor's torque is u + Σ aₖ cos kφ + bₖ sin kφ. Order 1 is an unbalanced arm on the tilted
 base, higher orders are torque ripple of the motor. The arm has LuGre friction. The pendulum's
-joint, which never sticks, has c₂θ̇ + f₂ tanh(θ̇/w₀).
+joint, which never sticks, has c₂θ̇ + f₂ tanh(θ̇/w₀). The arm's Coulomb level may grow with the
+motor's torque, as in a gear: α₀ + l|u|.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ LUGRE = LAWS.index("lugre")
 class RigModel(NamedTuple):
     """Parameters of the model.
 
-    ``ripple`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque.
+    ``ripple`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque. ``load``:
+    increase of the Coulomb level with the motor's torque [V/V].
     """
 
     body: FurutaPendulum = FurutaPendulum()
@@ -48,6 +50,7 @@ class RigModel(NamedTuple):
     tilt_x: float = 0.0
     tilt_y: float = 0.0
     ripple: np.ndarray = NO_RIPPLE
+    load: float = 0.0
 
 
 @compiled
@@ -103,7 +106,15 @@ _advance = integrator(_stage)
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    _advance(x, u, dt, steps, m, FrictionLaw(LUGRE, m.arm))
+    _advance(x, u, dt, steps, m, FrictionLaw(LUGRE, _loaded(m.arm, m.load * abs(u))))
+
+
+@compiled
+def _loaded(p: Friction, more: float) -> Friction:
+    """Friction with a Coulomb level that is higher by ``more`` [V]."""
+    return Friction(
+        p.sigma0, p.sigma1, p.alpha0 + more, p.alpha1, p.stribeck_velocity, p.viscous, p.asymmetry
+    )
 
 
 def longest_step(m: RigModel) -> float:

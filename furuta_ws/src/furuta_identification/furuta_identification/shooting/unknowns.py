@@ -62,6 +62,7 @@ UNKNOWNS = (
     _positive("stribeck_velocity", "rad/s", math.log(_BRISTLE.stribeck_velocity), 1.0),
     _positive("sigma0", "V/rad", math.log(_BRISTLE.sigma0), 1.0),
     _positive("sigma1", "V s/rad", math.log(_BRISTLE.sigma1), 1.0),
+    Unknown("load", "V/V", 0.0, 0.9, 0.0, 0.1),
 )
 BY_NAME = {each.name: each for each in UNKNOWNS}
 _WAVE = re.compile(r"wave(\d+)_(cos|sin)")

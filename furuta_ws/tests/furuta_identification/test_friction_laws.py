@@ -1,0 +1,98 @@
+"""Comparison of friction laws: those that an arm does not have are not carried by the data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from furuta_identification.fitting.friction_laws import LawResult, carried_law, compare_laws
+from furuta_identification.fitting.model import Model
+from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.rig_model import move
+from furuta_identification.shooting.unknowns import BODY
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import FurutaPendulum
+from furuta_recordings.recording import Recording
+
+INTERVAL, STEPS = 0.004, 8  # [s] between samples, and steps of the simulation in it
+SECONDS = 8.0
+# Noise of the readings [rad, rad/s, rad, rad/s]: a law counts only by what exceeds it.
+NOISE = np.array((2e-4, 0.02, 2e-4, 0.02))
+FITTED = [*BODY, "viscous", "coulomb", "pendulum_viscous"]
+
+
+def paper_arm(**friction: float) -> ParameterValues:
+    """The paper's pendulum on an arm with the given friction."""
+    p = FurutaPendulum()
+    rest = {"viscous": 0.03, "coulomb": 0.15, "pendulum_viscous": 1e-4} | friction
+    inertia = p.alpha - p.gamma**2 / p.beta
+    return ParameterValues.of(
+        arm_inertia=inertia, beta=p.beta, gamma=p.gamma, delta=p.delta, **rest
+    )
+
+
+def swung(arm: ParameterValues) -> Recording:
+    """A pendulum that swings from hanging while the command jumps between two levels."""
+    r = np.random.default_rng(1)
+    time = INTERVAL * np.arange(round(SECONDS / INTERVAL))
+    levels = r.choice((-0.8, -0.5, 0.5, 0.8), 100)
+    command = levels[(time / 0.4).astype(int)]
+    x, rows = np.array((0.0, 0.0, np.pi, 0.0, 0.0)), []
+    for u in command:
+        rows.append(x[:4].copy())
+        move(x, u, INTERVAL, STEPS, arm.model)
+    measured = np.array(rows) + r.normal(0.0, NOISE, (len(rows), 4))
+    return Recording("swung", time, measured, time, command)
+
+
+def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
+    """Results of Coulomb's law and others for an arm that a model without them describes."""
+    start = truth.changed(["asymmetry", "load", "alpha1"], (0.0, 0.0, 0.0))
+    none: Any = None
+    model = Model(
+        start,
+        FITTED,
+        np.zeros((len(FITTED), len(FITTED))),
+        np.eye(len(FITTED)),
+        np.inf,
+        10.0 * NOISE,
+        none,
+        [swung(truth)],
+        [],
+    )
+    return compare_laws(model, laws=("coulomb", *laws))
+
+
+def test_without_dry_friction_nothing_is_predicted() -> None:
+    """The errors are ratios to Coulomb's law, for both halves."""
+    coulomb, viscous = compared(paper_arm(), "viscous")
+    assert coulomb.errors == {"first half": 1.0, "second half": 1.0}
+    assert viscous.parameters == coulomb.parameters - 1
+    assert min(viscous.errors.values()) > 10.0
+
+
+@pytest.mark.parametrize(
+    ("friction", "law"),
+    [
+        ({}, "coulomb"),
+        ({"asymmetry": 0.2}, "asymmetric"),
+        ({"load": 0.15}, "load-dependent"),
+        ({"sigma0": 30.0, "sigma1": 0.5}, "lugre"),
+    ],
+)
+def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:
+    """More parameters are not carried by themselves."""
+    results = compared(paper_arm(**friction), "asymmetric", "load-dependent", "lugre")
+    assert carried_law(results).law == law
+
+
+def test_an_arm_that_never_reverses_tells_no_law() -> None:
+    """One line says what is needed."""
+    one = swung(paper_arm())
+    turning = one._replace(measured=np.abs(one.measured))
+    none: Any = None
+    model = Model(paper_arm(), [], none, none, np.inf, NOISE, none, [turning], [])
+    with pytest.raises(ParameterError, match="need reversals of the arm"):
+        compare_laws(model)
