@@ -145,12 +145,16 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     status, out, err = furuta(
         "identify", table, "--arm", "rotor", "--pendulum", "link", "--command", "/drive",
         "--zero", "hanging", "--write", file_out, "--out", tmp_path / "residuals.png", "--json",
+        "--laws",
     )  # fmt: skip
     assert status == 0, err
     result = json.loads(out)
     assert result["a43"] == pytest.approx(33, rel=0.05)
     assert result["coulomb"] == pytest.approx(0.21, rel=0.05)
     assert result["fit"]["log.csv"]["arm_speed"] > 90
+    errors = {each["law"]: each["errors"]["second half"] for each in result["friction_laws"]}
+    assert errors["coulomb"] == 1.0 < errors["viscous"]
+    assert result["carried_law"] in errors
     assert (tmp_path / "residuals.png").stat().st_size > 10_000
     status, _, err = furuta("simulate", "--seconds", "1", "--params", file_out)
     assert status == 0, err

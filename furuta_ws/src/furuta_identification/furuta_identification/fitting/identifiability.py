@@ -32,15 +32,26 @@ REASONS = {
 
 
 def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
-    """Those of the unknowns ``names`` that the data determine better than their priors."""
+    """Those of the unknowns ``names`` that the data determine better than their priors.
+
+    The least certain one is assumed, and the rest is judged again: of two whose effects are alike,
+    one may be determined once the other is given.
+    """
     both = [*optimum.shooting.names, *names]
     wider = Shooting(optimum.shooting.parts, both, optimum.values)
     slopes = wider.slopes(optimum.values.vector(both))
     _, spread = prior(both)
-    variances = np.diag(np.linalg.pinv(slopes.T @ slopes + np.diag(1.0 / spread**2)))
-    errors = np.sqrt(np.maximum(variances, 0.0))
-    small = {n for n, e, s in zip(both, errors, spread, strict=True) if e < LARGEST_PART_TO_FIT * s}
-    return [name for name in names if name in small]
+    information = slopes.T @ slopes + np.diag(1.0 / spread**2)
+    kept = list(range(len(both)))
+    while len(kept) > len(optimum.shooting.names):
+        variances = np.diag(np.linalg.pinv(information[np.ix_(kept, kept)]))
+        parts = np.sqrt(np.maximum(variances, 0.0)) / spread[kept]
+        own = len(optimum.shooting.names)
+        worst = own + int(np.argmax(parts[own:]))
+        if parts[worst] < LARGEST_PART_TO_FIT:
+            break
+        del kept[worst]
+    return [both[index] for index in kept[len(optimum.shooting.names) :]]
 
 
 def undetermined(model: Model) -> dict[str, str]:
@@ -59,6 +70,8 @@ def undetermined(model: Model) -> dict[str, str]:
 def _reason(model: Model, name: str) -> str | None:
     """Why the data do not determine a fitted or assumed unknown; None if they do."""
     index = model.names.index(name)
+    if model.information[index, index] == 0.0 and name in REASONS:
+        return REASONS[name]
     if model.information[index, index] == 0.0:
         return ASSUMED if all(turns_one_way(each) for each in model.recordings) else NO_EFFECT
     about = unknown(name)

@@ -21,6 +21,7 @@ from furuta_identification.shooting.unknowns import (
     LUGRE,
     TILT,
     TIMING,
+    assumed_spread,
     wave_names,
     zero_name,
 )
@@ -63,11 +64,13 @@ def fit_swinging(
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, [*findings, why], options)
     options.report("computing standard errors")
+    bristle = [name for name in LUGRE if name not in optimum.shooting.names]
+    assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
     covariance, information = covariance_and_information(
-        optimum.shooting, optimum.vector, setting.assumed, swinging=True
+        optimum.shooting, optimum.vector, assumed, swinging=True
     )
-    covariance = covariance + difference_covariance(optimum, own_fits, setting.assumed)
-    names, certainty = [*optimum.shooting.names, *setting.assumed], (covariance, information)
+    covariance = covariance + difference_covariance(optimum, own_fits, assumed)
+    names, certainty = [*optimum.shooting.names, *assumed], (covariance, information)
     findings = [*findings, *setting.findings, *found]
     return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
 

@@ -10,7 +10,7 @@ import numpy as np
 from furuta_control.pole_choice import quadratic_poles
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.model import Model
-from furuta_identification.shooting.unknowns import BY_NAME, LUGRE
+from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
 from furuta_model.friction.parameters import Friction
 from furuta_rig.rig import Rig, SafetyLimits
 from furuta_rig.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
@@ -18,9 +18,6 @@ from furuta_sim.parts.motion import PendulumFriction
 from furuta_sim.parts.tilt import Tilt
 from furuta_sim.parts.torque_waves import TorqueWaves
 
-# Largest standard deviation of the logarithm of a value that the data do not determine: a factor
-# of 2. The priors of a fit are weaker.
-LARGEST_UNKNOWN = 0.7
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75
 # Names in rig files of unknowns that are named differently in a fit.
@@ -101,7 +98,7 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     names = [fitted[index] for index in chosen]
     covariance = model.covariance[np.ix_(chosen, chosen)]
     others = [
-        (RIG_NAMES.get(name, name), min(each.spread, LARGEST_UNKNOWN))
+        (RIG_NAMES.get(name, name), assumed_spread(name))
         for name, each in BY_NAME.items()
         if name not in model.names and isfinite(each.spread)
     ]

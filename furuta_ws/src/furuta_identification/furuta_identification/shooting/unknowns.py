@@ -73,6 +73,9 @@ FRICTION = ("viscous", "coulomb", "asymmetry", "pendulum_viscous", "pendulum_cou
 TIMING = ("delay", "lag")
 TILT = ("tilt_x", "tilt_y")
 LUGRE = ("alpha1", "stribeck_velocity", "sigma0", "sigma1")
+# Largest standard deviation of the logarithm of a value that is assumed: a factor of 2. The priors
+# are weaker, because the data narrow them.
+LARGEST_ASSUMED = 0.7
 LOGARITHMIC = (*BODY, "stribeck_velocity", "sigma0", "sigma1", "ceiling")
 
 
@@ -82,6 +85,11 @@ def unknown(name: str) -> Unknown:
         # An unbalanced arm (order 1) on a base that is nearly level has little torque.
         return Unknown(name, "V", -10.0, 10.0, 0.0, 0.02 if wave[1] == "1" else 0.1)
     return BY_NAME["zero"]._replace(name=name) if _ZERO.fullmatch(name) else BY_NAME[name]
+
+
+def assumed_spread(name: str) -> float:
+    """Standard deviation of an unknown that is assumed at the mean of its prior."""
+    return min(BY_NAME[name].spread, LARGEST_ASSUMED)
 
 
 def wave_names(order: int) -> tuple[str, str]:

@@ -66,6 +66,6 @@ def _with_assumed(
 def _slope_in(shooting: Shooting, vector: np.ndarray, name: str, spread: float) -> np.ndarray:
     """∂residuals/∂(assumed value)."""
     step = 0.01 * spread
-    values = shooting.values.changed([name], [shooting.values[name] + step])
+    values = shooting.values.changed([name], [shooting.values.coordinates[name] + step])
     changed = Shooting(shooting.parts, shooting.names, values)
     return (changed.residuals(vector) - shooting.residuals(vector)) / step
