@@ -96,6 +96,8 @@ def _spin_node(make: Callable[[], Node], stop: StopSignal) -> int:
     else:
         node.get_logger().info("ready")
     spin_until(executor, stop)
+    # The executor first: it would release what the middleware has destroyed with the node.
+    executor.shutdown()
     node.destroy_node()
     return 0
 
