@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta_ros.spinning import executor_of
-from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, Topic, deep
+from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, TOPICS, Topic, deep
 
 # Messages of a topic that may wait.
 DEPTH = 10_000
@@ -74,6 +74,21 @@ class Observer:
                     return future.result()
                 client.remove_pending_request(future)
         return None
+
+    def known_of(self, node: str) -> str:
+        """What is known of a node that does not answer, in words."""
+        service = self.node.resolve_service_name(f"{node}/set_parameters_atomically")
+        endpoints = [
+            f"{len(info)} of {topic.name}"
+            for topic in TOPICS
+            if (info := self._publishers(topic, node))
+        ]
+        return f"{self.node.count_services(service)} servers, publishers: {', '.join(endpoints)}"
+
+    def _publishers(self, topic: Topic, node: str) -> list[Any]:
+        name = self.node.resolve_topic_name(topic.name)
+        found = self.node.get_publishers_info_by_topic(name)
+        return [each for each in found if each.node_name == node]
 
     def clear(self) -> None:
         """Forget the messages so far."""

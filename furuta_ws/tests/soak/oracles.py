@@ -107,7 +107,8 @@ def hanging_drive(theta: np.ndarray, volts: np.ndarray, sample_time: float) -> s
     for k in range(len(theta)):
         fallen = 0 if upright[k] else fallen + 1
         if fallen > grace and volts[k] != 0.0:
-            return f"{volts[k]:g} V at sample {k}, {fallen} samples after the fall"
+            driven = int(np.count_nonzero(volts[k + 1 - fallen : k + 1]))
+            return f"{volts[k]:g} V at sample {k}, {fallen} samples after the fall, {driven} driven"
     return ""
 
 

@@ -140,7 +140,8 @@ class RealtimeProcesses:
             return
         self._record.tried[f"parameters: {change.kind}"] += 1
         answer = self._observer.set(name, *change.parameters)
-        answered = not_recovered(answer is not None, f"{name} answers", RECOVERY)
+        waited = f"{name} answers" if answer else f"{name} answers; {self._observer.known_of(name)}"
+        answered = not_recovered(answer is not None, waited, RECOVERY)
         if self._record.check("recovery", answered):
             refused = not answer.result.successful
             self._record.check("refusal", "" if refused else f"accepted {change.parameters}")
