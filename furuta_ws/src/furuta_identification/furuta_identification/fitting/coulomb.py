@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.optimisation import COARSE, Optimum, misfit, optimise
+from furuta_identification.fitting.optimisation import COARSE, Optimum, best_of, optimise
 from furuta_identification.regression.speeds import with_speeds
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import BY_NAME
@@ -70,4 +70,4 @@ def with_second_start(
     viscous = optimum.values["viscous"] - level / float(np.sqrt(np.mean(speeds**2)))
     start = optimum.values.changed(["coulomb", "viscous"], [level, max(viscous, 0.0)])
     other = optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
-    return min((optimum, other), key=lambda each: misfit(each.shooting, each.vector))
+    return best_of((optimum, other))

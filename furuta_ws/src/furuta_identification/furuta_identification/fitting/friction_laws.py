@@ -14,7 +14,7 @@ import numpy as np
 
 from furuta_identification.fitting.coulomb import turns_one_way
 from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import Optimum, misfit
+from furuta_identification.fitting.optimisation import Optimum, best_of
 from furuta_identification.fitting.starting_fits import fit_growing_segments
 from furuta_identification.fitting.validation import predict_prepared
 from furuta_identification.preparation.options import silent
@@ -146,8 +146,7 @@ class _Fits:
         if law not in self._found:
             contained = LAWS[law].contains
             starts = [self._model.values, *([self.of(contained)] if contained else [])]
-            optima = [self._optimum(LAWS[law].unknowns, start) for start in starts]
-            self._found[law] = min(optima, key=lambda each: misfit(each.shooting, each.vector))
+            self._found[law] = best_of(self._optimum(LAWS[law].unknowns, each) for each in starts)
         return self._found[law].values
 
     def _optimum(self, unknowns: tuple[str, ...], start: ParameterValues) -> Optimum:

@@ -42,16 +42,15 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
     slopes = wider.slopes(optimum.values.vector(both))
     _, spread = prior(both)
     information = slopes.T @ slopes + np.diag(1.0 / spread**2)
-    kept = list(range(len(both)))
-    while len(kept) > len(optimum.shooting.names):
+    own, kept = len(optimum.shooting.names), list(range(len(both)))
+    while len(kept) > own:
         variances = np.diag(np.linalg.pinv(information[np.ix_(kept, kept)]))
         parts = np.sqrt(np.maximum(variances, 0.0)) / spread[kept]
-        own = len(optimum.shooting.names)
         worst = own + int(np.argmax(parts[own:]))
         if parts[worst] < LARGEST_PART_TO_FIT:
             break
         del kept[worst]
-    return [both[index] for index in kept[len(optimum.shooting.names) :]]
+    return [both[index] for index in kept[own:]]
 
 
 def undetermined(model: Model) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -75,6 +76,11 @@ def residual_scale(optimum: Optimum) -> np.ndarray:
     size = np.where(count > 0, size, 1.0)
     widened: np.ndarray = np.maximum(np.sqrt(CORRELATED_SAMPLES) * size, 1e-4)
     return widened
+
+
+def best_of(optima: Iterable[Optimum]) -> Optimum:
+    """The one with the smallest misfit, the first of several."""
+    return min(optima, key=lambda each: misfit(each.shooting, each.vector))
 
 
 def misfit(shooting: Shooting, vector: np.ndarray) -> float:

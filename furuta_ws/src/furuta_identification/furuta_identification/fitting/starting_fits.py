@@ -7,6 +7,7 @@ import numpy as np
 from furuta_identification.fitting.optimisation import (
     COARSE,
     Optimum,
+    best_of,
     misfit,
     optimise,
     residual_scale,
@@ -82,7 +83,7 @@ def fit_together(
         optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
         for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
     ]
-    return min(reached, key=lambda each: misfit(each.shooting, each.vector))
+    return best_of(reached)
 
 
 def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> Optimum:
