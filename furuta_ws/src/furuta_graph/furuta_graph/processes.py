@@ -17,7 +17,7 @@ from furuta_graph.graph_plan import Graph
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
-from furuta_ros.spinning import StopSignal
+from furuta_ros.spinning import StopSignal, fail
 
 # Time between two checks of the processes and of what to record [s].
 CHECK_PERIOD = 0.02
@@ -98,8 +98,7 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     unready = stop.status if stop() and not started.all_were_ready else 0
     unrecorded = 0
     if recorder is not None and recorder.failure is not None:
-        print(f"error: the recording is incomplete: {recorder.failure}", file=sys.stderr)
-        unrecorded = 1
+        unrecorded = fail(f"the recording is incomplete: {recorder.failure}")
     return next(iter(failures.values()), unready or unrecorded)
 
 
