@@ -47,8 +47,8 @@ def measure(loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.
         settled: Fraction of the run that is measured, at its end; above 0, at most 1.
 
     Returns:
-        Peak to peak of arm and pendulum [rad], period [s], rms of command [V], and whether the
-        pendulum fell.
+        Peak to peak of arm and pendulum [rad], period [s], rms of command [V], whether the
+        pendulum fell, and whether the guard switched the compensation off.
 
     Raises:
         ParameterError: ``seconds`` or ``settled`` is outside its range.

@@ -20,6 +20,7 @@ from furuta_analysis.simulation.control_system import (
 )
 from furuta_analysis.simulation.oscillation import (
     ACCUMULATOR_SIZE,
+    Oscillation,
     accumulate,
     accumulate_midpoint,
     oscillation,
@@ -83,11 +84,12 @@ class Record(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Result of a run over its settled part; ``fell`` refers to the whole run.
+    """Result of a run over its settled part; ``fell`` and ``switched_off`` refer to the whole run.
 
     ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
     oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
     values are about zero: arm angle [rad], command [V], error of the friction estimate F − F̂ [V].
+    ``switched_off`` tells whether the guard has switched the compensation off, as worse than none.
     """
 
     phi_peak_to_peak_rad: float
@@ -98,6 +100,7 @@ class Outcome(NamedTuple):
     command_rms_v: float
     friction_error_rms_v: float
     fell: bool
+    switched_off: bool
     steps: int
 
 
@@ -164,16 +167,16 @@ class Simulation:
             accumulator,
             sums,
         )
-        return summary(accumulator, sums, self.loop.plant.sample_time, samples, measured)
+        motion = oscillation(accumulator, self.loop.plant.sample_time)
+        return summary(motion, sums, self.switched_off, samples, measured)
 
 
 def summary(
-    accumulator: np.ndarray, sums: np.ndarray, sample_time: float, samples: int, measured: int
+    motion: Oscillation, sums: np.ndarray, off: bool, samples: int, measured: int
 ) -> Outcome:
     """The outcome of a run of ``samples`` samples, of which the last ``measured`` count."""
     phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
-    motion = oscillation(accumulator, sample_time)
-    return Outcome(*motion, phi, command, error, bool(sums[_FELL]), samples)
+    return Outcome(*motion, phi, command, error, bool(sums[_FELL]), off, samples)
 
 
 def simulate(loop: Loop, seconds: float) -> Record:

@@ -29,7 +29,7 @@ from furuta_analysis.simulation.lane_stages import (
     LanePlant,
     Stage,
 )
-from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE
+from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE, oscillation
 from furuta_control import control as controller
 from furuta_control import estimation as estimator
 from furuta_control.control import ControllerParameters, design_controller
@@ -223,10 +223,13 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     measured = max(1, round(settled * group.samples))
     _run_samples(block, loops, group, group.samples - measured)
     accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
-    return [
-        summary(accumulators[i].copy(), sums[i].copy(), each.sample_time, group.samples, measured)
-        for i, each in enumerate(loops)
-    ]
+    memories = block.rows("observer").T
+    found = []
+    for i, each in enumerate(loops):
+        motion = oscillation(accumulators[i].copy(), each.sample_time)
+        off = compensation.switched_off(memories[i])
+        found.append(summary(motion, sums[i].copy(), off, group.samples, measured))
+    return found
 
 
 def block_of(loops: Sequence[PreparedLoop]) -> Lanes:

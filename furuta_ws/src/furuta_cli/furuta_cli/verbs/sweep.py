@@ -96,10 +96,10 @@ def command(
 
 
 class Counts:
-    """How many runs there are, fell, or are impossible, and the reason of the first one."""
+    """How many runs there are, and of which kind; why the first impossible one is so."""
 
     def __init__(self) -> None:
-        self.runs = self.fell = self.impossible = 0
+        self.runs = self.fell = self.switched_off = self.impossible = 0
         self.reason = ""
 
     def count(self, rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -107,6 +107,7 @@ class Counts:
         for row in rows:
             self.runs += 1
             self.fell += bool(row["fell"])
+            self.switched_off += bool(row["switched_off"])
             self.impossible += bool(row["error"])
             self.reason = self.reason or row["error"]
             yield row
@@ -124,6 +125,7 @@ def _report(counts: Counts, resumed: int, out: Path, as_json: bool) -> None:
         "runs": counts.runs,
         "resumed": resumed,
         "fell": counts.fell,
+        "switched_off": counts.switched_off,
         "impossible": counts.impossible,
         "file": str(out),
     }
