@@ -1,6 +1,6 @@
 """Measures the page of ``furuta view`` in a headless browser. Each measurement prints JSON.
 
-    tools/in_environment python benchmarks/view.py latency [ROUNDS] [SECONDS]
+    tools/in_environment python benchmarks/view.py latency [ROUNDS] [SECONDS] [PRIORITY]
     tools/in_environment python benchmarks/view.py slider [PRESSES]
     tools/in_environment python benchmarks/view.py memory [MINUTES]
     tools/in_environment python benchmarks/view.py start
@@ -37,6 +37,7 @@ from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.offered_qos import offered_qos
 from furuta_recordings.bags.writer import BagWriter
 from furuta_ros.context import ros_context
+from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import executor_of, spin_until
 from furuta_ros.topics import QOS
 
@@ -106,10 +107,17 @@ def browser() -> Iterator[Browser]:
         started.close()
 
 
-def latency(rounds: str = "4", seconds: str = "6") -> dict[str, Any]:
-    """Latency from measurement to command at 1 kHz without and with an open page, in turns."""
+def latency(rounds: str = "4", seconds: str = "6", priority: str = "0") -> dict[str, Any]:
+    """Latency from measurement to command at 1 kHz without and with an open page, in turns.
+
+    ``priority`` is that of ``furuta run --priority``, 0 without.
+    """
     watches = {"closed": Stopwatch(), "open": Stopwatch()}
-    with ros_context(), browser() as shown:
+    with browser() as shown, ExitStack() as context:
+        for result in apply_scheduling(Scheduling(int(priority))):
+            if not result.granted:
+                raise SystemExit(f"error: {result}")
+        context.enter_context(ros_context())
         settings = default_settings()
         settings["plant"] |= {"clock": "realtime", "run_until": 1e9}
         graph = SimulatedGraph(settings)
@@ -140,7 +148,9 @@ def latency(rounds: str = "4", seconds: str = "6") -> dict[str, Any]:
 
 def _open_meanwhile(graph: SimulatedGraph, opened: ExitStack, shown: Browser) -> None:
     """Open the page of the graph, which runs on meanwhile."""
-    command = [str(executable("furuta_bringup", "furuta")), "view", "--no-open", "--attach"]
+    furuta = str(executable("furuta_bringup", "furuta"))
+    # Without the priority of this process.
+    command = ["chrt", "--other", "0", furuta, "view", "--no-open", "--attach"]
     file = Path(tempfile.mkdtemp()) / "address"
     process = subprocess.Popen(command, stdout=file.open("w"))
 
