@@ -104,19 +104,24 @@ def balanced(truth: Rig, found: Rig) -> dict[str, Any]:
     }
 
 
-def main() -> None:
-    """Run the study and print a line for each rig."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rigs", type=int, default=10)
+def chosen_seeds(description: str | None, rigs: int = 10) -> range:
+    """The seeds of the rigs that the command line asks for, by default ``rigs`` of them."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--rigs", type=int, default=rigs)
     parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
     options = parser.parse_args()
-    stood = 0
-    for seed in range(options.first, options.first + options.rigs):
+    return range(options.first, options.first + options.rigs)
+
+
+def main() -> None:
+    """Run the study and print a line for each rig."""
+    stood, seeds = 0, chosen_seeds(__doc__)
+    for seed in seeds:
         residuals = study(seed)
         stood += not np.any(np.isnan(list(residuals.values())))
         text = ", ".join(f"{name} {each:.3f}" for name, each in residuals.items())
         print(f"rig {seed}: {text} rad", flush=True)
-    print(f"{stood} of {options.rigs} rigs stand with every compensation")
+    print(f"{stood} of {len(seeds)} rigs stand with every compensation")
 
 
 def study(seed: int) -> dict[str, float]:

@@ -5,20 +5,24 @@
 The rigs are those of furuta_ws/tests/random_rigs.py: waves, tilt, ceilings, unequal friction, 6 s
 under 1 to 6 V, five kinds of command in turn. For each value: how often the truth lies within two
 standard errors, the median deviation in standard errors, which shows a bias, and the median
-standard error.
+standard error; for all fits, for those that the verdict calls usable, and for those of them whose
+commands have more than one level: no step shows that the drive gives less than commanded.
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+from rigs_from_recordings import chosen_seeds
 
+from furuta_identification.fitting.ceiling import has_one_level
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.report import summary
+from furuta_identification.fitting.validation import predict_prepared
+from furuta_identification.fitting.verdict import verdict
 from furuta_identification.preparation.options import Options
 from furuta_model.parameters import ParameterError
 
@@ -27,6 +31,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "test
 from random_rigs import Rig, sampled  # type: ignore[import-not-found]
 
 ERRORS = 2.0
+# Of each value, by name, its deviation and its error for each rig.
+Found = dict[str, list[tuple[float, float]]]
 
 
 def truth(rig: Rig) -> dict[str, float]:
@@ -45,45 +51,63 @@ def truth(rig: Rig) -> dict[str, float]:
     }
 
 
-def study(seed: int) -> dict[str, tuple[float, float]]:
-    """Deviation from the truth in standard errors and relative error [%] of what is determined."""
+def study(seed: int) -> tuple[str, bool, dict[str, tuple[float, float]]]:
+    """The verdict; whether the command has one level; how far values are from the truth.
+
+    Of each value the deviation in standard errors, and the relative standard error [%].
+    """
     rig, _, recording = sampled(seed)
-    found = summary(identify([recording], Options()))
+    model = identify([recording], Options())
+    found = summary(model)
     errors = found["standard_errors"]
-    return {
-        name: ((found[name] - value) / errors[name], 100.0 * errors[name] / abs(value))
-        for name, value in truth(rig).items()
-        if found[name] is not None and errors[name] is not None
-    }
+    usable = verdict([predict_prepared(model, each) for each in model.recordings])["usable"]
+    return (
+        usable,
+        has_one_level(model.recordings),
+        {
+            name: ((found[name] - value) / errors[name], 100.0 * errors[name] / abs(value))
+            for name, value in truth(rig).items()
+            if found[name] is not None and errors[name] is not None
+        },
+    )
 
 
 def main() -> None:
     """Fit the rigs and print a line for each, then one for each value."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
-    parser.add_argument("--rigs", type=int, default=200)
-    parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
-    options = parser.parse_args()
-    found: dict[str, list[tuple[float, float]]] = defaultdict(list)
-    for seed in range(options.first, options.first + options.rigs):
+    groups: dict[str, Found] = {
+        "all fits": defaultdict(list),
+        "usable": defaultdict(list),
+        "usable, several levels": defaultdict(list),
+    }
+    for seed in chosen_seeds(__doc__, 200):
         try:
-            values = study(seed)
+            judged, one_level, values = study(seed)
         except ParameterError as error:
             print(f"{seed}: asked: {error}", flush=True)
             continue
-        print(
-            f"{seed}:",
-            {name: round(float(each[0]), 1) for name, each in values.items()},
-            flush=True,
-        )
-        for name, each in values.items():
-            found[name].append(each)
-    print(f"{'value':26}{'number':>8}{'within':>9}{'median':>9}{'error':>9}")
-    found["all"] = [each for rows in found.values() for each in rows]
-    for name, rows in found.items():
-        deviations, errors = np.array(rows).T
-        within = 100.0 * np.mean(np.abs(deviations) <= ERRORS)
-        middle = f"{np.median(deviations):9.2f}{np.median(errors):8.2f}%"
-        print(f"{name:26}{len(rows):8d}{within:8.1f}%{middle}")
+        rounded = {name: round(float(each[0]), 1) for name, each in values.items()}
+        levels = "one level" if one_level else "several levels"
+        print(f"{seed}: usable: {judged}, {levels};", rounded, flush=True)
+        usable = judged == "yes"
+        for found, counts in zip(
+            groups.values(), (True, usable, usable and not one_level), strict=True
+        ):
+            for name, each in values.items():
+                if counts:
+                    found[name].append(each)
+    for title, found in groups.items():
+        _print(title, found)
+
+
+def _print(title: str, found: Found) -> None:
+    print(f"{title:26}{'number':>8}{'within':>9}{'median':>9}{'error':>9}")
+    together = [each for rows in found.values() for each in rows]
+    for name, rows in [*found.items(), ("together", together)]:
+        if rows:
+            deviations, errors = np.array(rows).T
+            within = 100.0 * np.mean(np.abs(deviations) <= ERRORS)
+            middle = f"{np.median(deviations):9.2f}{np.median(errors):8.2f}%"
+            print(f"{name:26}{len(rows):8d}{within:8.1f}%{middle}")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from random_rigs import Readings, Rig, record
 
 from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.estimation import EstimatorParameters
-from furuta_identification.fitting.ceiling import fitted_ceiling
+from furuta_identification.fitting.ceiling import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -98,6 +98,15 @@ def test_the_ceiling_shows_in_larger_commands(amplitude: float, expected: float)
     ready, _ = prepare(recorded("chirp", amplitude), Options())
     found = fitted_ceiling([ready], speed_lag(ready), 0.003)
     assert found == pytest.approx(expected, rel=0.05)
+
+
+def test_a_step_does_not_show_the_ceiling() -> None:
+    """A finding says so, unless a recording has another level."""
+    step, sine = recorded("step", 4.0), recorded("sine", 2.0)
+    for hidden in ([step], [step, recorded("step", 4.0)]):
+        assert "--ceiling" in what_hides_a_ceiling(hidden)[0]
+    for shown in ([sine], [step, recorded("step", 2.0)]):
+        assert what_hides_a_ceiling(shown) == []
 
 
 @pytest.fixture(scope="module")

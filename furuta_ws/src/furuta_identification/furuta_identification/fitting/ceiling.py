@@ -25,6 +25,8 @@ SURE = 10.0
 CLEARLY_LOWER, SMALLEST_RATIO = 0.95, 1.5
 # Part by which a command must exceed those of the fit before it may meet an unknown ceiling.
 FARTHER = 1.02
+# Part of the largest command within which all others are of the same level.
+SAME_LEVEL = 0.05
 
 
 def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
@@ -36,6 +38,27 @@ def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> flo
     if samples * np.log(misfits[-1] / misfits[best]) < SURE:
         return float(np.inf)
     return float(PARTS[best] * largest)
+
+
+def has_one_level(recordings: list[Recording]) -> bool:
+    """Whether all commands are of one size, such as a step: then no ceiling can be found.
+
+    A drive that reaches a part of the command only and a rig whose inertias and friction are larger
+    in proportion give the same motion.
+    """
+    sizes = np.abs(np.concatenate([each.command for each in recordings]))
+    largest = float(np.max(sizes))
+    return bool(np.all((sizes == 0.0) | (sizes > (1.0 - SAME_LEVEL) * largest)))
+
+
+def what_hides_a_ceiling(recordings: list[Recording]) -> list[str]:
+    """A finding if no ceiling could be found in these recordings."""
+    if not has_one_level(recordings):
+        return []
+    return [
+        "the command has one level only, so a drive that reaches less cannot be noticed: all "
+        "values in volts would be too large in proportion (state its limit with --ceiling)"
+    ]
 
 
 def ceiling_of(model: Model, recording: Recording) -> float:

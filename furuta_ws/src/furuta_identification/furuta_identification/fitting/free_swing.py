@@ -22,7 +22,7 @@ from furuta_identification.preparation.orientation import oriented
 from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
 from furuta_identification.regression.pendulum_motion import pendulum_motion
 from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import prior
+from furuta_identification.shooting.unknowns import prior_information
 from furuta_identification.uncertainty.bootstrap import sensor_covariance
 from furuta_identification.uncertainty.jackknife import block_covariance
 from furuta_identification.uncertainty.sensor_errors import noise_of, sensor_errors
@@ -121,8 +121,7 @@ def _reported(optimum: Optimum) -> tuple[dict[str, float], dict[str, float]]:
     """Values and standard errors by name."""
     shooting, vector = optimum.shooting, optimum.vector
     slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
-    _, spread = prior(shooting.names)
-    information = slopes.T @ slopes + np.diag(1.0 / spread**2)
+    information = slopes.T @ slopes + prior_information(shooting.names)
     gain = np.linalg.pinv(information) @ slopes.T
     covariance = block_covariance(shooting, slopes, residuals, information)
     covariance = covariance + sensor_covariance(shooting, vector, residuals, gain)

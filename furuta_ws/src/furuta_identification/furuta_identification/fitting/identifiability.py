@@ -8,7 +8,14 @@ from furuta_identification.fitting.coulomb import turns_one_way
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import LOGARITHMIC, LUGRE, Unknown, prior, unknown
+from furuta_identification.shooting.unknowns import (
+    LOGARITHMIC,
+    LUGRE,
+    Unknown,
+    prior,
+    prior_information,
+    unknown,
+)
 
 # Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
 # to a fit, and of one that is reported.
@@ -41,7 +48,7 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
     wider = Shooting(optimum.shooting.parts, both, optimum.values)
     slopes = wider.slopes(optimum.values.vector(both))
     _, spread = prior(both)
-    information = slopes.T @ slopes + np.diag(1.0 / spread**2)
+    information = slopes.T @ slopes + prior_information(both)
     own, kept = len(optimum.shooting.names), list(range(len(both)))
     while len(kept) > own:
         variances = np.diag(np.linalg.pinv(information[np.ix_(kept, kept)]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from furuta_identification.fitting.balanced import fit_balanced
-from furuta_identification.fitting.ceiling import fitted_ceiling
+from furuta_identification.fitting.ceiling import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.fitting.first_estimate import first_estimate, starting_values
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.swinging import fit_swinging
@@ -31,6 +31,8 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     if np.isfinite(ceiling):
         limited = [each.with_ceiling(ceiling) for each in prepared]
         regression = first_estimate(limited, lag).regression
+    else:
+        findings += what_hides_a_ceiling(prepared)
     start = starting_values(regression, lag, ceiling)
     if all(is_balanced(each) for each in prepared):
         # In such slow motion the regression hardly distinguishes a delay from an inertia.

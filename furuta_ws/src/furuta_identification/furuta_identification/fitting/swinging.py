@@ -6,6 +6,7 @@ import numpy as np
 
 from furuta_identification.fitting.coulomb import assume_if_one_way, with_second_start
 from furuta_identification.fitting.identifiability import identifiable
+from furuta_identification.fitting.linearity import is_linear
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
 from furuta_identification.fitting.recording_differences import difference_covariance
@@ -59,10 +60,11 @@ def fit_swinging(
     optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
     options.report("looking for waves of the torque, then the final fit")
     optimum, found = _final_fit(optimum, recordings, window, scale)
-    if worst_pendulum_fit(optimum) < SMALLEST_FREE_RUN_FIT and options.window is None:
-        why = f"no free run follows the recordings to the end: fitted in segments of {SEGMENT:g} s"
+    why = _against_free_runs(optimum) if options.window is None else ""
+    if why:
+        findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
-        return fit_swinging(recordings, start, regression, [*findings, why], options)
+        return fit_swinging(recordings, start, regression, findings, options)
     options.report("computing standard errors")
     bristle = [name for name in LUGRE if name not in optimum.shooting.names]
     assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
@@ -73,6 +75,15 @@ def fit_swinging(
     names, certainty = [*optimum.shooting.names, *assumed], (covariance, information)
     findings = [*findings, *setting.findings, *found]
     return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
+
+
+def _against_free_runs(optimum: Optimum) -> str:
+    """Why free runs cannot be fitted; empty if they can."""
+    if worst_pendulum_fit(optimum) < SMALLEST_FREE_RUN_FIT:
+        return "no free run follows the recordings to the end"
+    if not is_linear(optimum):
+        return "within the standard errors the free run turns into another one"
+    return ""
 
 
 def _own_fits(

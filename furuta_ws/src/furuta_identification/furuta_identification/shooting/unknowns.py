@@ -119,3 +119,9 @@ def prior(names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
         np.array([unknown(name).mean for name in names]),
         np.array([unknown(name).spread for name in names]),
     )
+
+
+def prior_information(names: Sequence[str]) -> np.ndarray:
+    """What the priors alone say: the inverse of their covariance (n, n)."""
+    _, spread = prior(names)
+    return np.diag(1.0 / spread**2)

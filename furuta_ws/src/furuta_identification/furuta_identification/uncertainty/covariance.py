@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import prior
+from furuta_identification.shooting.unknowns import prior_information
 from furuta_identification.uncertainty.bootstrap import sensor_covariance
 from furuta_identification.uncertainty.jackknife import block_covariance
 from furuta_identification.uncertainty.torque_waves import wave_slopes
@@ -26,15 +26,14 @@ def covariance_and_information(
     """
     slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
     information = slopes.T @ slopes
-    _, spread = prior(shooting.names)
-    prior_information = np.diag(1.0 / spread**2)
-    inverse = np.linalg.pinv(information + prior_information)
+    of_prior = prior_information(shooting.names)
+    inverse = np.linalg.pinv(information + of_prior)
     gain = inverse @ slopes.T
-    covariance = inverse @ prior_information @ inverse
+    covariance = inverse @ of_prior @ inverse
     if all(len(part.starts) > 1 for part in shooting.parts):
         covariance += sensor_covariance(shooting, vector, residuals, gain)
     if swinging:
-        covariance += block_covariance(shooting, slopes, residuals, information + prior_information)
+        covariance += block_covariance(shooting, slopes, residuals, information + of_prior)
         waves = wave_slopes(shooting, vector, residuals)
         if waves is not None:
             shifts = gain @ waves
