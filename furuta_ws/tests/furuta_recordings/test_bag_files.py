@@ -269,6 +269,68 @@ def test_compressed_bags_are_read(tmp_path: Path, mode: CompressionMode) -> None
     assert not list(Path(tempfile.gettempdir()).glob("furuta-bag-*/bag_0.mcap"))
 
 
+def bag_of_another_writer(path: Path, plugin: StoragePlugin, mode: CompressionMode) -> Path:
+    types = get_typestore(Stores.ROS2_JAZZY)
+    writer = Writer(path, version=9, storage_plugin=plugin)
+    if mode != CompressionMode.NONE:
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        topics = [
+            writer.add_connection(name, "std_msgs/msg/Float64", typestore=types) for name in "ab"
+        ]
+        for k in range(40):
+            writer.write(topics[k % 2], 1000 - 10 * k, DATA[:4] + k.to_bytes(8, "little"))
+    return path
+
+
+def own_bag(path: Path, monkeypatch: Any) -> Path:
+    """Of several files, and not closed, as after a kill."""
+    monkeypatch.setattr(mcap_file, "DATA_SPACE", 2**20 + 5_000)
+    writer = BagWriter(path, TOPICS, {})
+    for k in range(400):
+        writer.add(k % 2, 1000 - k, DATA[:4] + k.to_bytes(8, "little"))
+        if k % 25 == 24:
+            writer.flush()
+    assert len(list(path.glob("*.mcap"))) > 2
+    return path
+
+
+@pytest.mark.parametrize("kind", ["own", "mcap", "sqlite3", "by file", "by message"])
+def test_messages_are_found_by_their_times(tmp_path: Path, monkeypatch: Any, kind: str) -> None:
+    """The same as all that are read, in the order of their times, whoever wrote the bag."""
+    plugin = StoragePlugin.SQLITE3 if kind == "sqlite3" else StoragePlugin.MCAP
+    modes = {"by file": CompressionMode.FILE, "by message": CompressionMode.MESSAGE}
+    if kind == "own":
+        bag = own_bag(tmp_path / "bag", monkeypatch)
+    else:
+        mode = modes.get(kind, CompressionMode.NONE)
+        bag = bag_of_another_writer(tmp_path / "bag", plugin, mode)
+    with Bag(bag) as opened:
+        for topic in opened.connections:
+            for first, last in ((0, 2000), (700, 901), (2000, 3000)):
+                found = opened.find(topic, first, last)
+                by_time = sorted(
+                    (t, data) for _, t, data in opened.messages([topic], (first, last))
+                )
+                assert found.times.tolist() == [time for time, _ in by_time]
+                assert [found[k] for k in range(len(by_time))] == [data for _, data in by_time]
+
+
+def test_a_damaged_chunk_is_not_shown(tmp_path: Path) -> None:
+    """Its checksum tells; messages elsewhere are found."""
+    bag = written(tmp_path / "bag")
+    (file,) = bag.glob("*.mcap")
+    chunk = chunks_of(file)[10]
+    content = bytearray(file.read_bytes())
+    content[chunk.chunk_start_offset + chunk.chunk_length - 1] ^= 0xFF
+    file.write_bytes(content)
+    with Bag(bag) as opened:
+        found = opened.find(opened.connections[0], 0, 1000)
+        assert found[0] == DATA
+        with pytest.raises(ParameterError, match="a chunk with a wrong checksum"):
+            found[len(found.times) * 10 // 20]
+
+
 def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
     """Also if only the metadata knows it."""
     bag = written(tmp_path / "bag")
@@ -347,6 +409,10 @@ def read_all(bag: Path) -> None:
     with Bag(bag) as opened:
         for connection, _, data in opened.messages():
             opened.deserialize(data, connection.msgtype)
+        for each in opened.connections:
+            found = opened.find(each, 0, 2**62)
+            for number in range(len(found.times)):
+                opened.deserialize(found[number], each.msgtype)
 
 
 def error_of(do: Callable[[], Any]) -> str | None:

@@ -21,7 +21,7 @@ from furuta_model.topic_names import (
     JOINTS,
     MEASUREMENT,
 )
-from furuta_recordings.bags.bag import Bag, last_part
+from furuta_recordings.bags.bag import Bag, Messages, last_part
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.readers.joint_states import joint_sample
 from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
@@ -31,7 +31,7 @@ STATES = (GROUND_TRUTH, JOINT_STATES, MEASUREMENT)
 # Length of the blocks in which a recording is read [s], and how many are kept.
 BLOCK = 1.0
 KEPT_BLOCKS = 64
-# Most samples of a block; the others are not decoded.
+# Most samples of a block; the others are not read.
 MOST = 100
 
 
@@ -49,8 +49,7 @@ class BagSamples:
             self._state = topics[found[0]]
             self._has_truth = found[0] == GROUND_TRUTH
             floats = ((ESTIMATE, FRICTION_ESTIMATE), (COMMAND, COMMAND_TOPIC))
-            self._floats = {topics[n].topic: column for column, n in floats if n in topics}
-            self._topics = [self._state, *(topics[n] for _, n in floats if n in topics)]
+            self._floats = [(topics[name], column) for column, name in floats if name in topics]
             self._opened = opened.pop_all()
         self.seconds = self._bag.seconds
         self._block = lru_cache(KEPT_BLOCKS)(self._read_block)
@@ -77,21 +76,15 @@ class BagSamples:
         """The samples (n, 8) of a block."""
         start = self._bag.start
         first, last = (start + round(k * BLOCK * NANOSECONDS) for k in (number, number + 1))
-        states: list[tuple[int, bytes]] = []
-        numbers: dict[int, list[tuple[int, float]]] = {column: [] for column in (ESTIMATE, COMMAND)}
-        for topic, time, data in self._bag.messages(self._topics, (first, last)):
-            if topic is self._state:
-                states.append((time, data))
-            else:
-                column = self._floats[topic.topic]
-                numbers[column].append((time, float(np.frombuffer(data, "<f8", 1, 4)[0])))
-        chosen = states[:: len(states) // MOST + 1]
+        states = self._bag.find(self._state, first, last)
+        chosen = np.arange(0, len(states.times), len(states.times) // MOST + 1)
         samples = np.full((len(chosen), COLUMNS), nan)
-        for row, (time, data) in zip(samples, chosen, strict=True):
-            self._fill(row, data)
-            row[TIME] = (time - start) / NANOSECONDS
-        for column, found in numbers.items():
-            _fill_numbers(samples, column, found, start)
+        for row, index in zip(samples, chosen.tolist(), strict=True):
+            self._fill(row, states[index])
+        samples[:, TIME] = (states.times[chosen] - start) / NANOSECONDS
+        for topic, column in self._floats:
+            numbers = self._bag.find(topic, first, last)
+            samples[:, column] = _newest_numbers(numbers, states.times[chosen])
         return samples
 
     def _fill(self, row: np.ndarray, data: bytes) -> None:
@@ -103,15 +96,12 @@ class BagSamples:
             row[FRICTION] = sample.effort
 
 
-def _fill_numbers(
-    samples: np.ndarray, column: int, found: list[tuple[int, float]], start: int
-) -> None:
-    """To each sample the newest number before it, or the first one."""
-    if not found or not len(samples):
-        return
-    times = (np.array([time for time, _ in found]) - start) / NANOSECONDS
-    rows = np.searchsorted(times, samples[:, TIME], side="right") - 1
-    samples[:, column] = np.array([value for _, value in found])[np.maximum(rows, 0)]
+def _newest_numbers(numbers: Messages, times: np.ndarray) -> np.ndarray:
+    """At each of the times (n,) [ns] the newest number, or the first one; NaN if there is none."""
+    if not len(numbers.times):
+        return np.full(len(times), nan)
+    rows = np.maximum(np.searchsorted(numbers.times, times, side="right") - 1, 0)
+    return np.array([np.frombuffer(numbers[row], "<f8", 1, 4)[0] for row in rows])
 
 
 def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import numpy as np
 from rosbags.rosbag2 import Reader
 from rosbags.typesys.store import Typestore
 
@@ -19,6 +20,7 @@ from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.bag_files import BagFiles, bag_files
 from furuta_recordings.bags.decompression import decompress_file, decompress_message
 from furuta_recordings.bags.mcap_bounds import check_mcap
+from furuta_recordings.bags.mcap_index import McapIndex
 from furuta_recordings.bags.message_types import definition_of, typestore_of
 from furuta_recordings.bags.sqlite_bounds import check_sqlite
 
@@ -34,6 +36,26 @@ class Topic(NamedTuple):
     msgcount: int
 
 
+# Times (n,) [ns] of messages, and a function that reads one of them.
+_Part = tuple[np.ndarray, Callable[[int], bytes]]
+
+
+class Messages:
+    """Messages of one topic in the order of their ``times`` (n,) [ns]."""
+
+    def __init__(self, parts: Sequence[_Part]) -> None:
+        times = np.concatenate([np.zeros(0, np.int64), *(each for each, _ in parts)])
+        order = np.argsort(times, kind="stable")
+        self.times: np.ndarray = times[order]
+        places = [(read, number) for each, read in parts for number in range(len(each))]
+        self._places = [places[number] for number in order]
+
+    def __getitem__(self, number: int) -> bytes:
+        """The serialized content of a message."""
+        read, own = self._places[number]
+        return read(own)
+
+
 class Bag:
     """A bag of any origin, opened by ``with``; every problem with it is a one-line error.
 
@@ -47,6 +69,7 @@ class Bag:
         self._readers: list[Reader] = []
         self._definitions: dict[str, str] = {}
         self._types: dict[str, Typestore] = {}
+        self._indexes: dict[int, McapIndex | None] = {}
         if not path.exists():
             raise ParameterError(f"no bag {path}")
 
@@ -54,10 +77,8 @@ class Bag:
         with self._one_line_errors(), ExitStack() as opened:
             found = bag_files(self._path)
             self._compression = found.compression
-            self._readers = [
-                opened.enter_context(Reader(file))
-                for file in opened.enter_context(checked_files(found))
-            ]
+            self._files = opened.enter_context(checked_files(found))
+            self._readers = [opened.enter_context(Reader(file)) for file in self._files]
             self._describe(found.topics)
             self._opened = opened.pop_all()
         return self
@@ -96,9 +117,59 @@ class Bag:
         }
         with self._one_line_errors():
             for reader in self._readers:
-                own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
-                for c, time, data in reader.messages(own, *between) if own else ():
-                    yield chosen[c.topic, c.msgtype], time, self._plain(data)
+                yield from self._messages_of(reader, chosen, *between)
+
+    def _messages_of(
+        self,
+        reader: Reader,
+        chosen: dict[tuple[str, str], Topic],
+        first: int | None,
+        last: int | None,
+    ) -> Iterator[tuple[Topic, int, bytes]]:
+        """The messages of one file."""
+        own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
+        for c, time, data in reader.messages(own, first, last) if own else ():
+            yield chosen[c.topic, c.msgtype], time, self._plain(data)
+
+    def find(self, topic: Topic, first: int, last: int) -> Messages:
+        """Messages of a topic with ``first`` <= time < ``last`` [ns].
+
+        Of an indexed file only those are read that are taken from the result, while the bag is
+        open. Of another file all are read at once.
+        """
+        with self._one_line_errors():
+            return Messages(
+                [
+                    self._part(number, topic, first, last)
+                    for number, reader in enumerate(self._readers)
+                    if reader.start_time < last and reader.end_time > first
+                ]
+            )
+
+    def _part(self, file: int, topic: Topic, first: int, last: int) -> _Part:
+        """The messages of one file."""
+        index = self._index(file)
+        if index is None:
+            found = list(self._messages_of(self._readers[file], {topic[:2]: topic}, first, last))
+            times = np.array([time for _, time, _ in found], np.int64)
+            return times, lambda number: found[number][2]
+        places = index.find(topic.topic, topic.msgtype, first, last)
+
+        def read(number: int) -> bytes:
+            with self._one_line_errors():
+                _, chunk, offset = places[number].item()
+                return self._plain(index.read(chunk, offset))
+
+        return places["time"], read
+
+    def _index(self, file: int) -> McapIndex | None:
+        """The index of a file, if it has one."""
+        if file not in self._indexes:
+            path, found = self._files[file], None
+            if path.suffix == ".mcap":
+                found = self._opened.enter_context(closing(McapIndex(path)))
+            self._indexes[file] = found if found and found.is_complete else None
+        return self._indexes[file]
 
     def messages_in_memory(self, connections: Iterable[Topic]) -> Iterator[tuple[Topic, int, Any]]:
         """Messages, deserialized; refuses topics that do not fit into memory.
