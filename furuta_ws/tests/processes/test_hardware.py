@@ -227,13 +227,15 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
         for _ in range(ROUNDS):
             for name in KILLED_NODES:
                 node.balance(100)
+                alive = monotonic_ns()
                 running[name].send_signal(signal.SIGKILL)
                 running[name].wait()
                 dead = monotonic_ns()
                 bench.spin(lambda dead=dead: monotonic_ns() > dead + 2 * watchdog)
                 log = rig.log(tmp_path / "log.npz")
                 after = log["time_ns"] > dead + watchdog + PERIOD
-                assert np.any(log["volts"][~after][-2000:] != 0.0), name
+                # A killed process can take its time to end on a busy machine.
+                assert np.any(log["volts"][log["time_ns"] <= alive][-2000:] != 0.0), name
                 assert np.all(log["volts"][after] == 0.0), name
                 running[name] = processes.node(name, *start[name])
         node.balance(100)

@@ -138,6 +138,19 @@ def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> N
     assert kept["plant"]["actuator.bits"] == 12
 
 
+def test_a_run_of_limited_time_ends_when_the_rig_is_gone(
+    furuta: Any, processes: Any, emulate: Any
+) -> None:
+    """Its time is counted in samples, which stop."""
+    rig = emulate()
+    run = processes.furuta("run", "--plant", "hardware", "--port", rig.port, "--seconds", "1000")
+    assert "active, not armed" in run.stdout.readline()
+    rig.process.kill()
+    _, err = run.communicate(timeout=120)
+    assert run.returncode == 1
+    assert "the rig has sent no sample for 10 s" in err
+
+
 def test_arming_by_the_verb(furuta: Any, processes: Any, emulate: Any, tmp_path: Path) -> None:
     """State, arm and disarm on a running bridge; a reason where arming is not possible."""
     file = tmp_path / "permissive.yaml"

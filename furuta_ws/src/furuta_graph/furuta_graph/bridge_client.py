@@ -18,7 +18,7 @@ from furuta_graph.description import HARDWARE_BRIDGE
 from furuta_ros.services import ATTEMPTS, ServiceError, WaitsForFutures, call_service
 from furuta_ros.topics import ARMED, DIAGNOSTICS, LATCHED
 
-# Longest wait for the bridge, and for its answer, which can take as long as the rig's [s].
+# Longest wait for the bridge [s].
 TIMEOUT = 10.0
 # Time after arming within which a stop is reported, and longest wait for its reason [s].
 STARTING = 0.5

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from time import monotonic
 from typing import TypeVar
 
 from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
@@ -20,6 +21,9 @@ from furuta_ros.errors import UserError
 from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import StopSignal, spin_until
 from furuta_sim.realtime import RealTime
+
+# Time without a sample after which a run of limited time ends [s]: it is counted in samples.
+LONGEST_SILENCE = 10.0
 
 AnyGraph = TypeVar("AnyGraph", bound=ComposedGraph)
 
@@ -52,21 +56,50 @@ def run_hardware(
     seconds: float | None,
     scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
 ) -> None:
-    """Run the graph with a rig until it is stopped or ``seconds`` of its time have passed."""
+    """Run the graph with a rig until it is stopped or ``seconds`` of its time have passed.
+
+    Raises:
+        UserError: The rig was silent for :data:`LONGEST_SILENCE` in a run of limited time.
+    """
     with _running(HardwareGraph, graph, record, scheduling) as running:
         stop, bridge = StopSignal(), running.bridge
         bridge.start()
         if bridge.state != bridge.parameters.autostart:
             raise SystemExit(1)  # the bridge has logged the reason
-        period = bridge.rig.line.sample_time
+        limit = _TimeLimit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
         with status_line(partial(_rig_status, bridge), bridge.rig.arm.counts_per_turn):
-            spin_until(
-                running.executor,
-                lambda: stop() or (seconds is not None and bridge.samples * period >= seconds),
-            )
+            spin_until(running.executor, lambda: stop() or limit.is_reached())
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+    if limit.silent:
+        raise UserError(
+            f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {limit.elapsed:.3f} s of "
+            f"the {seconds:g} s asked for"
+        )
+
+
+class _TimeLimit:
+    """The end of a run after ``seconds`` of the rig's time, if given, or when the rig is silent."""
+
+    def __init__(self, bridge: HardwareBridgeNode, seconds: float | None) -> None:
+        self._bridge, self._seconds = bridge, seconds
+        self._samples, self._since = bridge.samples, monotonic()
+        self.silent = False
+
+    @property
+    def elapsed(self) -> float:
+        """Time of the rig [s]."""
+        return self._bridge.samples * self._bridge.rig.line.sample_time
+
+    def is_reached(self) -> bool:
+        """To be called often."""
+        if self._seconds is None:
+            return False
+        if self._samples != self._bridge.samples:
+            self._samples, self._since = self._bridge.samples, monotonic()
+        self.silent = monotonic() - self._since > LONGEST_SILENCE
+        return self.silent or self.elapsed >= self._seconds
 
 
 def _simulated_status(graph: SimulatedGraph) -> Status:

@@ -17,8 +17,10 @@ from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
-from furuta_ros.scheduling import Scheduling
+from furuta_ros.scheduling import Scheduling, may_have_priority
 from furuta_ros.spinning import StopSignal
+
+PRIORITY_BESIDE_PAGE = 80
 
 
 @click.command()
@@ -49,6 +51,8 @@ from furuta_ros.spinning import StopSignal
 @click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
     help="Stop after this time of the plant or rig [s].")  # fmt: skip
 @click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
+@click.option("--beside-page", is_flag=True, hidden=True,
+    help="Take a priority where the system permits it: a browser may take all cores.")  # fmt: skip
 @click.option("--cores", metavar="N,N", help="Run on these CPU cores only.")
 @click.option("--lock-memory", is_flag=True, help="Lock all memory, so that it is not swapped out.")
 @click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector.")
@@ -68,6 +72,7 @@ def command(
     topics: tuple[str, ...],
     seconds: float | None,
     priority: int | None,
+    beside_page: bool,
     cores: str | None,
     lock_memory: bool,
     no_gc: bool,
@@ -95,6 +100,9 @@ def command(
     if not hardware and seconds is not None:
         graph.settings["plant"]["run_until"] = seconds
     lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
+    in_time = not (lockstep or processes or priority)
+    if beside_page and in_time and may_have_priority(PRIORITY_BESIDE_PAGE):
+        scheduling = scheduling._replace(priority=PRIORITY_BESIDE_PAGE)
     if timing is not None and lockstep:
         raise ParameterError("--timing needs real time; in lock-step no sample is late")
     recorder = _recorder(record, topics, graph, stamped=lockstep)

@@ -7,7 +7,9 @@ first driven, and again after ``hold``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
+from furuta_model.parameters import build_from_known
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_rig.channels import wrapped
 from furuta_rig.emulator.compiled_firmware import CompiledFirmware
@@ -38,6 +40,11 @@ def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> Pl
     )
 
 
+def initial_state_of(given: dict[str, Any]) -> InitialState:
+    """The initial state with these values; ParameterError for a wrong name or value."""
+    return build_from_known(InitialState, given, "state")
+
+
 class EmulatedRig:
     """Call ``receive`` with bytes at any time, and ``step`` once a sample."""
 
@@ -66,8 +73,10 @@ class EmulatedRig:
         self._driven_before = 0
         move(self.x.copy(), 0.0, self._plant)  # compile before time matters
 
-    def hold(self) -> None:
-        """Put the pendulum back to its initial state and hold it until the rig is driven."""
+    def hold(self, initial: InitialState | None = None) -> None:
+        """Hold the pendulum in its initial state, or another one, until the rig is driven."""
+        if initial is not None:
+            self.plant = self.plant._replace(initial=initial)
         self.x = initial_state(self.plant)
         self.held = True
         self._driven_before = self.firmware.driven

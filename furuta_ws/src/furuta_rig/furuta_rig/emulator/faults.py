@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from furuta_model.parameters import About, ParameterError, build, declared, values
+from furuta_model.parameters import About, build_from_known, values
 
 
 class Faults(NamedTuple):
@@ -25,11 +25,7 @@ class Faults(NamedTuple):
 
 def with_faults(faults: Faults, given: dict[str, Any]) -> Faults:
     """Change some faults; raises :class:`ParameterError` for a wrong name or value."""
-    known = [each.name for each in declared(Faults)]
-    for name in given:
-        if name not in known:
-            raise ParameterError(f"no fault {name}; faults are {', '.join(known)}")
-    return build(Faults, values(faults) | given)
+    return build_from_known(Faults, values(faults) | given, "fault")
 
 
 class FaultyLine:

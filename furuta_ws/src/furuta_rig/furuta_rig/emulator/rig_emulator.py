@@ -17,18 +17,17 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
-from furuta_model.parameters import ParameterError, build, declared
+from furuta_model.parameters import ParameterError
 from furuta_model.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
 from furuta_model.yaml_files import parse_yaml
 from furuta_rig.emulator.compiled_firmware import CompiledFirmware
-from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
+from furuta_rig.emulator.emulated_rig import EmulatedRig, initial_state_of, plant_of
 from furuta_rig.emulator.faults import Faults, with_faults
 from furuta_rig.emulator.firmware import Firmware
 from furuta_rig.emulator.monitor import serve
 from furuta_rig.emulator.running_rig import RunningRig
 from furuta_rig.rig import Rig
 from furuta_rig.rig_file import load_rig
-from furuta_sim.parameters import InitialState
 
 # Priority in the real-time scheduler. Any value precedes processes without real-time priority.
 PRIORITY = 10
@@ -88,7 +87,7 @@ class _Parser(argparse.ArgumentParser):
 
 def _make_rig(options: argparse.Namespace) -> RunningRig:
     rig = load_rig(options.rig) if options.rig else Rig()
-    plant = plant_of(rig, _initial_state(options.initial), options.seed)
+    plant = plant_of(rig, initial_state_of(_values(options.initial)), options.seed)
     faults = with_faults(Faults(), _values(options.fault))
     make_firmware = CompiledFirmware if options.firmware else Firmware
     return RunningRig(EmulatedRig(rig, plant, faults, make_firmware), rig.line.sample_time)
@@ -99,15 +98,6 @@ def _values(assignments: list[str]) -> dict[str, Any]:
     if any(not separator for _, separator, _ in pairs):
         raise ParameterError(f"expected NAME=VALUE, given {', '.join(assignments)}")
     return {name: parse_yaml(text, name) for name, _, text in pairs}
-
-
-def _initial_state(assignments: list[str]) -> InitialState:
-    given = _values(assignments)
-    known = [each.name for each in declared(InitialState)]
-    for name in given:
-        if name not in known:
-            raise ParameterError(f"no state {name}; states are {', '.join(known)}")
-    return build(InitialState, given)
 
 
 def _raise_priority() -> None:

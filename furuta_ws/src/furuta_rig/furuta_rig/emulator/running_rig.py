@@ -7,7 +7,7 @@ from pathlib import Path
 from time import monotonic_ns, sleep
 from typing import Any
 
-from furuta_rig.emulator.emulated_rig import EmulatedRig
+from furuta_rig.emulator.emulated_rig import EmulatedRig, initial_state_of
 from furuta_rig.emulator.emulator_log import EmulatorLog
 from furuta_rig.emulator.faults import with_faults
 from furuta_rig.emulator.pseudo_terminal import PseudoTerminal
@@ -70,7 +70,10 @@ class RunningRig:
         return out
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Answer a request of the monitor: status, faults NAME=VALUE, hold, reboot, save path."""
+        """Answer a request of the monitor: status, faults, hold, reboot, save.
+
+        Faults have values by name, ``hold`` may have those of the initial state, ``save`` a path.
+        """
         do = request.pop("do", None)
         if do == "faults":
             self.rig.faults = with_faults(self.rig.faults, request)
@@ -78,7 +81,7 @@ class RunningRig:
         if do == "save":
             return {"rows": self.log.save(Path(request["path"]))}
         if do == "hold":
-            self.rig.hold()
+            self.rig.hold(initial_state_of(request) if request else None)
         elif do == "reboot":
             self.rig.firmware.reboot()
         elif do != "status":
