@@ -53,6 +53,15 @@ def test_a_journal_of_another_study_is_kept(tmp_path: Path) -> None:
     assert out.with_name("a.csv.part").read_bytes() == whole
 
 
+def test_a_journal_of_results_with_other_columns_is_kept(tmp_path: Path) -> None:
+    """An earlier version may have measured less."""
+    out = tmp_path / "a.csv"
+    whole = recorded(out)
+    with pytest.raises(ParameterError, match="version of this program"):
+        Journal(out, Study(), ("size",))
+    assert out.with_name("a.csv.part").read_bytes() == whole
+
+
 def rows(count: int) -> Any:
     """Runs, the first one impossible."""
     outcome = {name: kind(1) for name, kind in OUTCOME.items()} | {"error": ""}

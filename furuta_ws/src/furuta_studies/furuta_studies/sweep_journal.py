@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta_analysis.simulation.closed_loop import Outcome
 from furuta_model.parameters import ParameterError
 from furuta_studies.sweep import RunResult
 
@@ -25,15 +26,18 @@ _MISSING = -1
 class Journal:
     """The results so far by number of the run, in a file that survives a kill.
 
-    ``study`` describes what the results depend on. As a container it has the numbers of the runs
-    that are done.
+    ``study`` describes what the results depend on, ``columns`` names what each result has. As a
+    container it has the numbers of the runs that are done.
     """
 
-    def __init__(self, out: Path, study: NamedTuple) -> None:
+    def __init__(
+        self, out: Path, study: NamedTuple, columns: tuple[str, ...] = Outcome._fields
+    ) -> None:
         self._path = out.with_name(out.name + ".part")
         self._begins = array("q")
         self._done = 0
-        header = json.dumps(study._asdict(), default=_plain).encode() + b"\n"
+        described = study._asdict() | {"columns": columns}
+        header = json.dumps(described, default=_plain).encode() + b"\n"
         out.parent.mkdir(parents=True, exist_ok=True)
         self._path.touch()
         self._file = self._path.open("r+b")
@@ -57,8 +61,8 @@ class Journal:
             return 0
         if first != header:
             raise ParameterError(
-                f"{self._path} belongs to another {kind}; finish that one with its own "
-                "arguments, or delete the file"
+                f"{self._path} belongs to another {kind} or version of this program; finish that "
+                "one with its own arguments, or delete the file"
             )
         end = len(first)
         for line in self._file:

@@ -20,7 +20,6 @@ from furuta_analysis.simulation.control_system import (
 )
 from furuta_analysis.simulation.oscillation import (
     ACCUMULATOR_SIZE,
-    Oscillation,
     accumulate,
     accumulate_midpoint,
     oscillation,
@@ -167,14 +166,20 @@ class Simulation:
             accumulator,
             sums,
         )
-        motion = oscillation(accumulator, self.loop.plant.sample_time)
-        return summary(motion, sums, self.switched_off, samples, measured)
+        sample_time, off = self.loop.plant.sample_time, self.switched_off
+        return summary(accumulator, sums, sample_time, off, samples, measured)
 
 
 def summary(
-    motion: Oscillation, sums: np.ndarray, off: bool, samples: int, measured: int
+    accumulator: np.ndarray,
+    sums: np.ndarray,
+    sample_time: float,
+    off: bool,
+    samples: int,
+    measured: int,
 ) -> Outcome:
     """The outcome of a run of ``samples`` samples, of which the last ``measured`` count."""
+    motion = oscillation(accumulator, sample_time)
     phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
     return Outcome(*motion, phi, command, error, bool(sums[_FELL]), off, samples)
 

@@ -29,7 +29,7 @@ from furuta_analysis.simulation.lane_stages import (
     LanePlant,
     Stage,
 )
-from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE, oscillation
+from furuta_analysis.simulation.oscillation import ACCUMULATOR_SIZE
 from furuta_control import control as controller
 from furuta_control import estimation as estimator
 from furuta_control.control import ControllerParameters, design_controller
@@ -226,9 +226,10 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     memories = block.rows("observer").T
     found = []
     for i, each in enumerate(loops):
-        motion = oscillation(accumulators[i].copy(), each.sample_time)
-        off = compensation.switched_off(memories[i])
-        found.append(summary(motion, sums[i].copy(), off, group.samples, measured))
+        accumulator, off = accumulators[i].copy(), compensation.switched_off(memories[i])
+        found.append(
+            summary(accumulator, sums[i].copy(), each.sample_time, off, group.samples, measured)
+        )
     return found
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from furuta_model.parameters import ParameterError
 from furuta_studies.comparison.candidates import Candidate
 from furuta_studies.comparison.comparison import Comparison, rig_rows
-from furuta_studies.comparison.tuning import Tuning
+from furuta_studies.comparison.tuning import TunedCandidate, Tuning
 from furuta_studies.study_tables import write_csv
 from furuta_studies.sweep import RunResult
 from furuta_studies.sweep_journal import Journal
@@ -36,7 +36,7 @@ class Results:
 
     def tune(self, tuning: Tuning, observe: Observer) -> tuple[Candidate, ...]:
         """Tune the candidates that have not been tuned before an interruption."""
-        journal = Journal(self.directory / "tuning.json", tuning)
+        journal = Journal(self.directory / "tuning.json", tuning, TunedCandidate._fields)
         try:
             results = journal.record(tuning.tune(journal))
             observe(results, len(tuning.candidates), len(journal))
