@@ -84,6 +84,18 @@ def test_autostart_takes_effect_when_the_node_spins(bench: Bench) -> None:
     assert not node.guard.armed
 
 
+def test_a_destroyed_bridge_leaves_the_graph(bench: Bench) -> None:
+    """Also the services of its transitions."""
+
+    def is_in_graph() -> bool:
+        return "hardware_bridge" in bench.probe.get_node_names()
+
+    node = HardwareBridgeNode([])
+    bench.spin(is_in_graph)
+    node.destroy_node()
+    bench.spin(lambda: not is_in_graph())
+
+
 def test_a_read_only_bridge_cannot_be_activated(bench: Bench) -> None:
     """It reads, and rejects the transition."""
     node = bridge(bench, read_only=True, autostart="active")

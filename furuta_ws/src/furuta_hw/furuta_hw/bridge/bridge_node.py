@@ -163,6 +163,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         """Set the rig to 0 V and close the line before the node ends."""
         self._close()
         super().destroy_node()
+        # rclpy leaves the services of the transitions, and with them the node, in the graph.
+        self._state_machine.destroy_when_not_in_use()
 
     def arm(self) -> str:
         """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
