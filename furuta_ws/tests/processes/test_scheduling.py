@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from furuta_ros.scheduling import may_have_priority
+
 pytestmark = pytest.mark.realtime
 
 
@@ -35,6 +37,18 @@ def test_priority_is_granted_or_refused_aloud(furuta: Any) -> None:
     granted = "SCHED_FIFO priority 10: granted, SCHED_FIFO 10" in out
     assert granted or "SCHED_FIFO priority 10: REFUSED, Operation not permitted: needs" in out
     assert "memory lock: granted" in out or "memory lock: REFUSED" in out
+
+
+@pytest.mark.parametrize("option", [(), ("--lockstep",), ("--priority", "10")], ids=str)
+def test_beside_a_page_a_graph_takes_a_priority_where_it_may(
+    furuta: Any, option: tuple[str, ...]
+) -> None:
+    """Not in lock-step, where it would leave nothing for the page; a user's own counts."""
+    status, out, err = furuta("run", "--beside-page", "--seconds", "0.2", *option)
+    assert status == 0, err
+    assert ("priority 80: granted" in out) == (not option and may_have_priority(80))
+    assert os.sched_getscheduler(0) == os.SCHED_OTHER
+    assert "REFUSED" not in out or option == ("--priority", "10")
 
 
 def test_a_core_that_is_not_there_is_refused_aloud(furuta: Any) -> None:

@@ -51,6 +51,17 @@ def apply_scheduling(requested: Scheduling) -> list[RequestResult]:
     return results
 
 
+def may_have_priority(priority: int) -> bool:
+    """Whether the system would grant this process a real-time priority."""
+    before = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        os.sched_setscheduler(0, *before)
+    except OSError:
+        return False
+    return True
+
+
 def _set_priority(priority: int) -> RequestResult:
     def request() -> str:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))

@@ -11,9 +11,12 @@ from rclpy.task import Future
 
 from furuta_ros.errors import UserError
 
-# Longest wait for a service or for its response [s], and how often the request is sent.
+# Longest wait for a service [s].
 TIMEOUT = 5.0
-ATTEMPTS = 5
+# Longest wait for a response [s], and how often the request is sent. A process that starts soon
+# after another was killed takes its port, and the middleware needs some seconds to notice.
+ANSWER_TIMEOUT = 10.0
+ATTEMPTS = 10
 
 
 class ServiceError(UserError):
@@ -46,7 +49,7 @@ def call_service(
     ``caller`` sees.
 
     Raises:
-        ServiceError: No such service, or no response, within ``timeout`` [s].
+        ServiceError: No such service within ``timeout`` [s], or no response in time.
     """
     if not wait(timeout):
         elsewhere = _nodes_elsewhere(caller, node) if caller else ""
@@ -54,10 +57,10 @@ def call_service(
     answered = Future()
     for _ in range(attempts):
         send().add_done_callback(partial(_pass_on, answered))
-        executor.spin_until_future_complete(answered, timeout_sec=timeout / attempts)
+        executor.spin_until_future_complete(answered, timeout_sec=ANSWER_TIMEOUT / attempts)
         if answered.done():
             return answered.result()
-    raise ServiceError(f"{node} did not answer within {timeout:g} s")
+    raise ServiceError(f"{node} did not answer within {ANSWER_TIMEOUT:g} s")
 
 
 def _nodes_elsewhere(caller: Node, node: str) -> str:
