@@ -12,6 +12,8 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from furuta_view.every import Every
 from furuta_view.main_controls import Note, RigControls, SimulationControls
 from furuta_view.pacer import Pacer
+from furuta_view.parameter_panel import Control
+from furuta_view.parameter_types import Described
 from furuta_view.server import PageServer
 
 
@@ -50,6 +52,27 @@ def test_silent_bridge_is_not_shown_as_it_was(server: PageServer) -> None:
     rig.show(status, 30.0)
     assert "ARMED" not in rig.text
     assert "silent for 30 s" in rig.text
+
+
+def test_an_older_value_does_not_take_back_what_the_user_has_chosen() -> None:
+    """The node confirms a value while the page has a newer one, of which nobody was told yet."""
+    callbacks: list[Any] = []
+    slider = SimpleNamespace(value=0.2, min=0.0, max=1.0, on_update=callbacks.append)
+    gui = SimpleNamespace(
+        add_slider=lambda *_, **__: slider, add_html=lambda *_, **__: SimpleNamespace()
+    )
+    entered: list[float] = []
+    control = Control(gui, 0.0, Described("alpha0", 0.2, low=0.0, high=1.0), entered.append)
+    by_user = SimpleNamespace(client=object())
+    slider.value = 0.3
+    callbacks[0](by_user)
+    slider.value = 0.4
+    control.update(0.3)
+    callbacks[0](by_user)
+    assert entered == [0.3, 0.4]
+    control.update(0.4)
+    control.update(0.5)  # set by someone else
+    assert slider.value == 0.5
 
 
 def test_every() -> None:

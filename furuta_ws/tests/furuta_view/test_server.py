@@ -16,7 +16,7 @@ from websockets.typing import Origin, Subprotocol
 
 from furuta_model.parameters import ParameterError
 from furuta_view.access import COOKIE, Access, Request, is_local
-from furuta_view.number_boxes import SCRIPT
+from furuta_view.page_scripts import SCRIPT
 from furuta_view.server import PageServer
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -81,7 +81,7 @@ def test_page_may_not_be_framed_and_requests_nothing_elsewhere(server: PageServe
 
 
 @pytest.mark.parametrize("encoding", ["gzip", "identity"])
-def test_page_has_the_script_of_the_number_boxes(server: PageServer, encoding: str) -> None:
+def test_page_has_the_scripts(server: PageServer, encoding: str) -> None:
     """Once, in a page that is otherwise whole."""
     asked = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=30.0)
     asked.request("GET", "/", headers={"Accept-Encoding": encoding})

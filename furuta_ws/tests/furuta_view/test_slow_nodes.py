@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from contextlib import ExitStack
+from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
@@ -35,7 +38,7 @@ class HangingNode:
     def described(self, node: str) -> list[Described]:
         """The parameters of a node."""
         if node == "controller" and not self.answers:
-            raise ServiceError("controller did not answer within 5 s")
+            raise ServiceError("controller did not answer within 10 s")
         return [Described("sample_time", 0.001)]
 
 
@@ -64,6 +67,22 @@ def link(ros: None) -> Iterator[GraphLink]:
     link = GraphLink()
     yield link
     link.close()
+
+
+def test_a_node_is_found_beside_others_of_its_name(link: GraphLink) -> None:
+    """Also if the others, of which one came before it and one after it, have no parameters.
+
+    Each has a context of its own, as nodes in processes of their own do.
+    """
+    with ExitStack() as opened:
+        for has_parameters in (False, True, False):
+            context = opened.enter_context(Context())
+            node = Node("twin", context=context, start_parameter_services=has_parameters)
+            opened.callback(node.destroy_node)
+        end = monotonic() + TIMEOUT
+        while link.nodes() != ["twin"]:
+            assert monotonic() < end, "never found"
+            sleep(0.05)
 
 
 def test_disarming_does_not_wait(link: GraphLink) -> None:

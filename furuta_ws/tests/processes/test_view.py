@@ -14,7 +14,7 @@ from browser import Page, open_browser
 
 from furuta_view.pacer import FOREVER
 
-pytestmark = pytest.mark.timeout(900)
+pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 
 # Width and height of the page: a small one, because software draws it [pixels].
 SIZE = (1000, 500)
@@ -23,8 +23,6 @@ SIZE = (1000, 500)
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Opens pages; a test is skipped, with the reason, where there is no browser."""
-    if not os.environ.get("FURUTA_BROWSER"):
-        pytest.skip("on demand: FURUTA_BROWSER=1, with Chromium installed")
     with open_browser() as show:
         yield show
 
@@ -121,6 +119,7 @@ def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> 
     process, address = started(processes, "--", "--plant", "hardware", "--port", "mock")
     page = browser(address, *SIZE)
     arm = page.page.get_by_role("button", name="Arm", exact=True)
+    page.wait(arm.count, "the controls of the rig")
     arm.click()
 
     def has_been_armed() -> bool:

@@ -50,7 +50,8 @@ class TimeChart:
             data=(empty, *(np.full(2, np.nan) for _ in curves)),
             series=self._series(),
             scales={
-                "x": {"time": False},
+                # Fixed: viser would keep the zoom relative to the data, which may span nothing.
+                "x": {"time": False, "range": (-SECONDS, 0.0)},
                 "y": {"range": {"min": end | {"soft": -reach}, "max": end}},
             },
             axes=(_axis("time before now [s]", 30), _axis(name, 48)),

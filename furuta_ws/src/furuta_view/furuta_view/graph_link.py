@@ -49,12 +49,16 @@ class GraphLink:
     def nodes(self) -> list[str]:
         """Names of the nodes in this namespace that have parameters, except those of the view."""
         here = self._node.get_namespace()
+        services = {name for name, _ in self._node.get_service_names_and_types()}
         found = {
             name
             for name, namespace in self._node.get_node_names_and_namespaces()
             if namespace == here and not name.startswith("_") and name not in OWN_NODES
         }
-        return sorted(name for name in found if self._has_parameters(name))
+        # Not by the services of each node: of two nodes with one name ROS knows those of one only.
+        return sorted(
+            name for name in found if f"{here.rstrip('/')}/{name}/list_parameters" in services
+        )
 
     def described(self, node: str) -> list[Described]:
         """All parameters of a node, as its services describe them."""
@@ -83,14 +87,6 @@ class GraphLink:
             self._bridge.arm()
         else:
             self._bridge.disarm()
-
-    def _has_parameters(self, node: str) -> bool:
-        namespace = self._node.get_namespace()
-        try:
-            services = self._node.get_service_names_and_types_by_node(node, namespace)
-        except RuntimeError:  # it has ended meanwhile
-            return False
-        return any(name.endswith(f"{node}/list_parameters") for name, _ in services)
 
 
 def _described(name: str, value: Any, descriptor: ParameterDescriptor | None) -> Described:

@@ -22,6 +22,8 @@ class Control:
         value = described.value
         self._is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         self._handle = self._make(order)
+        # What the handle has as far as this knows; a user's newer value comes before its callback.
+        self._known = self._handle.value
         self._refusal = gui.add_html("", visible=False, order=order + 0.5)
 
     def update(self, value: Any) -> None:
@@ -86,7 +88,7 @@ class Control:
         """Pass on what a user has chosen, not what :meth:`_show` has."""
         if event.client is None:
             return
-        value = self._handle.value
+        value = self._known = self._handle.value
         if self._is_number:
             self._widen(value)
         self._enter(value)
@@ -96,9 +98,11 @@ class Control:
         if self._is_number and not it.read_only:
             self._widen(it.value)
         is_text = isinstance(self._handle.value, str) and not it.choices
-        shown = it.text if is_text else it.value
-        if self._handle.value != shown:
-            self._handle.value = shown
+        if not is_text and self._handle.value != self._known:
+            return  # the user has moved on, and will be heard next
+        self._known = it.text if is_text else it.value
+        if self._handle.value != self._known:
+            self._handle.value = self._known
 
     def _widen(self, value: float) -> None:
         """Let the slider reach a value that was typed; the node decides whether it is allowed."""

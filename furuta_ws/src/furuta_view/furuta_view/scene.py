@@ -11,6 +11,7 @@ from urdf_parser_py.urdf import URDF, Cylinder, Sphere
 from viser.transforms import SO3
 
 GROUND = (226, 232, 240)
+DAYLIGHT = 1.5  # brightness of the sides away from the light
 # Width of the picture [pixels] below which the controls cover its lower half.
 PHONE = 450
 # Position of the camera in heights of the joint above the ground.
@@ -82,6 +83,11 @@ class Scene:
 
     def _surroundings(self, height: float) -> None:
         server = self._server
+        # Shadows and a picture of the surroundings take a browser without graphics hardware longer
+        # than everything else on the page.
+        server.scene.configure_default_lights(cast_shadow=False)
+        server.scene.configure_environment_map(None)
+        server.scene.add_light_ambient("/daylight", intensity=DAYLIGHT)
         server.scene.add_grid(
             "/ground",
             width=8 * height,

@@ -79,4 +79,4 @@ def command(
     page += ["--no-open"] if no_open else []
     page += ["--port", str(port)] if port is not None else []
     shared = ["--namespace", namespace] if namespace else []
-    sys.exit(run_with_page(options, page, shared))
+    sys.exit(run_with_page(("--beside-page", *options), page, shared))
