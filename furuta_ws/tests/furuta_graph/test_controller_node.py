@@ -118,16 +118,20 @@ def test_a_late_subscriber_learns_the_mode_in_force(loop: Loop) -> None:
 
 
 def test_estimate_may_come_before_its_state(loop: Loop) -> None:
-    """Between processes messages can overtake each other; the pairs stay the same."""
-    loop.state(1)
-    loop.estimate(0.1)
+    """Between processes messages can overtake each other; the pairs stay the same.
+
+    The one here is also sent early, which the first two states of a motion would refuse.
+    """
+    for k in (1, 2):
+        loop.state(k)
+        loop.estimate(0.1)
     loop.estimate(0.2)
-    loop.state(2)
-    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.2)
+    loop.state(3)
+    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK + 0.2)
 
 
 def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
-    """State 2 is answered at once with the old estimate; state 3 waits for its own."""
+    """State 3 is answered at once with the old estimate, and again when its own has come."""
     loop.state(1)
     loop.estimate(0.1)
     loop.state(2)
@@ -137,6 +141,26 @@ def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
     loop.estimate(0.3)
     loop.expect(FEEDBACK + 0.3)
     assert loop.node.missed_estimates == 1
+
+
+def test_a_state_that_is_answered_twice_is_integrated_once(loop: Loop) -> None:
+    """The command with the late estimate is the one that it would have had in time."""
+    ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)
+    for milliseconds in (1, 2):
+        loop.state(milliseconds)
+        loop.estimate(0.1)
+    loop.state(4)
+    loop.state(5)
+    before = len(loop.commands)
+    memory = loop.node._memory_before.copy()
+    loop.estimate(0.1)
+    loop.estimate(0.1)
+    loop.bench.spin(lambda: len(loop.commands) == before + 1)
+    once = loop.node._memory.copy()
+    loop.node._memory[:] = memory
+    loop.node._step(0.1)
+    assert (loop.node._memory == once).all()
+    assert not (once == memory).all()
 
 
 def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
@@ -217,5 +241,34 @@ def test_estimates_for_repetitions_are_not_matched_to_the_next_state(loop: Loop)
     loop.expect(*[FEEDBACK + 0.2] * 3)
     loop.state(2)
     loop.expect()
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)
+
+
+def test_an_estimate_that_overtakes_a_repetition_leaves_the_next_state_its_own(loop: Loop) -> None:
+    """The first estimate for state 1 was lost; the second one comes before the repeated state."""
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.state(1)
+    loop.expect(FEEDBACK + 0.2)
+    loop.state(2)
+    loop.expect()
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)
+
+
+def test_an_estimate_from_before_a_repeated_state_is_not_taken_for_the_next(loop: Loop) -> None:
+    """It stayed on the way while the plant went on; sent before state 2, it is not its estimate."""
+    loop.state(1)
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.expect(FEEDBACK + 0.2)
+    old = loop.node.message_age
+    loop.state(2)
+    sent, old.received = old.sent, lambda _: True
+    old.sent = sent - 1
+    loop.estimate(0.2)
+    loop.expect()
+    old.sent = sent + 1
     loop.estimate(0.3)
     loop.expect(FEEDBACK + 0.3)

@@ -114,3 +114,22 @@ def test_repetitions_with_one_answer_make_one_step(bench: Bench) -> None:
     bench.spin(lambda: node.sample == 1)
     bench.settle()
     assert node.sample == 1
+
+
+def test_a_command_from_before_the_sample_does_not_answer_it(bench: Bench) -> None:
+    """The middleware can deliver a command to a repetition after the plant has gone on."""
+    node = plant(bench)
+    measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
+    bench.spin(lambda: len(measurements) == 2)
+    for _ in range(2):
+        commands.publish(Float64())
+    bench.spin(lambda: node.sample == 1)
+    now, age = node.message_age.sent, node.message_age
+    age.received = lambda _: True
+    age.sent = now - 10**9
+    commands.publish(Float64(data=1.0))
+    bench.settle()
+    assert node.sample == 1
+    age.sent = now + 10**9
+    commands.publish(Float64())
+    bench.spin(lambda: node.sample == 2)

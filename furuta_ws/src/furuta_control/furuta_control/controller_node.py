@@ -20,6 +20,7 @@ from furuta_control.control import (
     mode_in_force,
     start_anew,
 )
+from furuta_control.estimate_matching import Answer, EstimateMatching
 from furuta_control.modes import swing_up
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -36,11 +37,7 @@ from furuta_ros.topics import (
     JOINT_STATES,
     LATCHED,
     MODE_IN_FORCE,
-    QOS,
 )
-
-# Largest number of estimates in transit: the depth of the topic's queue.
-MAX_IN_TRANSIT = QOS.depth
 
 
 class ControllerNode(FurutaNode[ControllerParameters]):
@@ -49,16 +46,10 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
     per state, as soon as both the state and its friction estimate have arrived, in either order.
 
-    Estimates carry no stamp, so they are matched to states by counting. If a state arrives before
-    the estimate for the previous one, that estimate is late. The new state is then answered at
-    once with the newest estimate, or with F̂ = 0 V if that is older than ``friction_timeout``. The
-    late estimate is not matched to a later state when it arrives. If as many estimates in a row are
-    late as the queue can hold, they count as lost and are no longer expected.
-
-    A state may be repeated (same stamp) because its estimate seems lost. If the estimate was only
-    late, the estimates for the repetitions are surplus: each has the same command published again,
-    which tells the plant that it is no longer in transit. If a state that has been answered is
-    repeated, its command is published again without a new step.
+    :class:`EstimateMatching` tells which estimate belongs to which state. A state whose estimate is
+    late is answered with the newest one, or with F̂ = 0 V if that is older than
+    ``friction_timeout``, and again when the estimate arrives before the next state. A state is
+    stepped once; if it is repeated (same stamp), its command is published again.
 
     A state that has become too old is not answered.
 
@@ -70,18 +61,13 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = np.zeros(MEMORY)
+        self._memory_before = self._memory.copy()  # a step without its estimate
         self._x = np.zeros(SIGNALS)
         self._stamp = -1
-        self._friction = 0.0
-        self._friction_stamp = -1
-        self._surplus = 0  # number of estimates minus number of states
-        self._missed_in_a_row = 0
-        self._repetitions = 0  # of this state while it waits: estimates that may be surplus
+        self._matching = EstimateMatching()
+        self._friction_stamp = -1  # of the state when the newest estimate arrived
         self._applied = True  # whether commands are applied
         self._command = Float64()
-        self._answered_stamp = -1
-        self._is_repeat = False  # whether this state has been answered and is now repeated
-        self.missed_estimates = 0
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
@@ -100,69 +86,65 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._design = block(design_controller(parameters))
         _control(self._memory.copy(), self._x, 0.0, self._design)
 
+    @property
+    def missed_estimates(self) -> int:
+        """Number of states that were answered without their estimates."""
+        return self._matching.missed
+
     def _on_state(self, message: JointState) -> None:
-        read_joints(message, self._x, partly=True)
         stamp = stamp_nanoseconds(message)
-        if starts_anew(self._stamp, stamp):
+        if stamp == self._stamp:
+            self._do(self._matching.repetition(self.message_age.sent))
+            return
+        read_joints(message, self._x, partly=True)
+        anew = starts_anew(self._stamp, stamp)
+        if anew:
             start_anew(self._memory)
-        repeated = stamp == self._stamp
         self._stamp = stamp
-        self._is_repeat = repeated and stamp == self._answered_stamp
-        if repeated and self._surplus < 0:
-            self._repetitions += 1
-        else:
-            self._repetitions = 0
-            self._surplus -= 1
-        if self._surplus == 0:
-            self._answer()
-        elif self._surplus < -1:
-            self._answer_without_estimate()
+        self._do(self._matching.state(self.message_age.sent, anew))
 
     def _on_friction(self, message: Float64) -> None:
-        friction = read_float(message)
-        if self._stamp < 0:
-            return
-        if self._repetitions > 0 and self._surplus >= 0:
-            self._repetitions -= 1
-            self._publish_command()
-            return
-        self._friction = friction
-        self._friction_stamp = self._stamp
-        self._surplus = min(self._surplus + 1, 1)
-        if self._surplus == 0:
-            self._answer()
+        answer = self._matching.estimate(read_float(message), self.message_age.sent)
+        if self._matching.refused_in_a_row == 0:
+            self._friction_stamp = self._stamp
+        elif self._matching.suspicious:
+            self.get_logger().warning(
+                "ignored friction estimates that were sent before the state they should answer; if "
+                "they come from another computer, set both clocks",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+        self._do(answer)
 
     def _on_armed(self, message: Bool) -> None:
         self._applied = message.data
 
-    def _answer(self) -> None:
-        self._missed_in_a_row = 0
-        self._publish(self._friction)
+    def _do(self, answer: Answer) -> None:
+        if answer is Answer.STEP:
+            self._step(self._matching.friction)
+        elif answer is Answer.STEP_WITHOUT:
+            self._memory_before[:] = self._memory
+            self._step_without_estimate()
+        elif answer is Answer.CORRECT:
+            self._memory[:] = self._memory_before
+            self._step(self._matching.friction)
+        elif answer is Answer.AGAIN:
+            self._publish_command()
 
-    def _answer_without_estimate(self) -> None:
-        self.missed_estimates += 1
-        self._missed_in_a_row += 1
-        if self._missed_in_a_row >= MAX_IN_TRANSIT:
-            self._surplus = -1
+    def _step_without_estimate(self) -> None:
         self.get_logger().warning(
             f"no friction estimate in time ({self.missed_estimates} so far)",
             throttle_duration_sec=WARNING_PERIOD,
         )
         age = self._stamp - self._friction_stamp
-        fresh = self._friction_stamp >= 0 and age <= self._timeout
-        self._publish(self._friction if fresh else 0.0)
+        timeout = self.parameters.friction_timeout * NANOSECONDS
+        fresh = self._friction_stamp >= 0 and age <= timeout
+        self._step(self._matching.friction if fresh else 0.0)
 
-    @property
-    def _timeout(self) -> float:
-        return self.parameters.friction_timeout * NANOSECONDS
-
-    def _publish(self, friction: float) -> None:
-        if not self._is_repeat:
-            if not self._applied:
-                forget_integrals(self._memory)
-            self._command.data, mode = _control(self._memory, self._x, friction, self._design)
-            self._answered_stamp = self._stamp
-            self._report_mode(mode)
+    def _step(self, friction: float) -> None:
+        if not self._applied:
+            forget_integrals(self._memory)
+        self._command.data, mode = _control(self._memory, self._x, friction, self._design)
+        self._report_mode(mode)
         self._publish_command()
 
     def _publish_command(self) -> None:

@@ -19,12 +19,13 @@ class MessageAge:
     """Age of the message that a node answers, by the system's clock.
 
     ``simulated`` says whether the graph runs on simulated time. The loop then waits for each
-    answer, however long it takes, and no message is too old. ``expired`` counts messages.
+    answer, however long it takes, and no message is too old. ``expired`` counts messages; ``sent``
+    is when the message received last was sent [ns since 1970], or 0.
     """
 
     def __init__(self, simulated: Callable[[], bool], now: Callable[[], int] = time_ns) -> None:
         self._simulated, self._now = simulated, now
-        self._sent = 0
+        self.sent = 0
         self.expired = 0
 
     def received(self, sent: int) -> bool:
@@ -32,7 +33,7 @@ class MessageAge:
 
         Some middlewares do not know when a message was sent; they give 0.
         """
-        self._sent = sent
+        self.sent = sent
         return self.answerable()
 
     def answerable(self) -> bool:
@@ -45,4 +46,4 @@ class MessageAge:
     @property
     def age(self) -> float:
         """Time since the message received last was sent [s]; 0 if that is not known."""
-        return (self._now() - self._sent) / NANOSECONDS if self._sent else 0.0
+        return (self._now() - self.sent) / NANOSECONDS if self.sent else 0.0

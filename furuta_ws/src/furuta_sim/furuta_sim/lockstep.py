@@ -4,12 +4,13 @@ A run then depends on the parameters and the seed alone. One message at a time p
 loop plant → estimator → (observer →) controller → plant. A message can be lost while a node is not
 yet connected, at the start or after a restart, or while a topic has two publishers. The measurement
 is then sent again. The plant continues when every sending of it has been answered, or when no
-further command arrives, so that there are never two messages in the loop.
+further command arrives, so that there are never two messages in the loop. The middleware can still
+deliver a command seconds late: one that was sent before the sample began does not answer it.
 """
 
 from __future__ import annotations
 
-from time import monotonic
+from time import monotonic, time_ns
 
 from rclpy.clock import Clock, ClockType
 
@@ -23,7 +24,9 @@ REPEAT_AFTER = 0.5  # [s] without a command until a lost measurement is sent aga
 # [s] without a command until it is sent again although the loop has the same nodes: a slow
 # controller gets this time for a sample.
 LOST_AFTER = 3.0
-SETTLE_TIME = 2.0  # [s] without a further command until the command to a repetition is applied
+# [s] without a further command until the command to a repetition is applied. Longer than the time
+# after which the controller takes no estimate for one of a repetition any more.
+SETTLE_TIME = 2.0
 WARN_AFTER = 4.0  # [s] without a command until a warning, and between warnings
 # [s] from the first connection until the run starts although a topic has subscribers only.
 INCOMPLETE_AFTER = 4.0
@@ -37,6 +40,9 @@ class LockStep:
         self._waiting = False  # for the command to the published sample
         self._unanswered = 0  # measurements of this sample without a command
         self._repeated = False
+        self._late_possible = True  # a command to the previous sample, which was repeated
+        self._late = 0  # commands that were sent before this sample began
+        self._began = 0  # [ns since 1970]
         self._command: float | None = None  # received after a repetition, not yet applied
         self._publish_time = self._repeat_time = self._warning_time = monotonic()
         self._arrival_time = 0.0
@@ -49,6 +55,9 @@ class LockStep:
     def on_command(self, command: float) -> None:
         """Apply the command for the published sample; ignore any other."""
         if not self._waiting:
+            return
+        if self._late_possible and 0 < self._plant.message_age.sent < self._began:
+            self._late += 1
             return
         self._unanswered -= 1
         if self._unanswered == 0:
@@ -65,6 +74,9 @@ class LockStep:
 
     def _publish(self) -> None:
         self._waiting = True
+        self._late_possible = self._repeated or self._plant.sample == 0
+        self._late = 0
+        self._began = time_ns()
         self._repeated = False
         self._unanswered = 1
         self._publish_time = self._repeat_time = monotonic()
@@ -145,6 +157,11 @@ class LockStep:
 
     def _warn(self) -> None:
         reason = "".join(f"; {each}" for each in missing_from_loop(self._plant))
+        if self._late:
+            reason += (
+                f"; ignored {self._late} that were sent before this sample began: if they come "
+                "from another computer, set both clocks"
+            )
         self._plant.get_logger().warning(
             f"waiting for the command to sample {self._plant.sample}{reason}"
         )
