@@ -78,9 +78,8 @@ class LockStepLoop:
         if sample == self.newest:
             self.do(self.matching.repetition(time))
         else:
-            anew = self.newest < 0
             self.newest = sample
-            self.do(self.matching.state(time, anew))
+            self.do(self.matching.state(time))
 
     def control_estimate(self) -> None:
         sample, time = self.estimates.messages.popleft()
@@ -170,7 +169,7 @@ def test_the_loop_always_goes_on(choices: list[int]) -> None:
 def test_estimates_that_stay_older_than_their_states_are_told() -> None:
     """As with clocks of two computers that differ."""
     matching = EstimateMatching()
-    matching.state(sent=100, anew=True)
+    matching.state(sent=100)
     for k in range(SUSPICIOUS):
         assert not matching.suspicious
         assert matching.estimate(0.1, sent=50 + k) is Answer.NONE
@@ -183,7 +182,7 @@ def test_estimates_that_stay_older_than_their_states_are_told() -> None:
 def test_in_real_time_clocks_are_not_compared() -> None:
     """Nothing is repeated there, so counting is enough and clocks may differ by some milliseconds."""
     matching = EstimateMatching()
-    matching.state(sent=100, anew=True)
+    matching.state(sent=100)
     assert matching.estimate(0.1, sent=101) is Answer.STEP
     matching.state(sent=200)
     assert matching.estimate(0.2, sent=201) is Answer.STEP
@@ -197,7 +196,7 @@ def test_in_real_time_clocks_are_not_compared() -> None:
 def test_late_estimates_are_lost_after_a_while() -> None:
     """A state waits again for its estimate once ten in a row were late and one has come."""
     matching = EstimateMatching()
-    assert matching.state(sent=1, anew=True) is Answer.NONE
+    assert matching.state(sent=1) is Answer.NONE
     for k in range(MAX_IN_TRANSIT):
         assert matching.state(sent=2 + k) is Answer.STEP_WITHOUT
     assert matching.estimate(0.1, sent=50) is Answer.CORRECT

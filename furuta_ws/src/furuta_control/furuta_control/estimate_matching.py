@@ -60,6 +60,7 @@ class EstimateMatching:
         self._repetitions = 0  # of the state, whose estimates have not arrived
         self._early: tuple[float, int] | None = None  # estimate before its state, and when sent
         self._missed_in_a_row = 0
+        self._any_state = False
         # Whether this state, or the one before it, was repeated or is the first of a motion.
         self._uncertain = self._previous_uncertain = True
 
@@ -70,7 +71,8 @@ class EstimateMatching:
 
     def state(self, sent: int, anew: bool = False) -> Answer:
         """A state that was sent at ``sent`` [ns]; ``anew`` if it does not continue the motion."""
-        self._previous_uncertain, self._uncertain = self._uncertain, anew
+        self._previous_uncertain, self._uncertain = self._uncertain, anew or not self._any_state
+        self._any_state = True
         self._sent = self._sent_last = sent
         self._expected = 1 if anew else self._expected + 1
         self._stepped = False

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
+from furuta_model.compiled import load_machinery
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.loop_topics import publishers_of
 from furuta_ros.message_age import MAX_AGE, MessageAge
@@ -37,6 +38,7 @@ class FurutaNode(Node, Generic[Group]):
     """
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
+        load_machinery()
         try:
             super().__init__(name, parameter_overrides=list(overrides))
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries
