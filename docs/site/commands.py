@@ -226,8 +226,9 @@ class Reader:
         return (state, detail) if good else ("FAILED", f"{process.returncode}: {detail}")
 
     def _start(self, command: str, output: int = subprocess.PIPE) -> subprocess.Popen[str]:
+        # A shell cannot trap a signal that was ignored when it started, as after nohup.
         return subprocess.Popen(
-            ["bash", "-c", f"set -o pipefail; {command}"],
+            ["env", "--default-signal=INT", "bash", "-c", f"set -o pipefail; {command}"],
             cwd=self._folder,
             stdin=subprocess.DEVNULL,
             stdout=output,

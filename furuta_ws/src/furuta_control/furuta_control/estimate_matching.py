@@ -37,8 +37,9 @@ class Answer(Enum):
 class EstimateMatching:
     """Matches friction estimates to states.
 
-    If a state arrives before the estimate for the previous one, that estimate is late: the new state
-    is answered at once, and the late estimate is not taken for a later state. If ``MAX_IN_TRANSIT`` estimates in a row are late, they count as lost.
+    If a state arrives before the estimate for the previous one, that estimate is late: the new
+    state is answered at once, and the late estimate is not taken for a later state. If
+    ``MAX_IN_TRANSIT`` estimates in a row are late, they count as lost.
 
     For each repetition of a state (same stamp) the command is published once more when its
     estimate has arrived. So whoever repeats it knows that nothing is left on the way.

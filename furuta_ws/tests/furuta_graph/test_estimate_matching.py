@@ -32,6 +32,7 @@ class Link:
     messages: deque[tuple[int, int]] = field(default_factory=deque)
 
     def send(self, sample: int, time: int) -> None:
+        """Put a message of a sample on the way."""
         if self.known:
             self.messages.append((sample, time))
 
@@ -71,9 +72,11 @@ class LockStepLoop:
             link.send(self.sample, self.time)
 
     def observe(self) -> None:
+        """The observer receives a state and sends its estimate."""
         self.estimates.send(self.states_to_observer.messages.popleft()[0], self.time)
 
     def control_state(self) -> None:
+        """The controller receives a state."""
         sample, time = self.states_to_controller.messages.popleft()
         if sample == self.newest:
             self.do(self.matching.repetition(time))
@@ -82,16 +85,19 @@ class LockStepLoop:
             self.do(self.matching.state(time))
 
     def control_estimate(self) -> None:
+        """The controller receives an estimate."""
         sample, time = self.estimates.messages.popleft()
         self.do(self.matching.estimate(float(sample), time))
 
     def do(self, answer: Answer) -> None:
+        """Do what the matching says, as the node does."""
         if answer in (Answer.STEP, Answer.STEP_WITHOUT, Answer.CORRECT):
             self.command = (self.newest, int(self.matching.friction))
         if answer is not Answer.NONE:
             self.commands.send(*self.command)
 
     def take_command(self) -> None:
+        """The plant receives a command."""
         self.received = self.commands.messages.popleft()
         self.unanswered -= 1
         if self.unanswered == 0:
@@ -103,6 +109,7 @@ class LockStepLoop:
         self.go_on()
 
     def go_on(self) -> None:
+        """Apply the command and send the next sample."""
         assert self.received is not None
         self.used.append(self.received)
         self.received, self.unanswered = None, 0
@@ -136,7 +143,7 @@ class LockStepLoop:
 @settings(max_examples=400, deadline=None)
 @given(CHOICES)
 def test_every_sample_gets_its_own_estimate(choices: list[int]) -> None:
-    """Whatever is lost at the start, comes twice, or overtakes: command k has state and estimate k."""
+    """Whatever is lost at the start, comes twice, or overtakes: command k is for state k."""
     loop = LockStepLoop()
     for choice in choices:
         loop.time += 1
@@ -180,7 +187,7 @@ def test_estimates_that_stay_older_than_their_states_are_told() -> None:
 
 
 def test_in_real_time_clocks_are_not_compared() -> None:
-    """Nothing is repeated there, so counting is enough and clocks may differ by some milliseconds."""
+    """Nothing is repeated there: counting is enough, and clocks may differ a little."""
     matching = EstimateMatching()
     matching.state(sent=100)
     assert matching.estimate(0.1, sent=101) is Answer.STEP
