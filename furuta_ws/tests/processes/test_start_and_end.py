@@ -118,7 +118,7 @@ def test_no_child_outlives_its_parent(processes: Any, number: int, ready: bool) 
     parent.send_signal(number)
     wait_for(lambda: not any(runs(pid) for pid in pids))
     status, _, err = end_of(parent)
-    assert status == (-number if number == signal.SIGKILL else 0 if ready else 143)
+    assert status == (-number if number == signal.SIGKILL else 0 if ready else 143), err
     assert "Traceback" not in err
 
 
