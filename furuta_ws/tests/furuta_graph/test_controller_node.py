@@ -263,12 +263,12 @@ def test_an_estimate_from_before_a_repeated_state_is_not_taken_for_the_next(loop
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2)
-    old = loop.node.message_age
     loop.state(2)
-    sent, old.received = old.sent, lambda _: True
-    old.sent = sent - 1
+    age = loop.node.message_age
+    sent, age.received = age.sent, lambda _: True
+    age.sent = sent - 1
     loop.estimate(0.2)
     loop.expect()
-    old.sent = sent + 1
+    age.sent = sent + 1
     loop.estimate(0.3)
     loop.expect(FEEDBACK + 0.3)

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from furuta_control.estimate_matching import (
-    MAX_IN_TRANSIT,
     SUSPICIOUS,
     Answer,
     EstimateMatching,
 )
 from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.topics import QOS
 from furuta_sim import lockstep
 
 SAMPLES = 6
@@ -54,8 +54,7 @@ class LockStepLoop:
             self.estimates,
             self.commands,
         ]
-        self.matching = EstimateMatching()
-        self.estimate_of: dict[int, int] = {}
+        self.matching = EstimateMatching(QOS.depth)
         self.time = 0
         self.sample = 0
         self.unanswered = 0
@@ -117,6 +116,12 @@ class LockStepLoop:
         self.time += 1
         self.publish()
 
+    def advance(self, choice: int) -> None:
+        """Let one of the possible things happen."""
+        self.time += 1
+        moves = self.possible()
+        moves[choice % len(moves)]()
+
     def possible(self) -> list[Callable[[], None]]:
         """What can happen next."""
         moves: list[Callable[[], None]] = []
@@ -135,7 +140,7 @@ class LockStepLoop:
         ]
         if not any(link.messages for link in self.links):
             moves.append(self.publish if self.received is None else self.settle)
-        elif self.received is None and self.unanswered < MAX_IN_TRANSIT:
+        elif self.received is None and self.unanswered < QOS.depth:
             moves.append(self.publish)
         return moves
 
@@ -146,9 +151,7 @@ def test_every_sample_gets_its_own_estimate(choices: list[int]) -> None:
     """Whatever is lost at the start, comes twice, or overtakes: command k is for state k."""
     loop = LockStepLoop()
     for choice in choices:
-        loop.time += 1
-        moves = loop.possible()
-        moves[choice % len(moves)]()
+        loop.advance(choice)
         if len(loop.used) >= SAMPLES:
             break
     assert loop.used == [(k, k) for k in range(len(loop.used))]
@@ -161,13 +164,10 @@ def test_the_loop_always_goes_on(choices: list[int]) -> None:
     """From any situation the loop comes to the next samples when nothing more is lost."""
     loop = LockStepLoop()
     for choice in choices:
-        loop.time += 1
-        moves = loop.possible()
-        moves[choice % len(moves)]()
+        loop.advance(choice)
     reached = len(loop.used)
     for _ in range(1000):
-        loop.time += 1
-        loop.possible()[0]()
+        loop.advance(0)
         if len(loop.used) >= reached + SAMPLES:
             return
     raise AssertionError("the loop stands still")
@@ -175,7 +175,7 @@ def test_the_loop_always_goes_on(choices: list[int]) -> None:
 
 def test_estimates_that_stay_older_than_their_states_are_told() -> None:
     """As with clocks of two computers that differ."""
-    matching = EstimateMatching()
+    matching = EstimateMatching(QOS.depth)
     matching.state(sent=100)
     for k in range(SUSPICIOUS):
         assert not matching.suspicious
@@ -188,7 +188,7 @@ def test_estimates_that_stay_older_than_their_states_are_told() -> None:
 
 def test_in_real_time_clocks_are_not_compared() -> None:
     """Nothing is repeated there: counting is enough, and clocks may differ a little."""
-    matching = EstimateMatching()
+    matching = EstimateMatching(QOS.depth)
     matching.state(sent=100)
     assert matching.estimate(0.1, sent=101) is Answer.STEP
     matching.state(sent=200)
@@ -202,9 +202,9 @@ def test_in_real_time_clocks_are_not_compared() -> None:
 
 def test_late_estimates_are_lost_after_a_while() -> None:
     """A state waits again for its estimate once ten in a row were late and one has come."""
-    matching = EstimateMatching()
+    matching = EstimateMatching(QOS.depth)
     assert matching.state(sent=1) is Answer.NONE
-    for k in range(MAX_IN_TRANSIT):
+    for k in range(QOS.depth):
         assert matching.state(sent=2 + k) is Answer.STEP_WITHOUT
     assert matching.estimate(0.1, sent=50) is Answer.CORRECT
     assert matching.state(sent=51) is Answer.NONE

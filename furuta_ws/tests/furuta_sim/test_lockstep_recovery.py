@@ -124,12 +124,12 @@ def test_a_command_from_before_the_sample_does_not_answer_it(bench: Bench) -> No
     for _ in range(2):
         commands.publish(Float64())
     bench.spin(lambda: node.sample == 1)
-    now, age = node.message_age.sent, node.message_age
-    age.received = lambda _: True
-    age.sent = now - 10**9
+    age = node.message_age
+    sent, age.received = age.sent, lambda _: True
+    age.sent = sent - 10**9
     commands.publish(Float64(data=1.0))
     bench.settle()
     assert node.sample == 1
-    age.sent = now + 10**9
+    age.sent = sent + 10**9
     commands.publish(Float64())
     bench.spin(lambda: node.sample == 2)

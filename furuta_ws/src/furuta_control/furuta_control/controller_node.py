@@ -37,6 +37,7 @@ from furuta_ros.topics import (
     JOINT_STATES,
     LATCHED,
     MODE_IN_FORCE,
+    QOS,
 )
 
 
@@ -64,7 +65,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._memory_before = self._memory.copy()  # a step without its estimate
         self._x = np.zeros(SIGNALS)
         self._stamp = -1
-        self._matching = EstimateMatching()
+        self._matching = EstimateMatching(QOS.depth)
         self._friction_stamp = -1  # of the state when the newest estimate arrived
         self._applied = True  # whether commands are applied
         self._command = Float64()

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
-# Estimates that are late in a row until they count as lost: the depth of the topic's queue.
-MAX_IN_TRANSIT = 10
 # After this time [ns] without a repetition an estimate belongs to the next state. Shorter than what
 # a plant in lock-step waits until it goes on although some repetitions are without an answer.
 REPETITION_TIME = 1_000_000_000
@@ -39,7 +37,7 @@ class EstimateMatching:
 
     If a state arrives before the estimate for the previous one, that estimate is late: the new
     state is answered at once, and the late estimate is not taken for a later state. If
-    ``MAX_IN_TRANSIT`` estimates in a row are late, they count as lost.
+    ``in_transit`` estimates in a row are late, as many as can be on the way, they count as lost.
 
     For each repetition of a state (same stamp) the command is published once more when its
     estimate has arrived. So whoever repeats it knows that nothing is left on the way.
@@ -50,7 +48,8 @@ class EstimateMatching:
         refused_in_a_row: Number of estimates since the last answer that were older than the state.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, in_transit: int) -> None:
+        self._in_transit = in_transit
         self.friction = 0.0
         self.missed = 0
         self.refused_in_a_row = 0
@@ -86,7 +85,7 @@ class EstimateMatching:
             return Answer.NONE
         self.missed += 1
         self._missed_in_a_row += 1
-        if self._missed_in_a_row >= MAX_IN_TRANSIT:
+        if self._missed_in_a_row >= self._in_transit:
             self._expected = 1
         self._stepped = True
         return Answer.STEP_WITHOUT

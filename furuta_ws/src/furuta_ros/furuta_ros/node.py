@@ -35,10 +35,14 @@ class FurutaNode(Node, Generic[Group]):
         refused: Number of invalid messages.
         accepted_publishers: By topic name, which publisher's messages are accepted.
         message_age: Of the message that the node answers.
+        runs_compiled_code: Whether to load what compiled code needs before others see the node.
     """
 
+    runs_compiled_code = True
+
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
-        load_machinery()
+        if self.runs_compiled_code:
+            load_machinery()
         try:
             super().__init__(name, parameter_overrides=list(overrides))
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries

@@ -59,6 +59,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     whether its commands are applied.
     """
 
+    runs_compiled_code = False
+
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
         LifecycleNodeMixin.__init__(self)
