@@ -9,11 +9,11 @@ from time import perf_counter, process_time
 
 from experiment import LOOP
 
-from furuta_analysis.simulation.batch import available_cores, batch
-from furuta_analysis.simulation.closed_loop import Loop, outcome
-from furuta_analysis.simulation.lanes import compile_stages
 from furuta_friction.compensation import ObserverParameters
+from furuta_sim.lanes.batch import available_cores, batch
+from furuta_sim.lanes.lanes import compile_stages
 from furuta_sim.parameters import PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, outcome
 
 RUNS, SECONDS = 2000, 30.0
 # Runs of a small and of a large batch, and their length [s], to compare the cost per run.

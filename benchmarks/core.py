@@ -25,11 +25,11 @@ from experiment import (
 from mujoco_loop import MujocoLoop
 from scipy.integrate import solve_ivp
 
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
-from furuta_analysis.simulation.closed_loop import outcome
-from furuta_analysis.simulation.oscillation import Oscillation
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta_model.friction.laws import friction_law
+from furuta_sim.simulation.closed_loop import outcome
+from furuta_sim.simulation.oscillation import Oscillation
 
 ROUNDS = 7
 # Pendulum time for the slow simulators [s].

@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 import rclpy
 
-from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.composed_graph import HardwareGraph
 from furuta_graph.processes import executable
-from furuta_graph.settings import load_settings, loop
-from furuta_rig.emulator.monitor import ask
+from furuta_sim.emulator.monitor import ask
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import simulate
 
 SECONDS = 60.0
 PATIENT = {"command_age": 5.0, "estimate_age": 5.0, "measurement_age": 5.0}
@@ -49,7 +49,7 @@ def run(compensation: str, seconds: float, options: list[str]) -> dict[str, Any]
         port, monitor = Path(directory) / "port", Path(directory) / "monitor"
         rig = subprocess.Popen(
             [
-                executable("furuta_hw", "rig_emulator"),
+                executable("furuta_sim", "rig_emulator"),
                 *("--link", port, "--monitor", monitor),
                 *options,
             ],

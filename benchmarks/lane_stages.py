@@ -15,15 +15,15 @@ from time import perf_counter
 import numpy as np
 from batches import _ideal, _with_sensors
 
-from furuta_analysis.simulation.closed_loop import Loop, outcome
-from furuta_analysis.simulation.lane_stages import PARTS
-from furuta_analysis.simulation.lanes import (
+from furuta_sim.lanes.lane_stages import PARTS
+from furuta_sim.lanes.lanes import (
     block_of,
     compile_stages,
     prepare,
     run_stages,
     stage_address,
 )
+from furuta_sim.simulation.closed_loop import Loop, outcome
 
 SETTLED_SAMPLES, SAMPLES, REPETITIONS = 2000, 200, 300
 

@@ -23,9 +23,9 @@ import numpy as np
 from rigs_from_recordings import KNOWN, chosen_seeds, random_rig
 
 from furuta_graph.processes import executable
-from furuta_rig.emulator.monitor import ask
-from furuta_rig.rig_file_text import rig_file_text
-from furuta_rig.uncertainty import Uncertainty
+from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.uncertainty import Uncertainty
+from furuta_sim.emulator.monitor import ask
 
 SECONDS = 20.0  # of the recording, and of the balanced run
 EXCITATION = {"kind": "multisine", "amplitude": 1.0, "period": 4.0}

@@ -17,26 +17,26 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.simulation.batch import batch
-from furuta_analysis.simulation.closed_loop import Loop, simulate
+from furuta.studies.comparison.candidates import parse_candidates
+from furuta.studies.rig_check import CHOICES
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
-from furuta_graph.settings import loop, rig_settings
+from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
+from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
+from furuta_hw.rigs.rig_file import load_rig
+from furuta_hw.rigs.rig_file_text import rig_file_text
 from furuta_identification.fitting.identify import identify
 from furuta_identification.preparation.options import Options
 from furuta_identification.rigs.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
+from furuta_model.parts.motion import PendulumFriction
+from furuta_model.parts.tilt import Tilt
+from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
-from furuta_rig.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
-from furuta_rig.rig import Rig, RigLine, SafetyLimits
-from furuta_rig.rig_file import load_rig
-from furuta_rig.rig_file_text import rig_file_text
-from furuta_sim.parts.motion import PendulumFriction
-from furuta_sim.parts.tilt import Tilt
-from furuta_sim.parts.torque_waves import TorqueWaves
-from furuta_studies.comparison.candidates import parse_candidates
-from furuta_studies.rig_check import CHOICES
+from furuta_sim.lanes.batch import batch
+from furuta_sim.settings.settings import loop, rig_settings
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # What is known of every rig before the recording: sensors, drive, timing, limits.
 KNOWN = Rig(

@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from furuta_figures.figure import ARM, CONTROL, FRICTION, PENDULUM, saved_figure
+from furuta.figures.figure import ARM, CONTROL, FRICTION, PENDULUM, saved_figure
 
 # Angles that are drawn [rad], lengths in units of the drawing, and the point of view [rad].
 PHI, THETA = 0.75, 0.6

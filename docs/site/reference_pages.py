@@ -14,17 +14,17 @@ from typing import Any
 import click
 
 import furuta
-from furuta_cli.main import furuta as command_line
-from furuta_figures.labels import SYMBOLS
-from furuta_graph.description import NODES
-from furuta_graph.parameter_files import parameter_table
+from furuta.figures.labels import SYMBOLS
+from furuta_bringup.main import furuta as command_line
+from furuta_hw.rigs.physical import PhysicalParameters
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import ARM_TURNS, LinearCoefficients
+from furuta_hw.rigs.uncertainty import ABSOLUTE, RELATIVE
 from furuta_model.parameters import About, Declared, ParameterError, declared
 from furuta_recordings.series_columns import column_table
-from furuta_rig.physical import PhysicalParameters
-from furuta_rig.rig import Rig
-from furuta_rig.rig_file import ARM_TURNS, LinearCoefficients
-from furuta_rig.uncertainty import ABSOLUTE, RELATIVE
 from furuta_ros.topics import EVERY_TOPIC, THROTTLED_TOPICS, Topic
+from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.parameter_files import parameter_table
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = "Generated from the code by `docs/site/reference_pages.py`."

@@ -6,7 +6,9 @@ from random import Random
 from typing import NamedTuple
 from zlib import crc32
 
-from furuta_rig.emulator.compiled_firmware import (
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import encode, stuff
+from furuta_sim.emulator.compiled_firmware import (
     ANY_TIMING,
     POWER_ON,
     RECEIVE,
@@ -14,9 +16,7 @@ from furuta_rig.emulator.compiled_firmware import (
     State,
     parse_log,
 )
-from furuta_rig.emulator.firmware import Firmware
-from furuta_rig.protocol import frames
-from furuta_rig.protocol.frames import encode, stuff
+from furuta_sim.emulator.firmware import Firmware
 
 # Sample numbers near these are where arithmetic on 32 bits could go wrong.
 WRAP_AROUNDS = (0, 2**31, 2**32)

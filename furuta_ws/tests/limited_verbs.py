@@ -15,7 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from furuta_cli.main import main as furuta
+from furuta_bringup.main import main as furuta
 
 # Memory beyond what Python and the libraries take [bytes], and largest file that may be written.
 MEMORY = 2**30

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_analysis.simulation.closed_loop import Loop
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
+from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_sim.parameters import Actuator, InitialState, PlantFriction, PlantParameters
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
+from furuta_sim.simulation.closed_loop import Loop
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
 METHODS = ("kalman", "lowpass")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import xml.etree.ElementTree as ET
+from configparser import ConfigParser
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,22 +41,8 @@ def keys(package: str, *tags: str) -> set[str]:
     return {element.text or "" for tag in tags for element in manifest(package).findall(tag)}
 
 
-def setup_arguments(package: str) -> dict[str, object]:
-    """The constant arguments of ``setup()`` in a package's setup.py."""
-    tree = ast.parse((SOURCES / package / "setup.py").read_text())
-    (call,) = (
-        node.value
-        for node in tree.body
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)
-    )
-    return {
-        keyword.arg: ast.literal_eval(keyword.value)
-        for keyword in call.keywords
-        if keyword.arg in SETUP_CONSTANTS
-    }
-
-
-SETUP_CONSTANTS = {
-    *("version", "description", "license", "url", "extras_require"),
-    *("author", "author_email", "maintainer", "maintainer_email"),
-}
+def setup_options(package: str) -> ConfigParser:
+    """The setup.cfg of a package."""
+    options = ConfigParser()
+    options.read(SOURCES / package / "setup.cfg")
+    return options

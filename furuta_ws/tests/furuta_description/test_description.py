@@ -16,9 +16,9 @@ from urdf_parser_py.urdf import URDF
 from furuta_description.display import display_nodes
 from furuta_description.lengths import Lengths, lengths
 from furuta_description.robot_description import robot_description, share
-from furuta_graph.rigs import find_rig, rig_directory
-from furuta_model import topic_names
 from furuta_model.parameters import ParameterError
+from furuta_ros import topic_names
+from furuta_sim.settings.rigs import find_rig, rig_directory
 
 RIGS = sorted(file.stem for file in rig_directory().glob("*.yaml"))
 STATES = {topic_names.MEASUREMENT, topic_names.JOINT_STATES, topic_names.GROUND_TRUTH}

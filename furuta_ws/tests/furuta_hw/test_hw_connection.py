@@ -18,7 +18,7 @@ from furuta_hw.driver_loading import find_driver
 from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import DriverError, LineError
 from furuta_hw.guard import Guard
-from furuta_rig.rig import Rig, SafetyLimits
+from furuta_hw.rigs.rig import Rig, SafetyLimits
 
 
 class ScriptedDriver(RigDriver):

@@ -9,7 +9,7 @@ import pytest
 
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.guard import Guard
-from furuta_rig.rig import SafetyLimits
+from furuta_hw.rigs.rig import SafetyLimits
 
 DT = 0.001
 

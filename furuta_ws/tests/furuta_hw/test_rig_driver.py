@@ -16,7 +16,7 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.commissioning.session import RigSession
 from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.connection import rig_connection
-from furuta_rig.rig_file import load_rig
+from furuta_hw.rigs.rig_file import load_rig
 from furuta_ros.topics import MEASUREMENT
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "extending.md"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from random_rigs import Readings, Rig, record
 
-from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.estimation import EstimatorParameters
+from furuta_hw.rigs import rig
 from furuta_identification.fitting.ceiling import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
@@ -26,8 +26,8 @@ from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of
-from furuta_rig import rig
 from furuta_sim.parameters import PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 DEGREE = np.pi / 180.0
 WAVES = np.array([[1.0, 0.01, 0.0], [5.0, 0.06, 0.05]])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rig_log import Truth, swing
 
-from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.excitation import ExcitationParameters
+from furuta_hw.rigs.rig import Rig
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -23,12 +23,13 @@ from furuta_identification.regression.speeds import speed_lag, with_speeds
 from furuta_identification.rigs.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_model.parts.converter import drive
 from furuta_model.sensors import Sensors
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import split_into_runs
-from furuta_rig.rig import Rig
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import NOISE_CHANNELS, drive, measure
+from furuta_sim.plant import NOISE_CHANNELS, measure
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}
 

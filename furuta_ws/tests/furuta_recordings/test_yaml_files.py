@@ -9,9 +9,9 @@ import hostile_files as hostile
 import pytest
 import yaml
 
-from furuta_model import yaml_files
 from furuta_model.parameters import ParameterError
-from furuta_model.yaml_files import DEEPEST_NESTING, MOST_VALUES, parse_yaml, read_yaml
+from furuta_ros import yaml_files
+from furuta_ros.yaml_files import DEEPEST_NESTING, MOST_VALUES, parse_yaml, read_yaml
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 from std_msgs.msg import Float64
 from testbench import joint_state
 
-from furuta_model.time_stamps import stamp_nanoseconds
 from furuta_ros.messages import RefusedError, read_float, read_joints, read_measurement
+from furuta_ros.time_stamps import stamp_nanoseconds
 
 STATE = (0.1, -0.2, 0.3, -0.4)
 

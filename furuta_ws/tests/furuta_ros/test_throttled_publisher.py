@@ -5,8 +5,8 @@ from __future__ import annotations
 from std_msgs.msg import Float64
 from testbench import Bench
 
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.throttled_publisher import ThrottledPublisher
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, deep
 
 MS = NANOSECONDS // 1000

@@ -9,11 +9,12 @@ from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
-from furuta_sim.parameters import Actuator, PlantFriction, PlantParameters
-from furuta_sim.parts.motion import PendulumFriction
-from furuta_sim.parts.springs import keep_springs, springs_force, springs_friction
+from furuta_model.parts.converter import Actuator
+from furuta_model.parts.motion import PendulumFriction
+from furuta_model.parts.plant_memory import PLANT_MEMORY
+from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import design_plant, initial_state, move
-from furuta_sim.plant_memory import PLANT_MEMORY
 
 P = Friction(alpha1=0.0)
 REACH = P.alpha0 / P.sigma0

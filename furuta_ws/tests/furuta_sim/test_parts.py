@@ -11,11 +11,11 @@ from scipy.integrate import solve_ivp
 
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
+from furuta_model.parts.plant_memory import HEAT, TORQUE
+from furuta_model.parts.sensor_faults import uniform
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.parts.sensor_faults import uniform
 from furuta_sim.plant import design_plant, initial_state, move, read, true_friction
-from furuta_sim.plant_memory import HEAT, TORQUE
 
 # Pendulum hanging at rest, so that nothing moves unless it is pushed.
 HANGING = {"initial.theta": np.pi}

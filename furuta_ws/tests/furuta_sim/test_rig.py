@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import reference
 
+from furuta_model.parts.converter import Actuator, convert, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_sim.parameters import Actuator, InitialState, PlantParameters, Sensors
-from furuta_sim.plant import Noise, convert, design_plant, drive, initial_state, measure, move
+from furuta_sim.parameters import InitialState, PlantParameters, Sensors
+from furuta_sim.plant import Noise, design_plant, initial_state, measure, move
 
 QUIET = np.zeros(2)
 

@@ -13,9 +13,9 @@ from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
-from furuta_graph.description import HARDWARE_BRIDGE
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning_thread import SpinningThread
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE
 from furuta_view.graph_link import GraphLink
 from furuta_view.page_layout import Layout
 from furuta_view.parameter_types import Described

@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
-from furuta_graph.description import HARDWARE_BRIDGE, NODES, PLANT, check_graph, graph_nodes
-from furuta_graph.graph_plan import Graph, GraphOptions, full_namespace, plan_graph
+from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import executable, node_processes
-from furuta_graph.settings import load_settings, parameters_of
 from furuta_model.parameters import ParameterError
+from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, NODES, PLANT, check_graph, graph_nodes
+from furuta_sim.settings.settings import load_settings, parameters_of
 
 OTHERS = ["estimator", "friction_observer", "controller"]
 

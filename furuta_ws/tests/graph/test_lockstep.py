@@ -17,18 +17,18 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
-from furuta_analysis.simulation.closed_loop import Record, simulate
-from furuta_analysis.simulation.oscillation import measure_oscillation
+from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.rigs import find_rig
-from furuta_graph.settings import Settings, default_settings, load_settings, loop
 from furuta_model.parameters import values
 from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import MODE_IN_FORCE, TOPICS
-from furuta_studies.swing_up.rig_loop import swing_up_settings
+from furuta_sim.settings.rigs import find_rig
+from furuta_sim.settings.settings import Settings, default_settings, load_settings, loop
+from furuta_sim.simulation.closed_loop import Record, simulate
+from furuta_sim.simulation.oscillation import measure_oscillation
 
 IDEAL = ["sensors.ideal=true"]
 RANDOM_LOOPS = 20 if os.environ.get("FURUTA_LANES") else 2

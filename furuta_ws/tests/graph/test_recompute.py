@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from furuta_figures.recomputation import draw_recomputation
+from furuta.figures.recomputation import draw_recomputation
+from furuta.studies.recompute import recompute_bag
+from furuta.studies.recorded_loop import compare
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.parameter_files import settings_file
-from furuta_graph.settings import load_settings
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.context import ros_context
-from furuta_studies.recompute import recompute_bag
-from furuta_studies.recorded_loop import compare
+from furuta_sim.settings.parameter_files import settings_file
+from furuta_sim.settings.settings import load_settings
 
 
 @pytest.fixture

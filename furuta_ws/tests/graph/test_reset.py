@@ -13,14 +13,14 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from furuta_analysis.simulation.recomputation import new_starts
+from furuta.studies.recompute import recompute_bag
+from furuta.studies.recorded_loop import compare
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings import load_settings
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.spinning import spin_until
-from furuta_studies.recompute import recompute_bag
-from furuta_studies.recorded_loop import compare
+from furuta_sim.settings.settings import load_settings
+from furuta_sim.simulation.recomputation import new_starts
 
 RESETS = int(os.environ.get("FURUTA_RESETS", "1"))
 METHODS = ("kalman", "lowpass")

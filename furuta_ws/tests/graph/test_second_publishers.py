@@ -10,10 +10,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 from testbench import joint_state
 
-from furuta_analysis.simulation.closed_loop import simulate
 from furuta_control.controller_node import ControllerNode
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings import load_settings, loop
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import (
     COMMAND,
@@ -23,6 +21,8 @@ from furuta_ros.topics import (
     QOS,
     Topic,
 )
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import simulate
 
 SECONDS = 5.0
 # The nodes that receive a topic.

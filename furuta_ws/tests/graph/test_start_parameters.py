@@ -11,11 +11,11 @@ from testbench import Bench
 
 from furuta_control.controller_node import ControllerNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.description import NODES
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError, declared
 from furuta_ros.context import ros_context
 from furuta_sim.plant_node import PlantNode
+from furuta_sim.settings.nodes import NODES
 
 
 def start(node: Any, file: Path, namespace: str = "") -> Any:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from furuta_graph.settings import load_settings, loop
-from furuta_studies.demo import tune_graph
-from furuta_studies.tuning.plan import TuningPlan
-from furuta_studies.tuning.tunable_loop import SimulatedLoop
-from furuta_studies.tuning.tuning import tune
+from furuta.studies.tuning.plan import TuningPlan
+from furuta.studies.tuning.tunable_loop import SimulatedLoop
+from furuta.studies.tuning.tuning import tune
+from furuta_bringup.demo_run import tune_graph
+from furuta_sim.settings.settings import load_settings, loop
 
 
 def silent(message: str, seconds: float) -> None:

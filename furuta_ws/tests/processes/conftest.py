@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta_graph.description import NODES
 from furuta_graph.processes import executable
-from furuta_rig.emulator.monitor import ask
+from furuta_sim.emulator.monitor import ask
+from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 240.0
 GRACE = 10.0
@@ -72,7 +72,7 @@ class EmulatedRig:
     def __init__(self, processes: Processes, directory: Path, *arguments: str | Path) -> None:
         self.port, self._monitor = directory / "port", directory / "monitor"
         self.process = processes.start(
-            executable("furuta_hw", "rig_emulator"),
+            executable("furuta_sim", "rig_emulator"),
             *("--link", self.port, "--monitor", self._monitor, *arguments),
         )
         self._status_time = -inf

@@ -11,7 +11,7 @@ import click
 import pytest
 from sources import ROOT
 
-from furuta_cli import main
+from furuta_bringup import main
 
 PNG = b"\x89PNG"
 

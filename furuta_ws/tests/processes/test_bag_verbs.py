@@ -15,8 +15,8 @@ from click.testing import CliRunner
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from furuta_cli.main import furuta as command_line
-from furuta_cli.main import main
+from furuta_bringup.main import furuta as command_line
+from furuta_bringup.main import main
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep

@@ -38,10 +38,10 @@ def clone(tmp_path: Path) -> Path:
     for name in ("package.xml", "setup.cfg", "setup.py", "resource"):
         source = SOURCES / "furuta_bringup" / name
         (shutil.copytree if source.is_dir() else shutil.copy)(source, package / name)
-    for name in ("furuta_bringup", "furuta_cli"):
+    for name in ("furuta_bringup", "furuta_bringup"):
         (package / name).mkdir()
         (package / name / "__init__.py").touch()
-    (package / "furuta_cli" / "main.py").write_text(COMMAND)
+    (package / "furuta_bringup" / "main.py").write_text(COMMAND)
     (package / "furuta_bringup" / "warm_up.py").touch()
     make_environment(root)
     return root

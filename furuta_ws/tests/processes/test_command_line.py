@@ -14,10 +14,10 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from click.testing import CliRunner
 
-from furuta_cli import main
-from furuta_cli.main import VERBS
-from furuta_graph.description import NODES, NodeDescription
+from furuta_bringup import main
+from furuta_bringup.main import VERBS
 from furuta_graph.processes import executable
+from furuta_sim.settings.nodes import NODES, NodeDescription
 
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 
@@ -44,7 +44,7 @@ def commands(command: click.Command, path: tuple[str, ...]) -> Iterator[tuple[st
 
 def test_every_verb_is_a_module() -> None:
     """The table of verbs has the modules of ``verbs``; hw has several."""
-    files = (SOURCES / "furuta_cli" / "furuta_cli" / "verbs").glob("*.py")
+    files = (SOURCES / "furuta_bringup" / "furuta_bringup" / "verbs").glob("*.py")
     modules = {file.stem.replace("_", "-") for file in files}
     assert set(VERBS) == {each for each in modules if not each.startswith(("--", "hw-"))}
 
@@ -141,7 +141,7 @@ def test_simulate_with_a_law_into_a_table(tmp_path: Path) -> None:
 def test_version() -> None:
     """That of the packages, on one line."""
     done = CliRunner().invoke(main.furuta, ["--version"])
-    assert (done.exit_code, done.output) == (0, f"furuta {version('furuta_cli')}\n")
+    assert (done.exit_code, done.output) == (0, f"furuta {version('furuta_bringup')}\n")
 
 
 def test_completion(furuta: Any, monkeypatch: Any) -> None:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta_rig.protocol import frames
-from furuta_rig.protocol.frames import FrameReader, SensorsFrame, encode
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import FrameReader, SensorsFrame, encode
 
 pytestmark = pytest.mark.realtime
 

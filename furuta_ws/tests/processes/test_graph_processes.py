@@ -14,14 +14,14 @@ from paused_graph import PausedGraph
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
-from furuta_analysis.simulation.closed_loop import simulate
-from furuta_graph.description import graph_nodes
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.processes import executable
-from furuta_graph.settings import load_settings, loop
 from furuta_ros.node import with_message_info
 from furuta_ros.services import ServiceError
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
+from furuta_sim.settings.nodes import graph_nodes
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import simulate
 
 SAMPLES = 1500
 NODE_NAMES = [node.name for node in graph_nodes()]

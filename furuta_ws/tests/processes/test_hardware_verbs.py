@@ -12,7 +12,7 @@ import pytest
 from bridge_bench import PERMISSIVE_RIG
 from rosbags.highlevel import AnyReader
 
-from furuta_graph.settings import read_file
+from furuta_sim.settings.settings import read_file
 
 pytestmark = pytest.mark.realtime
 

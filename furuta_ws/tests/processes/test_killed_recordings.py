@@ -16,8 +16,8 @@ import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
-from furuta_graph.description import graph_nodes
 from furuta_recordings.bags.writer_process import FLUSH_INTERVAL
+from furuta_sim.settings.nodes import graph_nodes
 
 KILLS = int(os.environ.get("FURUTA_KILLS", "2"))
 # Messages in the bag below which it is killed: from none to two seconds at 1 kHz.

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from furuta_cli.uncertain_rig_options import parse_uncertain
-from furuta_graph.settings import read_file
+from furuta_bringup.uncertain_rig_options import parse_uncertain
 from furuta_model.parameters import ParameterError
 from furuta_recordings.table_files import parquet
+from furuta_sim.settings.settings import read_file
 
 Furuta = Callable[..., Any]
 TIMEOUT = 120.0

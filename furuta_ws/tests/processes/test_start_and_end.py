@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from furuta_graph.children import Children
-from furuta_graph.description import NODES
 from furuta_graph.processes import executable
-from furuta_model.process_start import own_arguments
+from furuta_ros.process_start import own_arguments
+from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 120.0
 FURUTA = ("furuta_bringup", "furuta")
@@ -27,7 +27,7 @@ STAGES = ("", "_ctypes", "_multiarray_umath", "llvmlite")
 INTERRUPTED = {
     "plant": (("furuta_sim", "plant"), (*STAGES, "rclpy_pybind11")),
     "bridge": (("furuta_hw", "hardware_bridge"), (*STAGES, "rclpy_pybind11")),
-    "emulator": (("furuta_hw", "rig_emulator"), STAGES[:-1]),
+    "emulator": (("furuta_sim", "rig_emulator"), STAGES[:-1]),
     "run": ((*FURUTA, "run"), (*STAGES, "rclpy_pybind11")),
     "simulate": ((*FURUTA, "simulate", "--seconds", "100000"), STAGES),
     "param": ((*FURUTA, "param", "get", "nobody", "seed"), ("", "rclpy_pybind11")),
@@ -101,7 +101,7 @@ def test_interrupt_during_the_start(processes: Any, name: str, stage: str) -> No
 def test_every_executable_starts_with_interrupts_blocked() -> None:
     """Python would answer SIGINT with a traceback before the first line of the executable runs."""
     names = [*((each.package, each.executable) for each in NODES.values()), FURUTA]
-    names += [("furuta_hw", "rig_emulator"), ("furuta_bringup", "graph")]
+    names += [("furuta_sim", "rig_emulator"), ("furuta_bringup", "graph")]
     for name in names:
         first_line = executable(*name).read_text().splitlines()[0]
         assert first_line.startswith("#!/usr/bin/env -S --block-signal=INT ")
@@ -169,7 +169,7 @@ def test_which_child_has_failed() -> None:
     [
         (("furuta_sim", "plant"), "plant takes only ROS arguments, after --ros-args; given"),
         (
-            ("furuta_hw", "rig_emulator"),
+            ("furuta_sim", "rig_emulator"),
             "unrecognized arguments: --bogus (see rig_emulator",
         ),
         (("furuta_bringup", "graph"), "(see graph --help)"),

@@ -12,9 +12,9 @@ from launch_stand_ins import launched_nodes
 from paused_graph import PausedGraph
 from testbench import Bench
 
-from furuta_analysis.simulation.closed_loop import simulate
 from furuta_graph.graph_plan import GraphOptions, plan_graph
-from furuta_graph.settings import load_settings, loop
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import simulate
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / "examples" / "state_feedback_node.py"

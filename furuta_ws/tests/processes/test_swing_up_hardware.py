@@ -16,14 +16,14 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 from testbench import Bench
 
+from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.rigs import find_rig, rig_directory
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_model.state import THETA
 from furuta_ros.topics import LATCHED, MODE_IN_FORCE
-from furuta_studies.swing_up.rig_loop import swing_up_settings
+from furuta_sim.settings.rigs import find_rig, rig_directory
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
-from furuta_graph.settings import read_file
+from furuta_sim.settings.settings import read_file
 
 Furuta = Callable[..., Any]
 SHORT = ("--fit", "alpha0", "--search", "sigma1", "--seconds", "110")

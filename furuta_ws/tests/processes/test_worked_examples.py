@@ -96,7 +96,7 @@ def run(extended: Path, *arguments: object) -> str:
     """Standard output of the command line made from the extended sources."""
     paths = sorted(str(path) for path in (extended / SOURCES).iterdir())
     code = (
-        f"import sys; sys.path[:0] = {paths!r}; from furuta_cli.main import main; "
+        f"import sys; sys.path[:0] = {paths!r}; from furuta_bringup.main import main; "
         f"sys.argv = ['furuta', *{[str(each) for each in arguments]!r}]; main()"
     )
     done = subprocess.run(

@@ -8,8 +8,8 @@ from zlib import crc32
 import numpy as np
 from cobs import cobs
 
-from furuta_rig.emulator.emulated_rig import EmulatedRig
-from furuta_rig.protocol.frames import FORMATS, LONGEST_FRAME, FrameError, decode
+from furuta_hw.protocol.frames import FORMATS, LONGEST_FRAME, FrameError, decode
+from furuta_sim.emulator.emulated_rig import EmulatedRig
 from soak.mutators import damaged_bytes
 from soak.oracles import different_value
 from soak.record import Record

@@ -14,8 +14,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings import load_settings
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, QOS, deep
+from furuta_sim.settings.settings import load_settings
 from soak.mutators import damaged_joint_state, joint_state, random_float
 from soak.oracles import hanging_drive, not_recovered, out_of_bounds
 from soak.record import Record

@@ -10,8 +10,8 @@ from pathlib import Path
 from time import monotonic, monotonic_ns, sleep
 from typing import Any
 
-from furuta_graph.description import NODES
 from furuta_graph.processes import executable
+from furuta_sim.settings.nodes import NODES
 from soak.oracles import unexplained_end
 from soak.record import Record
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from furuta_rig.emulator.emulated_rig import plant_of
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
+from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.plant import design_plant
 from soak.oracles import (
     armed_without_request,

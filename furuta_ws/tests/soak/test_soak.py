@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from furuta_friction.compensation import ObserverParameters, design_compensator, largest_estimate
+from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
-from furuta_rig.emulator.emulated_rig import plant_of
-from furuta_rig.rig import Rig
+from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.plant import design_plant, initial_state, move
 from soak import oracles
 from soak.campaigns import full_disk

@@ -7,12 +7,11 @@ import sys
 from collections.abc import Iterable
 from glob import glob
 from pathlib import Path
-from typing import cast
 
 import pytest
-from sources import PACKAGES, ROOT, SITE, SOURCES, TESTS, imports, keys, modules, setup_arguments
+from sources import PACKAGES, ROOT, SITE, SOURCES, TESTS, imports, keys, modules, setup_options
 
-from furuta_graph.description import NODES
+from furuta_sim.settings.nodes import NODES
 
 # How rosdep installs a key on Ubuntu 24.04. Source: rosdep/python.yaml and jazzy/distribution.yaml
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.
@@ -41,7 +40,7 @@ PIP = {
     "python3-rosbags-pip": "rosbags",
     "python3-ruff-pip": "ruff",
 }
-# rosdep has no key for these: setup.py declares them as extras, and README says how to install
+# rosdep has no key for these: setup.cfg declares them as extras, and README says how to install
 # them.
 WITHOUT_KEY = {
     *("distributed", "playwright", "pyarrow", "unicorn", "viser", "websockets", "ziglang"),
@@ -107,8 +106,9 @@ def assert_declared(names: set[str], found: set[str], extras: list[str]) -> None
 
 
 def extras(package: str) -> dict[str, list[str]]:
-    """The extras of a package's setup.py."""
-    return cast("dict[str, list[str]]", setup_arguments(package)["extras_require"])
+    """The extras of a package's setup.cfg."""
+    section = setup_options(package)["options.extras_require"]
+    return {key: value.split() for key, value in section.items()}
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -116,7 +116,7 @@ def test_imports_are_declared(package: str) -> None:
     """In package.xml, to be installed with the package."""
     names = imported([*modules(package), *(SOURCES / package / "launch").glob("*.py")]) - {package}
     if package == "furuta_bringup":  # its launch file starts executables of other packages
-        names |= {"ros2launch", "furuta_cli", *(node.package for node in NODES.values())}
+        names |= {"ros2launch", *(node.package for node in NODES.values())}
     if package == "furuta_description":  # its launch file starts these
         names |= {"robot_state_publisher", "rviz2"}
     optional = [each for name, group in extras(package).items() if name != "test" for each in group]
@@ -125,7 +125,7 @@ def test_imports_are_declared(package: str) -> None:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_of_tests_are_declared(package: str) -> None:
-    """In package.xml, unless the package itself needs them; colcon looks for pytest in setup.py."""
+    """In package.xml, unless the package needs them; colcon looks for pytest in setup.cfg."""
     names = imported(files_of_tests(package)) - helpers() - {package} | PLUGINS
     if package == "furuta_bringup":
         names |= COMMANDS

@@ -15,7 +15,7 @@ import pytest
 import reference_pages
 from sources import ROOT
 
-from furuta_cli.main import furuta
+from furuta_bringup.main import furuta
 from furuta_ros.topics import EVERY_TOPIC
 
 

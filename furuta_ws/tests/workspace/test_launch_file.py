@@ -11,9 +11,9 @@ import yaml
 from launch_stand_ins import Node, displayed_nodes, launch_arguments, launched_nodes
 from sources import ROOT
 
-from furuta_graph.description import HARDWARE_BRIDGE, PLANT, graph_nodes
-from furuta_graph.rigs import find_rig
 from furuta_model.parameters import ParameterError, declared, values
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
+from furuta_sim.settings.rigs import find_rig
 
 SEED = "plant: {ros__parameters: {seed: 1}}"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from catkin_pkg.package import Package, parse_package
-from sources import PACKAGES, ROOT, SOURCES, setup_arguments
+from sources import PACKAGES, ROOT, SOURCES, setup_options
 
 
 def parsed(package: str) -> Package:
@@ -23,10 +23,10 @@ def test_manifest_is_valid(package: str) -> None:
 @pytest.mark.parametrize("package", PACKAGES)
 def test_setup_has_the_metadata_of_the_manifest(package: str) -> None:
     """Description, version, licence, address, author and maintainer are the same in both."""
-    manifest, given = parsed(package), setup_arguments(package)
+    manifest, given = parsed(package), setup_options(package)["metadata"]
     (url,), (author,), (maintainer,) = manifest.urls, manifest.authors, manifest.maintainers
-    del given["extras_require"]
-    assert given == {
+    assert dict(given) == {
+        "name": manifest.name,
         "version": manifest.version,
         "description": manifest.description,
         "license": manifest.licenses[0],

@@ -15,30 +15,25 @@ from ament_index_python.packages import get_package_share_directory
 from ament_index_python.resources import get_resources
 from sources import PACKAGES, ROOT, SOURCES, imports, modules
 
-from furuta_graph.description import NODES
-from furuta_graph.parameter_files import parameter_file, parameter_table
 from furuta_graph.processes import executable
-from furuta_graph.settings import read_file
 from furuta_model.parameters import declared
+from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.parameter_files import parameter_file, parameter_table
+from furuta_sim.settings.settings import read_file
 
 # Who may import whom: each package only those further left, siblings in one group not each other.
 LAYERS = [
     {"furuta_model"},
     {"furuta_ros"},
-    {"furuta_sim", "furuta_control", "furuta_friction"},
-    # The emulated rig has the simulated plant behind it.
-    {"furuta_analysis", "furuta_rig", "furuta_recordings"},
-    {"furuta_hw"},
-    {"furuta_identification", "furuta_graph"},
-    {"furuta_studies", "furuta_description"},
-    {"furuta_figures", "furuta_view"},
-    {"furuta"},
-    {"furuta_cli"},
+    {"furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"},
+    {"furuta_sim", "furuta_identification"},
+    {"furuta", "furuta_description", "furuta_graph"},
+    {"furuta_view"},
     {"furuta_bringup"},
 ]
 EXECUTABLES = [
     *((node.package, node.executable) for node in NODES.values()),
-    ("furuta_hw", "rig_emulator"),
+    ("furuta_sim", "rig_emulator"),
     ("furuta_recordings", "recorder"),
     ("furuta_bringup", "furuta"),
     ("furuta_bringup", "graph"),
@@ -46,19 +41,12 @@ EXECUTABLES = [
 # Modules that know ROS; every other module of the workspace is pure.
 ROS_MODULES = {
     *("rclpy", "rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "diagnostic_msgs"),
-    *("lifecycle_msgs", "rosgraph_msgs", "furuta_ros"),
+    *("lifecycle_msgs", "rosgraph_msgs"),
 }
-PURE = [
-    "furuta",
-    *("furuta_model", "furuta_analysis", "furuta_rig", "furuta_identification"),
-    "furuta_figures",
-]
+PURE = ["furuta", "furuta_model", "furuta_identification"]
 # Here only the nodes, and the files named below, import ROS.
-WITH_NODES = [
-    *("furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"),
-    "furuta_studies",
-]
-ROS_FILES = {"lockstep", "realtime", "demo", "cluster", "recorder_process"}
+WITH_NODES = ["furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"]
+ROS_FILES = {"lockstep", "realtime", "recorder_process"}
 
 
 def cores(package: str) -> list[Path]:
@@ -194,7 +182,7 @@ def test_parameter_documentation_is_the_declarations() -> None:
 
 def test_description_of_the_graph_imports_no_ros() -> None:
     """Whoever only reads names and parameters does not load rclpy."""
-    code = "import sys, furuta_graph.description; sys.exit('rclpy' in sys.modules)"
+    code = "import sys, furuta_sim.settings.nodes; sys.exit('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

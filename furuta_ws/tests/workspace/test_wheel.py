@@ -38,7 +38,7 @@ sys.meta_path.insert(0, Refuse())
 """
 VERBS = """
 from click.testing import CliRunner
-from furuta_cli.main import furuta as command, VERBS
+from furuta_bringup.main import furuta as command, VERBS
 print("from", furuta.__file__, "version", furuta.__version__, *furuta.rig_names())
 ready = []
 for verb in VERBS:
@@ -70,11 +70,11 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def test_wheel_is_pure_and_has_the_one_version(wheel: Path) -> None:
-    """The version is that of package.xml; every package is in it but that for ROS tools."""
+    """The version is that of package.xml; every package is in it."""
     assert wheel.name == f"furuta-{manifest('furuta').findtext('version')}-py3-none-any.whl"
     content = ZipFile(wheel).namelist()
     packages = {name.partition("/")[0] for name in content if name.endswith("/__init__.py")}
-    assert packages == set(PACKAGES) - {"furuta_bringup"}
+    assert packages == set(PACKAGES)
     assert all(f"{package}/py.typed" in content for package in packages)
     assert "furuta_model/share/furuta_bringup/config/rigs/paper.yaml" in content
 

@@ -13,6 +13,8 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 
 from importlib.metadata import version
 
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
 from furuta.models import friction_law, linearize, place_poles
 from furuta.motions import (
@@ -32,16 +34,14 @@ from furuta.recordings import (
     write_series,
 )
 from furuta.tuning import tune
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle
-from furuta_analysis.simulation.closed_loop import Loop, Record
+from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COLUMNS
-from furuta_rig.rig import Rig
+from furuta_sim.simulation.closed_loop import Loop, Record
 
 __version__ = version("furuta")
 

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.simulation.closed_loop import Loop
-from furuta_graph import settings
-from furuta_graph.rigs import SUFFIX, find_rig, rig_directory
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.studies.analysis_options import ideal_loop_of, require_stabilising
+from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback
-from furuta_rig.rig import Rig
-from furuta_studies.analysis_options import ideal_loop_of, require_stabilising
+from furuta_sim.settings import settings
+from furuta_sim.settings.rigs import SUFFIX, find_rig, rig_directory
+from furuta_sim.simulation.closed_loop import Loop
 
 
 def rig_names() -> list[str]:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from math import inf
 
+from furuta.describing_functions import describing_function as describing
+from furuta.describing_functions.predicted_cycles import Prediction
+from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
+from furuta.limit_cycles import limit_cycle as cycles
+from furuta.limit_cycles import periodic_orbit
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import ideal_loop
-from furuta_analysis.describing_functions import describing_function as describing
-from furuta_analysis.describing_functions.predicted_cycles import Prediction
-from furuta_analysis.describing_functions.predicted_cycles import predict_cycles as predicted
-from furuta_analysis.limit_cycles import limit_cycle as cycles
-from furuta_analysis.limit_cycles import periodic_orbit
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.periodic_orbit import LimitCycle, Trajectory
-from furuta_analysis.simulation import closed_loop
-from furuta_analysis.simulation.closed_loop import Loop, Outcome, Record
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
+from furuta_sim.simulation import closed_loop
+from furuta_sim.simulation.closed_loop import Loop, Outcome, Record
 
 
 def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:

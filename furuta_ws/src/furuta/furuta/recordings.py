@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.simulation.closed_loop import Record
+from furuta.studies import series
 from furuta_identification.fitting import identify as fitting
 from furuta_identification.fitting.model import Model
 from furuta_identification.fitting.report import summary
@@ -16,7 +16,7 @@ from furuta_identification.preparation.options import Options
 from furuta_recordings import readers
 from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import write_columns
-from furuta_studies import series
+from furuta_sim.simulation.closed_loop import Record
 
 
 def read_recording(

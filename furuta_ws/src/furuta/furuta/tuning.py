@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from furuta_analysis.simulation.closed_loop import Loop
+from furuta.studies.tuning.plan import RIVALS, TuningPlan
+from furuta.studies.tuning.result import TuningResult
+from furuta.studies.tuning.simulated_tuning import PLAN
+from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta.studies.tuning.tuning import ProgressCallback
+from furuta.studies.tuning.tuning import tune as run_tuning
 from furuta_model.parameters import ParameterError
-from furuta_studies.tuning.plan import RIVALS, TuningPlan
-from furuta_studies.tuning.result import TuningResult
-from furuta_studies.tuning.simulated_tuning import PLAN
-from furuta_studies.tuning.tunable_loop import GuardError, SimulatedLoop
-from furuta_studies.tuning.tuning import ProgressCallback
-from furuta_studies.tuning.tuning import tune as run_tuning
+from furuta_sim.simulation.closed_loop import Loop
 
 
 def tune(

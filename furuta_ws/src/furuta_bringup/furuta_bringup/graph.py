@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from furuta_cli.main import run_verb
+from furuta_bringup.main import run_verb
 
 
 def main() -> None:

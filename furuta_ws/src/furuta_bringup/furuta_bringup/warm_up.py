@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from furuta_analysis.describing_functions.predicted_cycles import predict_cycles
-from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
-from furuta_analysis.simulation.closed_loop import Loop, simulate
-from furuta_analysis.simulation.lanes import compile_stages
+from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.studies.analysis_options import AnalysisOptions
+from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings import default_settings
 from furuta_model.sensors import Sensors
 from furuta_model.transfer import transfer
 from furuta_ros.context import ros_context
+from furuta_sim.lanes.lanes import compile_stages
 from furuta_sim.parameters import PlantParameters
-from furuta_studies.analysis_options import AnalysisOptions
-from furuta_studies.feedback_map import predicted_peak_to_peak
+from furuta_sim.settings.settings import default_settings
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # Compensations whose stages are compiled for batches; others are compiled when they are worth it.
 IN_LANES = ("none", "coulomb", "lugre")

@@ -25,11 +25,11 @@ from furuta_control.modes import swing_up
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_float, read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.topics import (
     ARMED,
     COMMAND,

@@ -23,11 +23,11 @@ from furuta_control.estimation import (
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.messages import JointWriter, RefusedError, read_measurement
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 # Relative deviation of an interval that is tolerated.

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description, share
-from furuta_graph.graph_plan import full_namespace
-from furuta_graph.rigs import find_rig
+from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.rigs import find_rig
 
 DEFAULT_RIG = "paper"
 

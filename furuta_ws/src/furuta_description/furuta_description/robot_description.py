@@ -7,7 +7,7 @@ from pathlib import Path
 import xacro
 
 from furuta_description.lengths import Lengths
-from furuta_model.installed_files import share_directory
+from furuta_ros.installed_files import share_directory
 
 PACKAGE = "furuta_description"
 

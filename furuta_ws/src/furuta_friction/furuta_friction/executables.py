@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from furuta_model.process_start import run_entry
+from furuta_ros.process_start import run_entry
 
 
 def friction_observer() -> None:

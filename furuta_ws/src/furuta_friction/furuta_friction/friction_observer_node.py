@@ -25,11 +25,11 @@ from furuta_friction.compensation import (
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNALS, THETA_DOT
-from furuta_model.time_stamps import stamp_nanoseconds, starts_anew
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
+from furuta_ros.time_stamps import stamp_nanoseconds, starts_anew
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 # Time between two checks of the adapted levels [s].

@@ -14,9 +14,9 @@ from rclpy.task import Future
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 
-from furuta_graph.description import HARDWARE_BRIDGE
 from furuta_ros.services import ATTEMPTS, ServiceError, WaitsForFutures, call_service
 from furuta_ros.topics import ARMED, DIAGNOSTICS, LATCHED
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0

@@ -6,7 +6,7 @@ import signal
 import subprocess
 from collections.abc import Sequence
 
-from furuta_model.process_start import INTERRUPTED, child_environment
+from furuta_ros.process_start import INTERRUPTED, child_environment
 
 # Time for a process to end after SIGTERM [s].
 END_TIMEOUT = 5.0

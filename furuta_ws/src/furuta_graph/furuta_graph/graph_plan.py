@@ -5,21 +5,21 @@ The command line and the launch file both make their graph here, so that both st
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from furuta_graph.description import HARDWARE_BRIDGE, PLANT, NodeDescription, graph_nodes
-from furuta_graph.rigs import check_sample_time, find_rig, rig_file
-from furuta_graph.settings import (
+from furuta_model.parameters import build, values
+from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT, NodeDescription, graph_nodes
+from furuta_sim.settings.rigs import check_sample_time, find_rig, rig_file
+from furuta_sim.settings.settings import (
     Settings,
     collect_settings,
     load_settings,
     merge_settings,
     rig_settings,
 )
-from furuta_model.parameters import ParameterError, build, values
 
 
 class GraphOptions(NamedTuple):
@@ -91,15 +91,3 @@ def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:
     }
     chosen |= {"port": options.port} if options.port else {}
     return chosen | ({"rig": str(rig_file(rig))} if rig else {})
-
-
-def full_namespace(name: str) -> str:
-    """The namespace with its leading slash, or empty; raises ParameterError if it is not valid."""
-    bare = name.strip("/")
-    if not bare:
-        return ""
-    if not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", bare, re.ASCII):
-        raise ParameterError(
-            f"a namespace has letters, digits and _, and no digit first, given {name!r}"
-        )
-    return f"/{bare}"

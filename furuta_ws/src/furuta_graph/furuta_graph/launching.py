@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from furuta_graph.description import NODES, PLANT
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
-from furuta_graph.parameter_files import settings_file
 from furuta_graph.processes import NodeProcess, node_processes
-from furuta_graph.rigs import config_directory
-from furuta_graph.settings import collect_settings
 from furuta_model.parameters import ParameterError
+from furuta_sim.settings.nodes import NODES, PLANT
+from furuta_sim.settings.parameter_files import settings_file
+from furuta_sim.settings.rigs import config_directory
+from furuta_sim.settings.settings import collect_settings
 
 FRICTION_OBSERVER = "friction_observer"
 LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")

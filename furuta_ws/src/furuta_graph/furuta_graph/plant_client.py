@@ -7,8 +7,8 @@ from functools import partial
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from furuta_graph.description import PLANT
 from furuta_ros.services import ServiceError, WaitsForFutures, call_service
+from furuta_sim.settings.nodes import PLANT
 
 
 class PlantClient:

@@ -9,7 +9,7 @@ from pkgutil import iter_modules
 from furuta_hw import drivers
 from furuta_hw.connection.rig_driver import RigDriver
 from furuta_hw.errors import DriverError
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
 
 # The class that a module of furuta_hw/drivers defines.
 CLASS_NAME = "Driver"

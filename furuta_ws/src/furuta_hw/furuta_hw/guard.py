@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import exp, inf, isfinite
 
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_rig.rig import SafetyLimits
+from furuta_hw.rigs.rig import SafetyLimits
 
 # Time constant [s] over which bad frames and the disagreement of encoder and speed are counted.
 WINDOW = 1.0

@@ -9,7 +9,7 @@ are generated from it. Compiled code takes the same tuple as an argument.
 
 A field can be a group itself. Its parameters then have dotted names (``motor.gain``), or plain
 names if the field is annotated with :data:`INLINE`. A renamed parameter lists its earlier names,
-which :mod:`furuta_model.renamed_parameters` translates.
+which :mod:`furuta_ros.renamed_parameters` translates.
 """
 
 from __future__ import annotations

@@ -14,15 +14,15 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from furuta_model import topic_names
 from furuta_model.parameters import ParameterError
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.mcap_records import BagTopic
 from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_ros import topic_names
 from furuta_ros.loop_topics import several_publishers
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import MODE_IN_FORCE, QOS, TIMING, TOPICS, Topic, deep
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.

@@ -12,11 +12,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from furuta_model.parameters import ParameterError
-from furuta_model.time_stamps import NANOSECONDS
-from furuta_model.topic_names import MODE_IN_FORCE, PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
 from furuta_ros.simulated_clock import SimulatedClock
+from furuta_ros.time_stamps import NANOSECONDS
+from furuta_ros.topic_names import MODE_IN_FORCE, PARAMETER_EVENTS, ROSOUT
 from furuta_ros.topics import deep
 
 # Depth of the publishers' queues. At full speed a subscriber may be this far behind, and the

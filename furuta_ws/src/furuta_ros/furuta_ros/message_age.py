@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import time_ns
 
-from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.time_stamps import NANOSECONDS
 
 # Longest time from sending to answering a message [s].
 MAX_AGE = 0.05

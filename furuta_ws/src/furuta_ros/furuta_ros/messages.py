@@ -17,7 +17,7 @@ from std_msgs.msg import Float64
 
 from furuta_model.parameters import shortened
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINTS
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 from furuta_model.parameters import ParameterError, shortened
-from furuta_model.ros_parameters import is_of_ros
 from furuta_ros.parameter_sections import Section
+from furuta_ros.ros_parameters import is_of_ros
 
 
 def check_names(

@@ -8,8 +8,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from furuta_model.ros_parameters import by_full_name
-from furuta_model.yaml_files import read_yaml
+from furuta_ros.ros_parameters import by_full_name
+from furuta_ros.yaml_files import read_yaml
 
 PARAMETERS = "ros__parameters"
 

@@ -17,10 +17,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from furuta_model.parameters import Declared, ParameterError, build, declared
-from furuta_model.renamed_parameters import renamed, with_current_names
 from furuta_ros.context import ros_arguments
 from furuta_ros.parameter_checks import check_names
 from furuta_ros.parameter_sections import read_sections
+from furuta_ros.renamed_parameters import renamed, with_current_names
 
 Group = TypeVar("Group", bound=NamedTuple)
 

@@ -7,8 +7,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.errors import UserError
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import CLOCK, QOS
 
 # Simulated time between two messages [ns].

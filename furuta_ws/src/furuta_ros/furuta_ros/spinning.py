@@ -14,10 +14,10 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
 from furuta_model.parameters import ParameterError, shortened
-from furuta_model.process_start import own_arguments, program_name, set_interrupt_handler
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
+from furuta_ros.process_start import own_arguments, program_name, set_interrupt_handler
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.

@@ -10,7 +10,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from furuta_model.time_stamps import NANOSECONDS
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import QOS, Topic
 
 # Shortest time between two messages, by the stamps of their samples [ns].

@@ -15,7 +15,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String, UInt64MultiArray
 
-from furuta_model import topic_names
+from furuta_ros import topic_names
 
 JOINTS = list(topic_names.JOINTS)
 

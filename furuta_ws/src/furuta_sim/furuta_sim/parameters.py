@@ -13,26 +13,18 @@ from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
+from furuta_model.parts.converter import Actuator
+from furuta_model.parts.drive import Drive
+from furuta_model.parts.friction_variation import FrictionVariation
+from furuta_model.parts.motion import Cogging, PendulumFriction
+from furuta_model.parts.pushes import Pushes
+from furuta_model.parts.sensor_faults import SensorFaults
+from furuta_model.parts.tilt import Tilt
+from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_sim.parts.drive import Drive
-from furuta_sim.parts.friction_variation import FrictionVariation
-from furuta_sim.parts.motion import Cogging, PendulumFriction
-from furuta_sim.parts.pushes import Pushes
-from furuta_sim.parts.sensor_faults import SensorFaults
-from furuta_sim.parts.tilt import Tilt
-from furuta_sim.parts.torque_waves import TorqueWaves
 
 CLOCKS = ("realtime", "lockstep")
-
-
-class Actuator(NamedTuple):
-    """Drive of the arm's motor, with a digital-to-analogue converter."""
-
-    voltage_range: Annotated[float, About("largest voltage of the drive", "V", 1e-3, 1e3)] = 10.0
-    bits: Annotated[
-        int, About("bits of the drive's converter, 0 for no quantisation", "", 0, 32)
-    ] = 12
 
 
 class InitialState(NamedTuple):

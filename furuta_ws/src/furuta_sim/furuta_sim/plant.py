@@ -2,7 +2,7 @@
 
 The measurement is (5,), see :mod:`furuta_model.state`. The measurement of θ̇ is NaN, because the
 rig has no sensor for it. The array x begins with the plant state (5,); the rest is memory of the
-parts that are on (:mod:`furuta_sim.plant_memory`). A rig without them needs only the state.
+parts that are on (:mod:`furuta_model.parts.plant_memory`). A rig without them needs only the state.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
-from furuta_model.elementary import power_of_two
 from furuta_model.friction.laws import (
     HAS_SPRINGS,
     LAWS,
@@ -23,24 +22,25 @@ from furuta_model.friction.laws import (
     friction_law,
 )
 from furuta_model.integration import advance, substeps_for
-from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_sim.parameters import Actuator, PlantParameters
-from furuta_sim.parts.drive import Drive, mean_torque
-from furuta_sim.parts.friction_variation import FrictionVariation, vary_level
-from furuta_sim.parts.motion import (
+from furuta_model.parts.converter import Actuator, convert, drive
+from furuta_model.parts.drive import Drive, mean_torque
+from furuta_model.parts.friction_variation import FrictionVariation, vary_level
+from furuta_model.parts.motion import (
     Body,
     Cogging,
     PendulumFriction,
     advance_with_parts,
     varied_friction,
 )
-from furuta_sim.parts.pushes import Pushes, push_at
-from furuta_sim.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
-from furuta_sim.parts.tilt import Tilt, with_tilt
-from furuta_sim.parts.torque_waves import TorqueWaves
-from furuta_sim.plant_memory import MOVED, PLANT_MEMORY
+from furuta_model.parts.plant_memory import MOVED, PLANT_MEMORY
+from furuta_model.parts.pushes import Pushes, push_at
+from furuta_model.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
+from furuta_model.parts.tilt import Tilt, with_tilt
+from furuta_model.parts.torque_waves import TorqueWaves
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_sim.parameters import PlantParameters
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
@@ -116,24 +116,6 @@ def _parts(
         pushes.profile(sample_time),
         table,
     )
-
-
-@inlined
-def convert(value: float, full_scale: float, bits: int) -> float:
-    """Clip and round ``value`` like a converter of ±``full_scale`` with ``bits``."""
-    value = min(max(value, -full_scale), full_scale)
-    if bits == 0:
-        return value
-    # Multiplication by a power of two is exact, and much faster than division.
-    step = full_scale * power_of_two(1 - bits)
-    code = np.floor(value / step + 0.5)
-    return min(code, power_of_two(bits - 1) - 1.0) * step
-
-
-@inlined
-def drive(command: float, actuator: Actuator) -> float:
-    """Torque [V] that the drive applies for a command [V]."""
-    return convert(command, actuator.voltage_range, actuator.bits)
 
 
 @inlined

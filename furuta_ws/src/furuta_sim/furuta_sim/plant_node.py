@@ -13,10 +13,10 @@ from std_srvs.srv import Trigger
 from furuta_model.block import block
 from furuta_model.compiled import compiled
 from furuta_model.state import RIGID_STATES, SIGNALS
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep
 from furuta_sim.paced_node import PacedNode

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.simulated_clock import reject_simulated_time
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import TIMING
 from furuta_sim.histogram import Histogram
 from furuta_sim.paced_node import PacedNode

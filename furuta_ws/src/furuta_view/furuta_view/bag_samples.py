@@ -10,20 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from furuta_graph.settings import parameters_of, read_file
 from furuta_model.parameters import ParameterError, values
-from furuta_model.time_stamps import NANOSECONDS
-from furuta_model.topic_names import COMMAND as COMMAND_TOPIC
-from furuta_model.topic_names import (
+from furuta_recordings.bags.bag import Bag, Messages, last_part
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.readers.joint_states import joint_sample
+from furuta_ros.time_stamps import NANOSECONDS
+from furuta_ros.topic_names import COMMAND as COMMAND_TOPIC
+from furuta_ros.topic_names import (
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
     JOINT_STATES,
     JOINTS,
     MEASUREMENT,
 )
-from furuta_recordings.bags.bag import Bag, Messages, last_part
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
-from furuta_recordings.readers.joint_states import joint_sample
+from furuta_sim.settings.settings import parameters_of, read_file
 from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
 
 # Topics with the state, the best one first.

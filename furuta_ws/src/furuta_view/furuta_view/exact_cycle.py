@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from furuta_analysis.limit_cycles.ideal_loop import IdealLoop
-from furuta_analysis.limit_cycles.limit_cycle import limit_cycle
-from furuta_analysis.limit_cycles.periodic_orbit import trace
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.periodic_orbit import trace
 from furuta_control.control import ControllerParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.laws import analysed_law

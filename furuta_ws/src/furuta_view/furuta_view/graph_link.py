@@ -14,7 +14,7 @@ from rclpy.node import Node
 from furuta_graph.bridge_client import BridgeClient
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.plant_client import PlantClient
-from furuta_model.ros_parameters import is_of_ros
+from furuta_ros.ros_parameters import is_of_ros
 from furuta_ros.spinning_thread import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described

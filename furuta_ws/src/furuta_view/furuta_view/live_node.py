@@ -23,10 +23,10 @@ from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_model import topic_names
 from furuta_model.state import RIGID_STATES, SIGNALS
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros import topic_names
 from furuta_ros.messages import RefusedError, read_joints
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import (
     COMMAND,
     DIAGNOSTICS,

@@ -10,8 +10,8 @@ from typing import Any
 
 from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description
-from furuta_graph.description import HARDWARE_BRIDGE, PLANT
 from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.every import Every
 from furuta_view.exact_cycle import exact_cycle, relevant

@@ -10,9 +10,9 @@ from typing import Any
 
 import viser
 
-from furuta_graph.description import PLANT
-from furuta_graph.settings import settings_from_text
 from furuta_model.parameters import ParameterError
+from furuta_sim.settings.nodes import PLANT
+from furuta_sim.settings.settings import settings_from_text
 from furuta_view.graph_link import GraphLink
 from furuta_view.pacer import FASTEST, SPEEDS, Pacer
 from furuta_view.page_recorder import PageRecorder

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from furuta_graph.description import PLANT
 from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.settings.nodes import PLANT
 
 
 def model_of(values: Mapping[str, Mapping[str, Any]]) -> FurutaPendulum:

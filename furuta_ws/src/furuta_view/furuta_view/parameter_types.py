@@ -6,7 +6,7 @@ import math
 from typing import Any, NamedTuple
 
 from furuta_model.parameters import ParameterError, number_from_text
-from furuta_model.yaml_files import parse_yaml
+from furuta_ros.yaml_files import parse_yaml
 
 CHOICES = "one of "
 # A range of at most this many times the value is a slider's range as it is.

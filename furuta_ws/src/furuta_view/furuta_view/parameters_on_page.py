@@ -11,9 +11,9 @@ import yaml
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import parameter_value_to_python
 
-from furuta_graph.settings import Settings
-from furuta_model.ros_parameters import is_of_ros
+from furuta_ros.ros_parameters import is_of_ros
 from furuta_ros.services import ServiceError
+from furuta_sim.settings.settings import Settings
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
 from furuta_view.parameter_types import Described

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from time import sleep
 
 from furuta_graph.children import END_TIMEOUT, Children
-from furuta_graph.description import PLANT
 from furuta_graph.processes import CHECK_PERIOD, executable
-from furuta_model.process_start import child_environment
+from furuta_ros.process_start import child_environment
 from furuta_ros.spinning import StopSignal
+from furuta_sim.settings.nodes import PLANT
 from furuta_view.pacer import FOREVER
 
 GRAPH, RELEASE = "graph", "release"

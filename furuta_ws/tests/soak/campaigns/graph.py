@@ -14,11 +14,11 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from furuta_analysis.simulation.closed_loop import simulate
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.settings import loop
 from furuta_model.parameters import values
 from furuta_ros.context import ros_context
+from furuta_sim.settings.settings import loop
+from furuta_sim.simulation.closed_loop import simulate
 from soak.intruded_graph import TOPICS, WAIT, IntrudedGraph, running
 from soak.mutators import pick, random_change
 from soak.oracles import (

@@ -13,11 +13,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from rclpy.parameter import Parameter
 
-from furuta_analysis.simulation.closed_loop import simulate
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.description import graph_nodes
-from furuta_graph.settings import load_settings, loop
 from furuta_ros.context import ros_context
+from furuta_sim.settings.nodes import graph_nodes
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import simulate
 from soak.mutators import pick
 from soak.node_process import NodeProcess, end
 from soak.observer import Observer, motion, stamps, states

@@ -14,13 +14,13 @@ import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_analysis.simulation.closed_loop import Loop, simulate
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.compensation import design_compensator, largest_estimate
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import values
 from furuta_ros.context import ros_context
+from furuta_sim.simulation.closed_loop import Loop, simulate
 from soak.mutators import (
     Given,
     damaged_joint_state,

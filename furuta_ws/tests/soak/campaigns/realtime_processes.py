@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from std_msgs.msg import Float64
 
-from furuta_graph.description import NODES, graph_nodes
 from furuta_ros.context import ros_context
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, QOS
+from furuta_sim.settings.nodes import NODES, graph_nodes
 from soak.mutators import damaged_joint_state, joint_state, pick, random_change, random_float
 from soak.node_process import NodeProcess, end
 from soak.observer import Observer, motion, newest_stamp, states

@@ -17,11 +17,11 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from std_srvs.srv import SetBool
 
-from furuta_graph.description import HARDWARE_BRIDGE, graph_nodes
 from furuta_graph.processes import executable
-from furuta_rig.emulator.monitor import ask
 from furuta_ros.context import ros_context
 from furuta_ros.topics import COMMAND, QOS
+from furuta_sim.emulator.monitor import ask
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, graph_nodes
 from soak.line_relay import LineRelay
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end
@@ -74,7 +74,7 @@ class RigGraph:
         self._monitor = directory / "monitor"
         self._emulator = subprocess.Popen(
             [
-                *(str(executable("furuta_hw", "rig_emulator")), "--link", str(directory / "port")),
+                *(str(executable("furuta_sim", "rig_emulator")), "--link", str(directory / "port")),
                 *("--monitor", str(self._monitor)),
             ],
             stdout=subprocess.PIPE,

@@ -15,8 +15,8 @@ from furuta_control.control import ControllerParameters
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.drivers.serial_protocol.host import ProtocolHost
 from furuta_hw.guard import Guard
-from furuta_rig.emulator.emulated_rig import EmulatedRig, plant_of
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
+from furuta_sim.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_sim.plant import design_plant
 from soak.damaged_line import DamagedLine
 from soak.mutators import pick

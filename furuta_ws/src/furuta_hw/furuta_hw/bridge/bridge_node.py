@@ -24,15 +24,15 @@ from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
+from furuta_hw.rigs.rig import Rig, SafetyLimits
+from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
-from furuta_model.time_stamps import NANOSECONDS
-from furuta_rig.rig import Rig, SafetyLimits
-from furuta_rig.rig_file import load_rig
 from furuta_ros.discovery import describe_discovery, reaches_network
 from furuta_ros.messages import JointWriter, RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
     ARMED,
     COMMAND,

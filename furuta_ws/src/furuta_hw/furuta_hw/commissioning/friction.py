@@ -11,9 +11,9 @@ import numpy as np
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import NotStillError
+from furuta_hw.rigs.channels import wrapped
+from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
-from furuta_rig.channels import wrapped
-from furuta_rig.rig import Rig
 
 # Speed at which the arm counts as broken away: well above noise and creep [rad/s].
 BREAK_AWAY_SPEED = 0.1

@@ -11,7 +11,7 @@ from furuta_hw.connection.rig_driver import LineStatistics, RigSample
 from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import LineError, StoppedError
 from furuta_hw.guard import Guard
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
 
 # Shortest time without a sample after which the line counts as failed [s].
 SILENCE = 0.5

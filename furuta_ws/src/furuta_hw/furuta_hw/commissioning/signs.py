@@ -6,8 +6,8 @@ from math import pi
 from typing import NamedTuple
 
 from furuta_hw.commissioning.session import Experiment
-from furuta_rig.channels import wrapped
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.channels import wrapped
+from furuta_hw.rigs.rig import Rig
 
 # The arm has moved when its angle has changed by this, or by three counts [rad].
 LEAST_MOTION = 0.02

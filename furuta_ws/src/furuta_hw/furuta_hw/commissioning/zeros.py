@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import DriverError, NotStillError
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
 
 # Largest peak-to-peak variation of a sensor at rest, noise included [codes].
 LARGEST_VARIATION = 16

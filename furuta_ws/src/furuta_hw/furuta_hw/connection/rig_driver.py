@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
 
 # Longest time that RigDriver.read may wait [s].
 READ_TIMEOUT = 0.05

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
+from furuta_hw.rigs.rig import Rig, RigLine
+from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError, build
 from furuta_model.sensors import Sensors
 from furuta_model.state import PHI, THETA
-from furuta_model.yaml_files import read_yaml
 from furuta_recordings.bags.bag_files import file_in
 from furuta_recordings.bags.damaged_message import DamagedError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.recording import Recording
-from furuta_rig.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
-from furuta_rig.rig import Rig, RigLine
-from furuta_rig.rig_file import load_rig
+from furuta_ros.yaml_files import read_yaml
 
 # Counts per turn that an encoder can have, and the part of a count by which angles may miss it.
 FEWEST_COUNTS, MOST_COUNTS, LARGEST_MISS = 16, 200_000, 0.02

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from furuta_control.pole_choice import quadratic_poles
+from furuta_hw.rigs.rig import Rig, SafetyLimits
+from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.model import Model
 from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
 from furuta_model.friction.parameters import Friction
-from furuta_rig.rig import Rig, SafetyLimits
-from furuta_rig.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
-from furuta_sim.parts.motion import PendulumFriction
-from furuta_sim.parts.tilt import Tilt
-from furuta_sim.parts.torque_waves import TorqueWaves
+from furuta_model.parts.motion import PendulumFriction
+from furuta_model.parts.tilt import Tilt
+from furuta_model.parts.torque_waves import TorqueWaves
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75

@@ -16,13 +16,13 @@ from rosbags.typesys.store import Typestore
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-from furuta_model.time_stamps import NANOSECONDS
 from furuta_recordings.bags.bag_files import BagFiles, bag_files
 from furuta_recordings.bags.decompression import decompress_file, decompress_message
 from furuta_recordings.bags.mcap_bounds import check_mcap
 from furuta_recordings.bags.mcap_index import McapIndex
 from furuta_recordings.bags.message_types import definition_of, typestore_of
 from furuta_recordings.bags.sqlite_bounds import check_sqlite
+from furuta_ros.time_stamps import NANOSECONDS
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
 MOST_IN_MEMORY = 1_000_000

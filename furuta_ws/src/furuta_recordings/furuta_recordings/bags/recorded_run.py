@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.state import RIGID_STATES
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
-from furuta_model.topic_names import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
 from furuta_recordings.bags.bag import Bag, last_part, signals
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.topic_names import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH
 
 
 class RecordedRun(NamedTuple):

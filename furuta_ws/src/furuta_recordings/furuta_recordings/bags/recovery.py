@@ -9,8 +9,6 @@ from contextlib import suppress
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_model.regular_files import read_text
-from furuta_model.yaml_files import LARGEST_FILE, parse_yaml
 from furuta_recordings.bags.bag_files import file_in
 from furuta_recordings.bags.bounds import MOST_TOPICS
 from furuta_recordings.bags.damaged_mcap import mcap_messages
@@ -20,6 +18,8 @@ from furuta_recordings.bags.mcap_records import BagTopic
 from furuta_recordings.bags.message_types import JAZZY, definition_of, type_hash, typestore_of
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.bags.writer import BagWriter
+from furuta_ros.regular_files import read_text
+from furuta_ros.yaml_files import LARGEST_FILE, parse_yaml
 
 _SUFFIXES = (".mcap", ".db3")
 

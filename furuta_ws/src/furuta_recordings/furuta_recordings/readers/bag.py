@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from furuta_model.parameters import ParameterError, build
-from furuta_model.time_stamps import NANOSECONDS
-from furuta_model.topic_names import MEASUREMENT
-from furuta_model.yaml_files import read_yaml
+from furuta_model.parts.converter import Actuator
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import file_in
 from furuta_recordings.bags.damaged_message import DamagedError
@@ -20,7 +18,9 @@ from furuta_recordings.readers.drive import through_drive
 from furuta_recordings.readers.joint_states import JointSample, command_value, joint_sample
 from furuta_recordings.readers.mapping import NO_COMMAND, Mapping, joints_of
 from furuta_recordings.recording import Recording
-from furuta_sim.parameters import Actuator
+from furuta_ros.time_stamps import NANOSECONDS
+from furuta_ros.topic_names import MEASUREMENT
+from furuta_ros.yaml_files import read_yaml
 
 
 def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_model.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 from furuta_recordings.bags.bag import last_part
 from furuta_recordings.readers.mapping import COMMANDS, Mapping
+from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 

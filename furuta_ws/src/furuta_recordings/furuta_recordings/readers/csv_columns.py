@@ -20,7 +20,7 @@ import numpy as np
 from dateutil.parser import isoparse
 
 from furuta_model.parameters import ParameterError
-from furuta_model.regular_files import open_regular
+from furuta_ros.regular_files import open_regular
 
 # Longest line [characters], how much of the first one determines the separator, and most cells of a
 # table: 8 bytes each in memory.

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from furuta_model.parts.converter import Actuator, drive
 from furuta_recordings.recording import Recording
-from furuta_sim.parameters import Actuator
-from furuta_sim.plant import drive
 
 
 def through_drive(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_model.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 
 
 class JointSample(NamedTuple):

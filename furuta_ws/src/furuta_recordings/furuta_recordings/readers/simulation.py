@@ -12,11 +12,11 @@ import numpy as np
 from numpy.lib import format as npy
 
 from furuta_model.parameters import ParameterError, build
-from furuta_model.regular_files import open_regular
+from furuta_model.parts.converter import Actuator
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.readers.drive import through_drive
 from furuta_recordings.recording import Recording
-from furuta_sim.parameters import Actuator
+from furuta_ros.regular_files import open_regular
 
 # Largest series that is read [bytes]: five signals of three hours at 1 kHz.
 LARGEST_SERIES = 2**29

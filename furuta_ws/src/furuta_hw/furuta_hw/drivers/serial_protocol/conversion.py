@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import exp
 
 from furuta_hw.connection.rig_driver import RawCodes, RigSample
-from furuta_rig.channels import wrapped
-from furuta_rig.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
-from furuta_rig.rig import Rig
+from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
+from furuta_hw.rigs.channels import wrapped
+from furuta_hw.rigs.rig import Rig
 
 
 class SampleConverter:

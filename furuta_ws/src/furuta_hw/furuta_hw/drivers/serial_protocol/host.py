@@ -8,9 +8,9 @@ from time import monotonic
 from furuta_hw.connection.rig_driver import LineStatistics
 from furuta_hw.drivers.serial_protocol.ports import Port
 from furuta_hw.errors import LineError
-from furuta_rig.protocol import frames
-from furuta_rig.protocol.frames import FrameReader, SensorsFrame, WelcomeFrame, encode, is_newer
-from furuta_rig.rig import Rig
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import FrameReader, SensorsFrame, WelcomeFrame, encode, is_newer
+from furuta_hw.rigs.rig import Rig
 
 # Time between two attempts to start a session [s].
 RETRY_PERIOD = 0.1

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
-from time import monotonic, sleep
-from typing import Protocol
+from importlib import import_module
+from typing import Protocol, cast
 
 import serial
 
 from furuta_hw.connection.rig_driver import READ_TIMEOUT
 from furuta_hw.errors import LineError
-from furuta_rig.emulator.emulated_rig import EmulatedRig
-from furuta_rig.rig import Rig
+from furuta_hw.rigs.rig import Rig
 
-# The port name that stands for an emulated rig in this process.
+# The port name that stands for an emulated rig in this process. Its module is loaded by name
+# because the simulation is above this package.
 MOCK = "mock"
+MOCK_PORT = "furuta_sim.emulator.mock_port"
 
 
 class Port(Protocol):
@@ -61,32 +62,10 @@ class SerialPort:
         self._port.close()
 
 
-class MockPort:
-    """An emulated rig in this process. Its time runs while it is read."""
-
-    def __init__(self, rig: EmulatedRig, period: float) -> None:
-        self._rig = rig
-        self._period = period
-        self._next = monotonic() + period
-
-    def read(self) -> bytes:
-        """Wait until the next sample is due, and return its bytes."""
-        sleep(max(0.0, self._next - monotonic()))
-        self._next = max(self._next + self._period, monotonic())
-        return self._rig.step()
-
-    def write(self, data: bytes) -> None:
-        """Send to the rig."""
-        self._rig.receive(data)
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to free."""
-
-
 def open_port(name: str, rig: Rig) -> Port:
     """Open the serial port of that name, or the mock. Raises :class:`LineError`."""
     if name == MOCK:
-        return MockPort(EmulatedRig(rig), rig.line.sample_time)
+        return cast("Port", import_module(MOCK_PORT).MockPort(rig))
     if not name:
         raise LineError("no port given; name the serial port, or mock")
     return SerialPort(name, rig.line.baud)

@@ -1,0 +1,106 @@
+r"""Passivity condition for convergence of the observer (9) with its correction −Ke, [6], [10].
+
+The leak of the bristle makes the map Ke → z̃ passive. Hence, if ±G with the sign of K is strictly
+positive real (G as in :mod:`.error_loop`), then x, e and F̃ converge to zero.
+
+If the leak is known to be at least λ, it is enough that K G + λ is positive real: λ = −min Re KG.
+At rest there is no leak, and the remaining loop is linear, s + K G(s) = 0; see
+:attr:`Convergence.largest_stable_gain`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.convergence.error_loop import ErrorLoop
+from furuta.convergence.positive_real import real_part, strictly_positive_real
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
+
+
+class Convergence(NamedTuple):
+    """The result for a correction gain K [1/s].
+
+    Attributes:
+        satisfied: Whether the passivity condition holds.
+        reason: Why it holds or does not.
+        smallest_real_part: Minimum of Re ±G(jω), with the sign of K; NaN if the loop without
+            friction is unstable.
+        at_omega_rad_s: Frequency of this minimum.
+        violated_rad_s: Frequency intervals in which the real part is negative.
+        holds_above_rad_s: Arm speed above which the condition holds thanks to the leak.
+        largest_stable_gain: |K| [1/s] up to which the loop without leak is stable, for K > 0 and
+            for K < 0.
+        fastest_growth: Real part of that loop's rightmost pole at this K [1/s].
+        forgetting_travel_rad: Arm travel over which z̃ decays by the factor e without correction.
+    """
+
+    satisfied: bool
+    reason: str
+    smallest_real_part: float
+    at_omega_rad_s: float
+    violated_rad_s: tuple[tuple[float, float], ...]
+    holds_above_rad_s: float
+    largest_stable_gain: tuple[float, float]
+    fastest_growth: float
+    forgetting_travel_rad: float
+
+
+def convergence(loop: ErrorLoop, gain: float, friction: Friction) -> Convergence:
+    """Check the condition for an observer with gain K [1/s]."""
+    sign = -1.0 if gain < 0.0 else 1.0
+    numerator = sign * loop.numerator
+    satisfied, reason = strictly_positive_real(numerator, loop.denominator)
+    smallest, omega = np.nan, np.nan
+    violated: tuple[tuple[float, float], ...] = ()
+    if loop.stable:
+        part = real_part(numerator, loop.denominator)
+        smallest, omega = part.smallest
+        violated = part.not_positive
+    return Convergence(
+        satisfied and gain != 0.0,
+        _reason(satisfied, reason, gain),
+        float(smallest),
+        float(omega),
+        violated,
+        float(abs(gain) * max(-smallest, 0.0) * highest_level(friction) / friction.sigma0),
+        (largest_stable_gain(loop, 1.0), largest_stable_gain(loop, -1.0)),
+        _rightmost_root(loop, gain),
+        friction.alpha0 * (1.0 + abs(friction.asymmetry)) / friction.sigma0,
+    )
+
+
+def largest_stable_gain(loop: ErrorLoop, sign: float) -> float:
+    """|K| [1/s] up to which s + K G(s) = 0, K of this sign, has only roots with Re s < 0.
+
+    0 if any small K makes it unstable, infinite if no K does. Stability changes only where a root
+    crosses the imaginary axis, so it is enough to test one K between two such crossings.
+    """
+    if not loop.stable:
+        return 0.0
+    crossings = real_part(loop.numerator, loop.denominator).marginal_gains
+    magnitudes = sorted(abs(each) for each in crossings if each * sign > 0.0)
+    low = 0.0
+    for high in [*magnitudes, np.inf]:
+        between = 0.5 * (low + high) if high < np.inf else 2.0 * low + 1.0
+        if _rightmost_root(loop, sign * between) >= 0.0:
+            return low
+        low = high
+    return np.inf
+
+
+def _rightmost_root(loop: ErrorLoop, gain: float) -> float:
+    """Largest real part [1/s] among the roots of s + K G(s) = 0."""
+    characteristic = np.polyadd(np.append(loop.denominator, 0.0), gain * loop.numerator)
+    return float(np.max(np.roots(characteristic).real))
+
+
+def _reason(satisfied: bool, reason: str, gain: float) -> str:
+    if gain == 0.0:
+        return "with K = 0 there is no correction: z̃ decays only with the distance travelled"
+    name = "G" if gain > 0.0 else "-G"
+    if not satisfied:
+        return f"{name}, with the sign of K, is not strictly positive real: {reason}"
+    return f"{name}, with the sign of K, is strictly positive real"

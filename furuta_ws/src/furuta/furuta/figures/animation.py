@@ -1,0 +1,88 @@
+"""One simulated run as a short animation: the rig in 3D, and its angles over time."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+
+from furuta.figures.figure import style_time_series
+from furuta_model.state import PHI, THETA
+from furuta_sim.simulation.closed_loop import Record
+
+FRAMES_PER_SECOND = 20
+DPI = 72
+# Lengths in the picture: arm, pendulum, and the part of the past that the tip's path shows [s].
+ARM, PENDULUM = 1.0, 0.8
+PATH_TIME = 0.4
+
+
+def animate_run(run: Record, path: Path, seconds: float) -> None:
+    """Write the first ``seconds`` of a run as an animated GIF, in real time."""
+    shown = np.arange(0.0, min(seconds, float(run.time[-1])), 1.0 / FRAMES_PER_SECOND)
+    rows = np.rint(shown / run.sample_time).astype(int)
+    figure, draw = _prepared(run, int(rows[-1]))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        animation = FuncAnimation(figure, draw, frames=rows.tolist(), blit=False)
+        animation.save(path, writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
+    finally:
+        plt.close(figure)
+
+
+def positions(state: np.ndarray) -> np.ndarray:
+    """Centre, end of the arm and tip of the pendulum (3, 3) for a state (4,)."""
+    phi, theta = float(state[PHI]), float(state[THETA])
+    end = ARM * np.array((cos(phi), sin(phi), 0.0))
+    across = np.array((-sin(phi), cos(phi), 0.0))
+    up = np.array((0.0, 0.0, 1.0))
+    return np.array((np.zeros(3), end, end + PENDULUM * (sin(theta) * across + cos(theta) * up)))
+
+
+def _prepared(run: Record, last: int) -> tuple[Any, Any]:
+    """The figure, and the function that draws the sample of a frame in it."""
+    figure = plt.figure(figsize=(8, 3.6), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
+    scene = figure.add_subplot(grid[:, 0], projection="3d")
+    arm_axis, pendulum_axis = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    _style_scene(scene)
+    (past,) = scene.plot([], [], [], color="0.6", lw=1.0)
+    (arm,) = scene.plot([], [], [], color="C0", lw=4, solid_capstyle="round")
+    (pendulum,) = scene.plot([], [], [], color="C1", lw=3, marker="o", markevery=[1])
+    axes, signals = (arm_axis, pendulum_axis), (PHI, THETA)
+    angles = run.state[: last + 1].copy()
+    angles[:, THETA] = (angles[:, THETA] + pi) % (2.0 * pi) - pi
+    angles[np.abs(np.diff(angles[:, THETA], prepend=0.0)) > pi, THETA] = np.nan
+    for axis, signal, label in zip(axes, signals, ("arm φ", "pendulum θ"), strict=True):
+        axis.plot(run.time[: last + 1], angles[:, signal], color="0.85", lw=1.0)
+        style_time_series(axis, f"{label} [rad]")
+    curves = [axis.plot([], [], color=f"C{k}", lw=1.4)[0] for k, axis in enumerate(axes)]
+    pendulum_axis.set_xlabel("time [s]")
+    tips = np.array([positions(each)[2] for each in run.state[: last + 1]])
+    length = round(PATH_TIME / run.sample_time)
+
+    def draw(sample: int) -> tuple[Any, ...]:
+        joints = positions(run.state[sample])
+        arm.set_data_3d(*joints[:2].T)
+        pendulum.set_data_3d(*joints[1:].T)
+        past.set_data_3d(*tips[max(0, sample - length) : sample + 1].T)
+        for curve, signal in zip(curves, signals, strict=True):
+            curve.set_data(run.time[: sample + 1], angles[: sample + 1, signal])
+        return arm, pendulum, past, *curves
+
+    return figure, draw
+
+
+def _style_scene(scene: Any) -> None:
+    """A floor, the post of the arm, and the same scale along all axes."""
+    scene.set(xlim=(-1.2, 1.2), ylim=(-1.2, 1.2), zlim=(-1.0, 1.0))
+    scene.set_box_aspect((2.4, 2.4, 2.0), zoom=1.5)
+    scene.view_init(elev=22, azim=-60)
+    scene.set_axis_off()
+    turn = np.linspace(0.0, 2.0 * pi, 100)
+    scene.plot(np.cos(turn), np.sin(turn), np.zeros(100), color="0.8", lw=0.8)
+    scene.plot([0, 0], [0, 0], [-1, 0], color="0.4", lw=3)

@@ -1,0 +1,68 @@
+"""Figure of a comparison: the distribution of the residual for each candidate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from furuta.figures.figure import saved_figure, style_axis
+from furuta.studies.comparison.scores import Table
+
+LABEL = "arm, peak to peak [rad]"
+COUNT = "one encoder count"
+# Widest scatter of the points of a candidate, which shows how many there are.
+SCATTER = 0.3
+# Most points per candidate that are drawn singly.
+MOST_POINTS = 300
+# Colours of the default cycle.
+COLOURS = 10
+# A fall is drawn at this multiple of the largest residual.
+FALL = 2.0
+
+
+def draw_comparison(table: Table, order: list[str], encoder_count: float, path: Path) -> None:
+    """Draw points per candidate in ``order``, and the fraction of rigs above a residual."""
+    finite = table.residual[np.isfinite(table.residual)]
+    fall = FALL * float(finite.max(initial=1.0))
+    height = 2.0 + 0.55 * len(order)
+    with saved_figure(path, 1, 2, figsize=(13, max(height, 4.5))) as (figure, (points, above)):
+        for number, name in enumerate(order):
+            residual = table.residual[table.candidates.index(name)]
+            drawn = np.where(np.isinf(residual), fall, residual)
+            _draw_points(points, number, drawn)
+            _draw_fraction_above(above, number, drawn, name)
+        points.set_yticks(range(len(order)), order)
+        points.invert_yaxis()
+        for axis in (points, above):
+            axis.axvline(encoder_count, color="0.3", ls="--", lw=1, label=COUNT)
+            axis.set_xscale("log")
+        if np.isinf(table.residual).any():
+            points.axvline(fall, color="tab:red", lw=0.8, label="fell")
+        points.plot([], [], "k|", ms=12, label="median, 95 %, worst")
+        figure.legend(*points.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
+        style_axis(points, LABEL)
+        style_axis(above, LABEL, f"fraction of the {len(table.rigs)} rigs above it")
+
+
+def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
+    scatter = np.random.default_rng(number).uniform(-SCATTER, SCATTER, len(residual))
+    some = slice(None, MOST_POINTS)
+    axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=_colour(number))
+    marks = np.quantile(residual, [0.5, 0.95, 1.0], method="inverted_cdf")
+    axis.plot(marks, [number] * 3, "k|", ms=16, mew=1.5)
+
+
+def _draw_fraction_above(axis: Axes, number: int, residual: np.ndarray, name: str) -> None:
+    sizes = np.sort(residual)
+    above = np.linspace(1.0, 0.0, len(sizes) + 1)
+    style = "-" if number < COLOURS else "--"
+    axis.step(
+        [sizes[0], *sizes], above, style, where="post", label=name, color=_colour(number), lw=1.4
+    )
+
+
+def _colour(number: int) -> str:
+    return f"C{number % COLOURS}"

@@ -1,0 +1,72 @@
+"""Map of the limit cycle's size over two parameters, predicted and exact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import LogNorm
+
+from furuta.figures.figure import saved_figure, style_axis
+from furuta.figures.labels import axis_label
+from furuta.studies.feedback_map import MapPoint
+
+# Colours of motions that are no oscillation.
+OTHER_KINDS = {
+    "rest": "#2ca02c",
+    "rotation": "#9467bd",
+    "unbounded": "#7f7f7f",
+    "irregular": "#e377c2",
+    "impossible": "#000000",
+}
+
+
+def draw_map(
+    first: str,
+    second: str,
+    firsts: np.ndarray,
+    seconds: np.ndarray,
+    points: list[MapPoint],
+    path: Path,
+) -> None:
+    """Draw the arm's peak-to-peak angle, predicted and exact, on one scale.
+
+    Motions that are no oscillation have a colour of their own.
+    """
+    shape = (len(firsts), len(seconds))
+    kinds = np.array([p.cycle.kind for p in points]).reshape(shape).T
+    exact = np.array([p.cycle.phi_peak_to_peak_rad for p in points]).reshape(shape).T
+    predicted = np.array([p.predicted_phi_peak_to_peak_rad for p in points]).reshape(shape).T
+    sizes = {
+        "describing function": np.where(predicted > 0.0, predicted, np.nan),
+        "exact": np.where(kinds == "oscillation", exact, np.nan),
+    }
+    scale = _common_scale(np.concatenate(list(sizes.values())))
+    with saved_figure(path, 1, 2, sharey=True, figsize=(12, 5.5)) as (figure, axes):
+        for axis, (title, size) in zip(axes, sizes.items(), strict=True):
+            mesh = axis.pcolormesh(firsts, seconds, size, norm=scale, shading="nearest")
+            axis.set_title(title)
+            style_axis(axis, axis_label(first))
+        axes[0].set_ylabel(axis_label(second))
+        bar = figure.colorbar(mesh, ax=axes, label="arm, peak to peak [rad]")
+        style_axis(bar.ax)
+        _mark_other_kinds(axes[1], firsts, seconds, kinds)
+        if (kinds != "oscillation").any():
+            figure.legend(loc="outside lower center", ncols=len(OTHER_KINDS))
+
+
+def _common_scale(sizes: np.ndarray) -> LogNorm | None:
+    """The colour scale of all finite sizes, None if there are none."""
+    finite = sizes[np.isfinite(sizes)]
+    return LogNorm(finite.min(), finite.max()) if finite.size else None
+
+
+def _mark_other_kinds(
+    axis: Any, firsts: np.ndarray, seconds: np.ndarray, kinds: np.ndarray
+) -> None:
+    column, row = np.meshgrid(firsts, seconds)
+    for kind, colour in OTHER_KINDS.items():
+        chosen = kinds == kind
+        if chosen.any():
+            axis.plot(column[chosen], row[chosen], "s", color=colour, ms=4, label=kind)

@@ -1,0 +1,121 @@
+"""Integrates the motion of the ideal loop accurately through stick, slip and rests.
+
+The motion consists of smooth pieces (:mod:`.smooth_motion`). Where it comes close to a rest, it is
+followed in coordinates counted from that rest, with tolerances in proportion to the distance: how
+long the arm stays at an unstable rest depends on how close it comes, however close that is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, rest_near
+from furuta.limit_cycles.smooth_motion import (
+    EVENT,
+    LEFT_REST,
+    NEAR_REST,
+    PHI_HIGH,
+    PHI_LOW,
+    integrate,
+)
+from furuta_model.compiled import compiled
+from furuta_model.friction.laws import has_bristle
+from furuta_model.state import BRISTLE, PHI
+
+
+@compiled
+def follow_piece(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    loop: IdealLoop,
+    extent: np.ndarray,
+    trace: np.ndarray,
+) -> tuple[int, float, int]:
+    """Follow one piece of motion from ``y``, in place, to its event or for ``time_limit`` [s].
+
+    ``extent`` is updated. ``trace`` (n, 6) gets time and state of every step, up to n rows.
+    Returns how the piece ended, its duration [s] and the number of rows written.
+    """
+    t, rows = 0.0, 0
+    while True:
+        ended, duration, more = integrate(
+            y, mode, time_limit - t, loop, False, extent, trace[rows:]
+        )
+        _delay(trace, rows, more, t)
+        t, rows = t + duration, rows + more
+        if ended != NEAR_REST:
+            return ended, t, rows
+        ended, duration, more = _follow_near_rest(
+            y, mode, time_limit - t, loop, extent, trace[rows:]
+        )
+        _delay(trace, rows, more, t)
+        t, rows = t + duration, rows + more
+        if ended != LEFT_REST:
+            return ended, t, rows
+
+
+@compiled
+def _delay(trace: np.ndarray, first: int, rows: int, t: float) -> None:
+    for row in range(first, first + rows):
+        trace[row, 0] += t
+
+
+@compiled
+def _follow_near_rest(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    loop: IdealLoop,
+    extent: np.ndarray,
+    trace: np.ndarray,
+) -> tuple[int, float, int]:
+    """Continue a piece of motion in coordinates counted from the rest near ``y``."""
+    phi, held = rest_near(y, mode, loop)
+    z = held / loop.law.parameters.sigma0 if has_bristle(loop.law) else 0.0
+    local = IdealLoop(loop.body, loop.law, loop.l1, loop.l2, loop.l3, loop.l4, loop.linear, held)
+    _shift(y, extent, -phi, -z)
+    ended, duration, rows = integrate(y, mode, time_limit, local, True, extent, trace)
+    _shift(y, extent, phi, z)
+    for row in range(rows):
+        trace[row, 1 + PHI] += phi
+        trace[row, 1 + BRISTLE] += z
+    return ended, duration, rows
+
+
+@compiled
+def _shift(y: np.ndarray, extent: np.ndarray, phi: float, z: float) -> None:
+    y[PHI] += phi
+    y[BRISTLE] += z
+    extent[PHI_LOW] += phi
+    extent[PHI_HIGH] += phi
+
+
+@compiled
+def follow_to_upper_reversal(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    loop: IdealLoop,
+    smallest: float,
+    extent: np.ndarray,
+    trace: np.ndarray,
+) -> tuple[int, float, int]:
+    """Follow the motion until the arm stops moving forward (v = 0 from above).
+
+    A reversal counts only after a slide of ``smallest`` [rad], because the stuck arm oscillates on
+    a stiff bristle. ``mode`` is the piece that begins at ``y``. Returns the same as
+    :func:`follow_piece`; after EVENT the next piece is ``next_mode(y, 1.0, loop)``.
+    """
+    t, rows = 0.0, 0
+    while True:
+        start = y[PHI]
+        ended, duration, more = follow_piece(y, mode, time_limit - t, loop, extent, trace[rows:])
+        _delay(trace, rows, more, t)
+        t += duration
+        rows += more
+        if ended != EVENT:
+            return ended, t, rows
+        if mode == 1.0 and y[PHI] - start >= smallest:
+            return EVENT, t, rows
+        mode = next_mode(y, mode, loop)

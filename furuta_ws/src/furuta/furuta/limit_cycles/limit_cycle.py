@@ -1,0 +1,280 @@
+"""Finds and classifies the final motion of the ideal loop.
+
+The loop is followed from its initial state until the motion nearly repeats; from there Newton's
+method converges to the limit cycle. Without reversals the arm is at rest or rotates. The stability
+of both is computed. An unstable one is left along the direction in which disturbances grow, and the
+search goes on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta.describing_functions.steady_rotation import rotation_growth
+from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, rate, rest_near
+from furuta.limit_cycles.periodic_orbit import (
+    REST,
+    LimitCycle,
+    limit_cycle_through,
+    periodic_orbit,
+)
+from furuta.limit_cycles.rest_stability import rest_stability
+from furuta.limit_cycles.section import LONGEST_RETURN, Return, Section
+from furuta.limit_cycles.smooth_motion import (
+    AT_REST,
+    EVENT,
+    PHI_HIGH,
+    PHI_LOW,
+    THETA_HIGH,
+    THETA_LOW,
+    TOO_STIFF,
+    UNBOUNDED,
+)
+from furuta_model.friction.lugre import highest_level
+from furuta_model.parameters import ParameterError
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+
+RETURNS = 3000  # after which, or after this time [s], the motion is classified as irregular
+MOTION_TIME = 3000.0
+MIN_RETURNS = 60  # followed however long they take
+WINDOWS = 20  # times without a reversal that the motion is followed on
+MAX_TURNS = 4  # largest number of upper reversals per period
+NEARBY = 0.05  # relative change of the section point below which Newton's method is started
+REPEATED = 1e-7  # relative change of the section point that is no change
+MUCH_CLOSER = 0.1  # ratio of such changes from which another period than the failed one is tried
+STEADY = 0.01  # relative change of speed over the longest return of a steady rotation
+STILL = 1e-6  # largest speed [rad/s] and angle [rad] of the pendulum in a steady rotation
+FRICTIONLESS = 1e-9  # [V]
+DISTURBANCE = 1e-7  # [rad, rad/s] of an unstable rest or rotation
+SAME_REST = 1e-5  # difference of the arm angle [rad] within which two rests are one
+SLIDE = 0.5  # fraction of the peak-to-peak angle that is a slide, if no slide is longer
+
+
+def limit_cycle(loop: IdealLoop, start: np.ndarray | None = None) -> LimitCycle:
+    """The final motion of the loop from state ``start`` (5,), by default at rest at 0.05 rad."""
+    _check(loop)
+    if highest_level(loop.law.parameters) < FRICTIONLESS:
+        # Without friction there is no bristle to follow.
+        loop = loop._replace(law=loop.law.named("coulomb"))
+    y = state_at_rest(0.05) if start is None else np.array(start, dtype=float)
+    return _Search(loop, y).run()
+
+
+def state_at_rest(theta: float) -> np.ndarray:
+    """State (5,) at rest with the pendulum at ``theta`` [rad]."""
+    y = np.zeros(PLANT_STATES)
+    y[THETA] = theta
+    return y
+
+
+class _Search:
+    """Follows the loop from ``y``, return by return, until its final motion is known."""
+
+    def __init__(self, loop: IdealLoop, y: np.ndarray) -> None:
+        self._loop, self._y = loop, y
+        self._mode: float | None = _first_mode(y, loop)
+        self._section = Section(loop)
+        self._points: list[np.ndarray] = []  # section points since the last disturbance
+        self._largest = 0.0
+        self._windows = 0
+        self._failures = self._next_attempt = 0
+        self._excursions: list[_Excursion] = []
+
+    def run(self) -> LimitCycle:
+        time = 0.0
+        for number in range(RETURNS):
+            end = self._follow()
+            found = self._after(end, number)
+            if found is not None:
+                return found
+            time += end.time
+            if number >= MIN_RETURNS and time > MOTION_TIME:
+                break
+        return LimitCycle("irregular", phi_peak_to_peak_rad=self._largest)
+
+    def _follow(self) -> Return:
+        """Follow to the next return; from an unstable rest, to where a disturbance leads."""
+        end = self._section.follow(self._y, self._mode)
+        self._mode, self._start, self._y = None, self._y, end.y
+        return end
+
+    def _after(self, end: Return, number: int) -> LimitCycle | None:
+        """The final motion, if it is known after this return."""
+        if end.ended == UNBOUNDED:
+            return LimitCycle("unbounded")
+        if end.ended == TOO_STIFF:
+            raise ParameterError(
+                "the bristle is too fast to follow: sigma0 is too large or the friction level "
+                "too small; a stick-slip law (coulomb, stiction, stribeck) has no bristle"
+            )
+        if self._excursions:
+            self._excursions[-1].include(end)
+        size = _size(end)
+        if end.ended == AT_REST or (end.ended == EVENT and size < REST):
+            return self._at_rest()
+        if end.ended != EVENT:
+            return self._without_return(end)
+        self._points.append(end.y[self._section.free])
+        self._largest = max(self._largest, size)
+        return self._cycle(number) if number >= self._next_attempt else None
+
+    def _cycle(self, number: int) -> LimitCycle | None:
+        """The stable cycle near the last return, if the motion nearly repeats.
+
+        After failures it is tried less and less often: the motion may pass slowly where a cycle has
+        just disappeared.
+        """
+        failed = np.inf  # closeness of a recurrence from which Newton's method failed
+        for turns, closeness in _recurrences(self._points):
+            if closeness > MUCH_CLOSER * failed:
+                continue  # a multiple of that period, which would fail too
+            cycle = self._cycle_near_last(turns, closeness)
+            # The motion ends in a stable cycle. Newton's method may find an unstable one nearby.
+            if cycle is not None and cycle.stable:
+                return cycle
+            self._failures += 1
+            self._next_attempt = number + 1 + self._failures // 3
+            if cycle is None:
+                failed = closeness
+        return None
+
+    def _cycle_near_last(self, turns: int, closeness: float) -> LimitCycle | None:
+        point = self._points[-1]
+        cycle = periodic_orbit(self._section, point, turns, self._largest)
+        if cycle is None and closeness < REPEATED:
+            # Newton's method needs a smooth map; beside an unstable rest it may not be.
+            return limit_cycle_through(self._section, point, turns, self._largest)
+        return cycle
+
+    def _without_return(self, end: Return) -> LimitCycle | None:
+        """A steady rotation, or None: then the motion is followed on."""
+        y, v = end.y, float(end.y[PHI_DOT])
+        self._windows += 1
+        self._mode = float(np.sign(v)) or next_mode(y, 1.0, self._loop)
+        slides = _size(end) <= abs(y[PHI] - self._start[PHI]) * (1.0 + 1e-9)
+        if self._loop.l1 == 0.0 and _is_steady(y, self._loop):
+            return self._rotation(y)
+        if self._windows > WINDOWS:
+            if slides and self._loop.l1 != 0.0:  # very slowly, to where friction balances l₁φ
+                return self._at_rest()
+            grows = slides and abs(v) > abs(self._start[PHI_DOT])
+            return LimitCycle("unbounded" if grows else "irregular")
+        if not slides and self._windows > 1:
+            # The arm oscillates by less than what counted as a slide.
+            self._section = Section(self._loop, SLIDE * _size(end))
+            self._points = []
+        return None
+
+    def _rotation(self, y: np.ndarray) -> LimitCycle | None:
+        loop, v = self._loop, float(y[PHI_DOT])
+        growth = rotation_growth(v, loop.body, loop.gains, loop.law, loop.linear)
+        if growth < 0.0 or self._windows > WINDOWS:
+            return LimitCycle("rotation", rotation_rate_rad_s=v, growth_rate_1_s=growth)
+        self._y = y.copy()
+        self._y[THETA] += DISTURBANCE
+        return None
+
+    def _at_rest(self) -> LimitCycle | None:
+        """A stable rest, or None: then a disturbance leads away from it.
+
+        If it leads back to an earlier rest, the motion repeats for ever, with pauses as long as a
+        disturbance takes to grow.
+        """
+        y = self._rest_state()
+        growth, directions = rest_stability(y, self._loop)
+        at_rest = LimitCycle("rest", point=tuple(y), growth_rate_1_s=growth)
+        if growth < 0.0:
+            return at_rest
+        for number, excursion in enumerate(self._excursions):
+            if abs(excursion.phi - y[PHI]) < SAME_REST:
+                return _repeated(self._excursions[number:], growth)
+        for direction in directions:
+            self._y = y + DISTURBANCE * direction
+            self._mode = _first_mode(self._y, self._loop)
+            if _size(self._section.follow(self._y, self._mode)) > SAME_REST:
+                self._excursions.append(_Excursion(self._y, float(y[PHI])))
+                self._points = []
+                return None
+        return at_rest
+
+    def _rest_state(self) -> np.ndarray:
+        """The rest (5,) that the motion has reached."""
+        law = self._loop.law
+        stuck = not law.bristle and highest_level(law.parameters) > FRICTIONLESS
+        phi, held = rest_near(self._y, 0.0 if stuck else 1.0, self._loop)
+        y = np.zeros(PLANT_STATES)
+        y[PHI] = phi
+        if law.bristle:
+            y[BRISTLE] = held / law.parameters.sigma0
+        return y
+
+
+class _Excursion:
+    """Motion from one unstable rest, with the arm at ``phi`` [rad], to the next."""
+
+    def __init__(self, start: np.ndarray, phi: float) -> None:
+        self.start, self.phi = start, phi
+        self.low, self.high = np.full(2, np.inf), np.full(2, -np.inf)
+
+    def include(self, end: Return) -> None:
+        """Extend the extremes of φ and θ by those of one return."""
+        self.low = np.minimum(self.low, end.extent[[PHI_LOW, THETA_LOW]])
+        self.high = np.maximum(self.high, end.extent[[PHI_HIGH, THETA_HIGH]])
+
+
+def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
+    low = np.min([each.low for each in excursions], axis=0)
+    high = np.max([each.high for each in excursions], axis=0)
+    phi, theta = (float(each) for each in high - low)
+    return LimitCycle(
+        "oscillation",
+        phi,
+        theta,
+        float("inf"),
+        stuck_fraction=1.0,
+        point=tuple(excursions[0].start),
+        rest_distance=0.0,
+        growth_rate_1_s=growth,
+    )
+
+
+def _size(end: Return) -> float:
+    return float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
+
+
+def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
+    """Numbers of reversals after which the motion nearly repeats, and the relative change then."""
+    size = float(np.linalg.norm(points[-1]))
+    changes = [
+        (turns, float(np.linalg.norm(points[-1] - points[-1 - turns])))
+        for turns in range(1, min(MAX_TURNS, len(points) - 1) + 1)
+    ]
+    return [(turns, change / size) for turns, change in changes if change < NEARBY * size]
+
+
+def _is_steady(y: np.ndarray, loop: IdealLoop) -> bool:
+    """Whether the arm rotates at a speed that hardly changes, with the pendulum upright."""
+    v = float(y[PHI_DOT])
+    if v == 0.0 or max(abs(y[THETA]), abs(y[THETA_DOT])) > STILL:
+        return False
+    dy = np.empty(PLANT_STATES)
+    rate(y, float(np.sign(v)), loop, dy)
+    return abs(float(dy[PHI_DOT]) * LONGEST_RETURN / v) < STEADY
+
+
+def _first_mode(y: np.ndarray, loop: IdealLoop) -> float:
+    """Mode of the first piece of motion from state ``y``."""
+    if y[PHI_DOT] != 0.0:
+        return float(np.sign(y[PHI_DOT]))
+    if not loop.law.bristle:
+        return next_mode(y, 1.0, loop)
+    dy = np.empty(PLANT_STATES)
+    rate(y, 1.0, loop, dy)
+    return 1.0 if dy[PHI_DOT] >= 0.0 else -1.0
+
+
+def _check(loop: IdealLoop) -> None:
+    loop.body.check()
+    gains = (loop.l1, loop.l2, loop.l3, loop.l4)
+    if not np.all(np.isfinite(gains)):
+        raise ParameterError(f"feedback must be finite, given {gains}")

@@ -1,0 +1,154 @@
+"""Periodic orbits of the ideal loop as fixed points of the Poincaré map.
+
+A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. Its Floquet
+multipliers are the eigenvalues of dP/ds.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.limit_cycles.exact_motion import follow_to_upper_reversal
+from furuta.limit_cycles.ideal_loop import IdealLoop, feedback, friction_at, next_mode
+from furuta.limit_cycles.section import LONGEST_RETURN, Section
+from furuta.limit_cycles.smooth_motion import (
+    CLOSEST,
+    PHI_HIGH,
+    PHI_LOW,
+    STUCK,
+    THETA_HIGH,
+    THETA_LOW,
+    extent_at,
+)
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI, PLANT_STATES
+
+MAX_TRACE = 200_000  # rows between two upper reversals
+REST = 1e-7  # [rad] peak to peak below which the arm is at rest
+TOLERANCE = 1e-9  # Newton correction, relative to the size of the cycle
+NEWTON_STEPS = 25
+
+
+class LimitCycle(NamedTuple):
+    """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
+
+    ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
+    the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
+    the arm per period, ``point`` the state (5,) at the first of them; a reversal counts after a
+    slide of ``smallest_slide`` [rad].
+    ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
+    ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative.
+
+    With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
+    however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
+    """
+
+    kind: str
+    phi_peak_to_peak_rad: float = 0.0
+    theta_peak_to_peak_rad: float = 0.0
+    period_s: float = float("nan")
+    rotation_rate_rad_s: float = 0.0
+    stuck_fraction: float = 0.0
+    floquet_multipliers: tuple[complex, ...] = ()
+    turns: int = 1
+    point: tuple[float, ...] = ()
+    smallest_slide: float = 0.0
+    rest_distance: float = float("nan")
+    growth_rate_1_s: float = float("nan")
+
+    @property
+    def stable(self) -> bool:
+        """Whether disturbances decay: by all Floquet multipliers, or by the growth rate."""
+        if self.kind in ("rest", "rotation"):
+            return self.growth_rate_1_s < 0.0
+        return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
+
+
+def periodic_orbit(
+    section: Section, guess: np.ndarray, turns: int = 1, size: float = 0.1
+) -> LimitCycle | None:
+    """The periodic motion near ``guess`` (section coordinates), stable or not; None if not found.
+
+    ``size`` is the approximate size of the cycle [rad].
+    """
+    s = guess.copy()
+    identity = np.eye(len(s))
+    for _ in range(NEWTON_STEPS):
+        end = section.map(s, turns)
+        if end is None:
+            return None
+        jacobian = section.jacobian(s, turns, size)
+        if jacobian is None:
+            return None
+        try:
+            correction = np.linalg.solve(identity - jacobian, end - s)
+        except np.linalg.LinAlgError:
+            return None
+        s = s + correction
+        if np.linalg.norm(correction) < TOLERANCE * size:
+            return limit_cycle_through(section, s, turns, size)
+        if np.linalg.norm(correction) > 10.0 * max(size, float(np.linalg.norm(guess))):
+            return None
+    return None
+
+
+def limit_cycle_through(
+    section: Section, s: np.ndarray, turns: int, size: float
+) -> LimitCycle | None:
+    """The periodic motion through the fixed point ``s``; None if the arm is at rest."""
+    end = section.follow(section.state(s), turns=turns)
+    jacobian = section.jacobian(s, turns, size)
+    phi = float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
+    if jacobian is None or phi < REST:
+        return None
+    return LimitCycle(
+        "oscillation",
+        phi,
+        float(end.extent[THETA_HIGH] - end.extent[THETA_LOW]),
+        end.time,
+        float(end.y[PHI] - section.state(s)[PHI]) / end.time,
+        float(end.extent[STUCK]) / end.time,
+        tuple(complex(m) for m in sorted(np.linalg.eigvals(jacobian), key=abs, reverse=True)),
+        turns,
+        tuple(section.state(s)),
+        section.smallest,
+        float(end.extent[CLOSEST]),
+    )
+
+
+class Trajectory(NamedTuple):
+    """One period of a cycle: time (n,) [s], state (n, 5), control and friction (n,) [V]."""
+
+    time: np.ndarray
+    state: np.ndarray
+    control: np.ndarray
+    friction: np.ndarray
+
+
+def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
+    """The motion of an oscillation over one period, at the steps of the integration."""
+    if not np.isfinite(cycle.period_s):
+        raise ParameterError("a motion with an infinite period cannot be traced over one period")
+    y = np.array(cycle.point)
+    rows = [np.append(0.0, y)]
+    extent, buffer = extent_at(y), np.empty((MAX_TRACE, PLANT_STATES + 1))
+    elapsed = 0.0
+    for _ in range(cycle.turns):
+        mode = next_mode(y, 1.0, loop)
+        _, duration, n = follow_to_upper_reversal(
+            y, mode, LONGEST_RETURN, loop, cycle.smallest_slide, extent, buffer
+        )
+        part = buffer[:n].copy()
+        part[:, 0] += elapsed
+        rows.extend(part)
+        elapsed += duration
+    table = np.array(rows)
+    state = table[:, 1:]
+    return Trajectory(
+        table[:, 0],
+        state,
+        np.array([feedback(x, loop) for x in state]),
+        np.array([friction_at(x, loop) for x in state]),
+    )

@@ -1,0 +1,191 @@
+"""Integrates one smooth piece of motion of the ideal loop to its event.
+
+The Dormand–Prince pair 5(4) with error control ends exactly at the event: a reversal (v = 0) or the
+breakaway of the stuck arm.
+"""
+
+from __future__ import annotations
+
+from math import isfinite, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.limit_cycles.dormand_prince import step
+from furuta.limit_cycles.ideal_loop import (
+    IdealLoop,
+    before_event,
+    rate,
+    rest_distance,
+)
+from furuta_model.compiled import compiled
+from furuta_model.friction.laws import has_bristle
+from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_sim.simulation.oscillation import STUCK_SPEED
+
+# How a piece of motion ended.
+GOES_ON = -1
+EVENT = 0  # at its event
+TIME_OUT = 1
+UNBOUNDED = 2  # the pendulum fell, or the state grew without bound
+TOO_STIFF = 3  # the bristle is too fast: the steps become too small
+AT_REST = 4  # closer to a rest than any disturbance
+NEAR_REST = 5  # within the distance from which a rest is the origin
+LEFT_REST = 6  # no longer so
+MAX_STEPS = 1_000_000  # of one piece of motion
+MAX_SPEED = 1e3  # [rad/s]
+# Distances from a rest: where it becomes and ceases to be the origin, and where it is reached.
+# Disturbances of the last size decide how long the arm stays at an unstable rest.
+NEAR, FAR, REACHED = 1e-6, 1e-5, 1e-14
+MAX_STEP = 5e-3  # [s]
+MIN_STEP = 1e-12  # [s]
+
+
+class Extent(NamedTuple):
+    """Indices of an array (6,): extremes of φ and θ [rad], time stuck [s], least rest distance."""
+
+    PHI_LOW: int = 0
+    PHI_HIGH: int = 1
+    THETA_LOW: int = 2
+    THETA_HIGH: int = 3
+    STUCK: int = 4
+    CLOSEST: int = 5
+
+
+PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK, CLOSEST = Extent()
+
+
+def extent_at(y: np.ndarray) -> np.ndarray:
+    """The extent of a motion that begins at ``y`` (5,)."""
+    return np.array([y[PHI], y[PHI], y[THETA], y[THETA], 0.0, np.inf])
+
+
+@compiled
+def integrate(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    loop: IdealLoop,
+    near: bool,
+    extent: np.ndarray,
+    trace: np.ndarray,
+) -> tuple[int, float, int]:
+    """Follow a piece of motion in place while it stays away from rests, or ``near`` one.
+
+    ``near``: the state is counted from that rest. Returns the same as
+    :func:`furuta.limit_cycles.exact_motion.follow_piece`.
+    """
+    k = np.empty((7, PLANT_STATES))
+    end = np.empty(PLANT_STATES)
+    t, h, rows, steps = 0.0, 1e-4, 0, 0
+    size = rest_distance(y, mode, loop) if near else 1.0
+    rate(y, mode, loop, k[0])
+    while t < time_limit:
+        steps += 1
+        if steps > MAX_STEPS:
+            return TOO_STIFF, t, rows
+        h = min(h, MAX_STEP, time_limit - t)
+        error = step(y, h, mode, loop, size, k, end)
+        if not isfinite(error):
+            return UNBOUNDED, t, rows
+        if error > 1.0 and h > MIN_STEP:
+            h *= max(0.2, 0.9 * error**-0.2)
+            continue
+        ended = before_event(end, mode, loop) < 0.0
+        used = h
+        if ended:
+            used = _locate(y, h, mode, loop, size, k, end)
+            if mode != 0.0:
+                end[PHI_DOT] = 0.0
+        _update_extent(y, end, used, mode, loop, extent)
+        t += used
+        y[:] = end
+        if rows < len(trace):
+            trace[rows, 0] = t
+            trace[rows, 1:] = y
+            rows += 1
+        distance = rest_distance(y, mode, loop)
+        extent[CLOSEST] = min(extent[CLOSEST], distance)
+        if ended:
+            return EVENT, t, rows
+        ending = _ending(y, near, distance)
+        if ending != GOES_ON:
+            return ending, t, rows
+        size = distance if near else 1.0
+        k[0] = k[6]
+        h *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
+    return TIME_OUT, t, rows
+
+
+@compiled
+def _ending(y: np.ndarray, near: bool, distance: float) -> int:
+    """How the piece of motion ends at ``y``, ``distance`` from a rest; GOES_ON if it does not."""
+    if abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED:
+        return UNBOUNDED
+    if not near:
+        return NEAR_REST if distance < NEAR else GOES_ON
+    if distance < REACHED:
+        return AT_REST
+    return LEFT_REST if distance > FAR else GOES_ON
+
+
+@compiled
+def _locate(
+    y: np.ndarray,
+    h: float,
+    mode: float,
+    loop: IdealLoop,
+    size: float,
+    k: np.ndarray,
+    end: np.ndarray,
+) -> float:
+    """Find the step [s] from ``y`` to the event; ``end`` becomes the state there.
+
+    Uses the Illinois method on the length of the step; each trial is a full step of fifth order.
+    """
+    low, high = 0.0, h
+    at_low, at_high = max(before_event(y, mode, loop), 0.0), before_event(end, mode, loop)
+    if at_low == 0.0:  # the piece began at v = 0: start from a point inside it
+        low = 1e-3 * h
+        step(y, low, mode, loop, size, k, end)
+        at_low = before_event(end, mode, loop)
+        if at_low <= 0.0:
+            return low
+    middle = high
+    for _ in range(60):
+        middle = (low * at_high - high * at_low) / (at_high - at_low)
+        step(y, middle, mode, loop, size, k, end)
+        value = before_event(end, mode, loop)
+        if abs(value) < 1e-14 * size or high - low < 1e-15:
+            break
+        if value < 0.0:
+            high, at_high = middle, value
+            at_low *= 0.5
+        else:
+            low, at_low = middle, value
+            at_high *= 0.5
+    return middle
+
+
+@compiled
+def _update_extent(
+    y: np.ndarray, end: np.ndarray, h: float, mode: float, loop: IdealLoop, extent: np.ndarray
+) -> None:
+    """Include one step; an extreme of θ inside it is found on its cubic interpolation."""
+    extent[PHI_LOW] = min(extent[PHI_LOW], end[PHI])
+    extent[PHI_HIGH] = max(extent[PHI_HIGH], end[PHI])
+    theta = end[THETA]
+    w0, w1 = y[THETA_DOT], end[THETA_DOT]
+    if w0 * w1 < 0.0:
+        s = w0 / (w0 - w1)
+        theta = (
+            (1 + 2 * s) * (1 - s) ** 2 * y[THETA]
+            + s * (1 - s) ** 2 * h * w0
+            + s * s * (3 - 2 * s) * end[THETA]
+            + s * s * (s - 1) * h * w1
+        )
+    extent[THETA_LOW] = min(extent[THETA_LOW], theta, end[THETA])
+    extent[THETA_HIGH] = max(extent[THETA_HIGH], theta, end[THETA])
+    stuck = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
+    if mode == 0.0 or (has_bristle(loop.law) and stuck):
+        extent[STUCK] += h

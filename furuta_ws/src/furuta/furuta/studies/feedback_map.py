@@ -1,0 +1,64 @@
+"""Map over two parameters: which feedbacks give limit cycles, and how large they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.periodic_orbit import LimitCycle
+from furuta_model.parameters import ParameterError
+from furuta_model.transfer import transfer
+from furuta_sim.lanes.batch import available_cores
+
+
+class MapPoint(NamedTuple):
+    """Exact motion at one pair of parameter values, IMPOSSIBLE if the values are rejected.
+
+    ``predicted_phi_peak_to_peak_rad`` is the largest stable cycle that the describing
+    function predicts, 0 for none.
+    """
+
+    first: float
+    second: float
+    cycle: LimitCycle
+    predicted_phi_peak_to_peak_rad: float = 0.0
+
+
+IMPOSSIBLE = LimitCycle("impossible")
+
+
+def map_feedbacks(
+    loop_at: Callable[[float, float], IdealLoop],
+    firsts: Iterable[float],
+    seconds: Iterable[float],
+    workers: int | None = None,
+) -> Iterator[MapPoint]:
+    """Compute the exact motion over a grid, row by row, on all cores.
+
+    Threads suffice because compiled code releases the interpreter lock. The result of a point does
+    not depend on other points or on the number of workers.
+    """
+    pairs = [(first, second) for first in firsts for second in seconds]
+
+    def point(pair: tuple[float, float]) -> MapPoint:
+        try:
+            loop = loop_at(*pair)
+            return MapPoint(*pair, limit_cycle(loop), predicted_peak_to_peak(loop))
+        except ParameterError:
+            return MapPoint(*pair, IMPOSSIBLE)
+
+    # A wrong name or range raises an error here, instead of a map of impossible points.
+    loop_at(*pairs[0]), loop_at(*pairs[-1])
+    with ThreadPoolExecutor(workers or available_cores()) as pool:
+        yield from pool.map(point, pairs)
+
+
+def predicted_peak_to_peak(loop: IdealLoop) -> float:
+    """The arm's peak-to-peak angle [rad] that the describing function of the law predicts, or 0."""
+    g = transfer(loop.body, loop.gains)
+    stable = (c.phi_peak_to_peak_rad for c in predict_cycles(g, loop.law).cycles if c.stable)
+    return max(stable, default=0.0)

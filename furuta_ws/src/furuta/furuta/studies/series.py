@@ -1,0 +1,80 @@
+"""The series of simulations, recordings and files as named columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from furuta.studies.bag_series import bag_series, recorded_series
+from furuta_model.parameters import ParameterError
+from furuta_recordings.readers import Mapping as Names
+from furuta_recordings.readers import read
+from furuta_recordings.series_columns import (
+    COLUMNS,
+    COMMAND,
+    ESTIMATED,
+    FRICTION_ESTIMATE,
+    MEASURED,
+    TIME,
+    TRUE,
+    Series,
+    by_name,
+    known,
+)
+from furuta_recordings.table_files import SUFFIXES, read_columns
+from furuta_sim.simulation.closed_loop import Record
+
+
+def simulated_series(record: Record) -> Series:
+    """The columns of a simulated run."""
+    return {
+        TIME: record.time,
+        **known(by_name(MEASURED, record.measurement)),
+        **by_name(ESTIMATED, record.estimate),
+        FRICTION_ESTIMATE: record.friction_estimate,
+        COMMAND: record.command,
+        **by_name(TRUE, np.column_stack([record.state, record.friction])),
+    }
+
+
+def load_series(path: Path, names: Names | None = None) -> Series:
+    """The columns of a bag, of a file of series, or of a table of another rig.
+
+    Bags of the graph give measurement, estimates, command and, from a simulated plant, the truth.
+    Of another rig's bag or CSV table, ``names`` tells the joints and the command; it gives the
+    measured columns and the command.
+
+    Raises:
+        ParameterError: There is no such file, or it holds no series.
+    """
+    names = names or Names()
+    if not path.exists():
+        raise ParameterError(f"no file or bag {path}")
+    if path.is_dir() or path.suffix in (".mcap", ".db3"):
+        return bag_series(path, names)
+    columns = read_columns(path) if path.suffix.lower() in SUFFIXES else {}
+    if TIME in columns and len(columns.keys() & COLUMNS.keys()) > 1:
+        chosen = {name: columns[name] for name in COLUMNS if name in columns}
+        if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
+            raise ParameterError(f"{path}: its series have different lengths")
+        return chosen
+    if {"state", "estimate", "time"} <= columns.keys():
+        return _simulation_file(path, columns)
+    if path.suffix.lower() in SUFFIXES and path.suffix.lower() != ".csv":
+        raise ParameterError(f"{path} has no series that are known; it has {', '.join(columns)}")
+    return recorded_series(read(path, names)[0])
+
+
+def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
+    """The columns of a file that ``furuta simulate --out FILE.npz`` wrote."""
+    try:
+        time = columns["time"]
+        record = Record(
+            float(time[1] - time[0]) if len(time) > 1 else 0.0,
+            *(columns[name] for name in Record._fields[1:]),
+        )
+        return {**simulated_series(record), TIME: time}
+    except (KeyError, ValueError, IndexError, TypeError) as error:
+        raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None

@@ -1,0 +1,118 @@
+"""Swing-up from random states, on plants that differ from the controller's model."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from math import cos, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.studies.swing_up.rig_loop import SwingUpRun, judge, with_initial
+from furuta_control.control import design_controller
+from furuta_model.friction.parameters import Friction
+from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.lanes.batch import available_cores
+from furuta_sim.simulation.closed_loop import Loop, simulate
+
+# Time of a run [s], and time by which the pendulum must be upright.
+RUN_TIME = 12.0
+DEADLINE = 10.0
+# Largest deviation of inertias, gravity torque and friction levels from the model, relative.
+DEVIATION = 0.1
+# Part of the arm's speed limit up to which starts have speed.
+START_SPEED = 0.95
+# Part of the voltage for the pendulum's centrifugal torque on the arm.
+HOLDING_VOLTAGE = 0.7
+
+
+class StartResults(NamedTuple):
+    """Number of starts, upright by the deadline, beyond a limit; times upright [s]."""
+
+    starts: int
+    upright: int
+    beyond_limits: int
+    median_s: float
+    worst_s: float
+
+
+def random_starts(loop: Loop, starts: int, seed: int) -> list[Loop]:
+    """Loops whose plants and initial states are drawn at random. The controller stays the same."""
+    generator = np.random.default_rng(seed)
+    return [_random_start(loop, generator, seed + k) for k in range(starts)]
+
+
+def run_starts(loops: list[Loop]) -> list[SwingUpRun]:
+    """Run the loops on all cores."""
+    with ThreadPoolExecutor(available_cores()) as pool:
+        return list(pool.map(_run, loops))
+
+
+def summary(runs: list[SwingUpRun]) -> StartResults:
+    """The results of all runs."""
+    times = np.array([each.upright_s for each in runs])
+    in_time = times <= DEADLINE
+    known = times[in_time]
+    return StartResults(
+        len(runs),
+        int(np.sum(in_time)),
+        sum(each.beyond_limits for each in runs),
+        float(np.median(known)) if len(known) else float("nan"),
+        float(np.max(known)) if len(known) else float("nan"),
+    )
+
+
+def with_friction(loop: Loop, factor: float) -> Loop:
+    """The loop with friction levels times ``factor``, both true and in the compensator's model."""
+    plant, observer = loop.plant, loop.observer
+    true = _scaled(plant.friction.parameters, factor, 1.0)
+    return loop._replace(
+        plant=plant._replace(friction=plant.friction._replace(parameters=true)),
+        observer=observer._replace(friction=_scaled(observer.friction, factor, 1.0)),
+    )
+
+
+def _run(loop: Loop) -> SwingUpRun:
+    return judge(simulate(loop, RUN_TIME), loop)
+
+
+def _scaled(friction: Friction, levels: float, viscous: float) -> Friction:
+    return friction._replace(
+        alpha0=friction.alpha0 * levels,
+        alpha1=friction.alpha1 * levels,
+        viscous=friction.viscous * viscous,
+    )
+
+
+def _random_start(loop: Loop, generator: np.random.Generator, seed: int) -> Loop:
+    factors = 1.0 + DEVIATION * generator.uniform(-1.0, 1.0, 6)
+    plant = loop.plant
+    model = FurutaPendulum(
+        *(value * factor for value, factor in zip(plant.model, factors[:4], strict=True))
+    )
+    friction = _scaled(plant.friction.parameters, *factors[4:])
+    changed = plant._replace(model=model, friction=plant.friction._replace(parameters=friction))
+    state = _random_state(loop, generator)
+    return with_initial(loop._replace(plant=changed), state, seed)
+
+
+def _random_state(loop: Loop, generator: np.random.Generator) -> tuple[float, float, float, float]:
+    """Any pendulum angle, and speeds up to what the limits allow.
+
+    The arm can be stopped within the used travel by half of the planned braking. The pendulum is at
+    most as fast as after a fall from upright, and passes the horizontal so slowly that a part of
+    the voltage, :data:`HOLDING_VOLTAGE`, holds the arm against its centrifugal torque γθ̇².
+    """
+    p = loop.controller
+    limits = design_controller(p).swing_up.limits
+    squared = p.model.delta / p.model.beta
+    travel = min(limits.travel, 2.0 * pi)
+    while True:
+        phi = generator.uniform(-travel, travel)
+        speed = START_SPEED * p.arm_speed_limit * generator.uniform(-1.0, 1.0)
+        theta = generator.uniform(-pi, pi)
+        pendulum_speed = 2.0 * sqrt(squared) * generator.uniform(-1.0, 1.0)
+        at_horizontal = p.model.gamma * (pendulum_speed**2 + 2.0 * squared * cos(theta))
+        stops = abs(phi + speed * abs(speed) / limits.braking) < limits.travel
+        if stops and at_horizontal < HOLDING_VOLTAGE * p.voltage_limit:
+            return phi, speed, theta, pendulum_speed

@@ -1,0 +1,202 @@
+"""Automatic tuning of the compensation on a pendulum in motion, simulated or real.
+
+1. The limit cycle is measured with the initial parameters.
+2. The pendulum swings without compensation, and the friction parameters are fitted to the friction
+   that the estimator observes (:mod:`.observed_friction`).
+3. A trust-region search (:mod:`.search`) varies the few parameters that this fit determines worst
+   and minimises the limit cycle that remains with compensation.
+4. Other compensations that the plan names are tried with the fitted friction.
+5. The best candidates are measured once more with the time that is left, because the minimum of
+   noisy trials is biased low. The initial parameters and no compensation are candidates too: if
+   nothing is better, one of them is the result.
+
+The criterion is the peak-to-peak value of the estimated arm angle, which a real rig provides too.
+
+Safety: the excursion is checked against a guard every tenth of a second. A candidate that exceeds
+it is replaced by the best one so far. If that does not help, or at an interruption, the initial
+parameters are restored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from furuta.studies.tuning.observed_friction import fit_friction
+from furuta.studies.tuning.plan import (
+    FINALISTS,
+    FRICTION_RECORDING_TIME,
+    FRICTION_SETTLING_TIME,
+    MEASURING_TIME,
+    RECOVERY_TIME,
+    SETTLING_TIME,
+    TuningPlan,
+)
+from furuta.studies.tuning.result import Trial, TuningResult
+from furuta.studies.tuning.search import minimise_amplitude
+from furuta.studies.tuning.tunable_loop import (
+    GUARD_INTERVAL,
+    GuardedLoop,
+    GuardError,
+    TunableLoop,
+)
+from furuta_control.estimation import EstimatorParameters
+from furuta_control.estimators.kalman import sample_kalman
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import values
+from furuta_model.state import PHI
+
+# Called with a message and the pendulum time [s].
+ProgressCallback = Callable[[str, float], None]
+
+
+def tune(
+    rig: TunableLoop,
+    start: ObserverParameters,
+    estimator: EstimatorParameters,
+    plan: TuningPlan,
+    report: ProgressCallback,
+) -> TuningResult:
+    """Tune the LuGre compensator of ``rig`` and leave it with the best parameters found.
+
+    Raises :class:`GuardError` if the motion leaves the guard with the initial parameters or without
+    compensation, and :class:`ValueError` if no friction is observed although the initial parameters
+    are better than none. The initial parameters are then restored, as after any interruption.
+    """
+    plan.check()
+    if not estimator.chosen.observes_friction:
+        raise ValueError(
+            f"the estimator must observe the friction, as method kalman does; method "
+            f"{estimator.method} does not"
+        )
+    try:
+        result = _Tuner(rig, start, plan, report).run(estimator)
+        rig.apply(result.after.observer)
+        return result
+    except BaseException:
+        rig.apply(start)
+        raise
+
+
+class _Tuner:
+    def __init__(
+        self,
+        rig: TunableLoop,
+        given: ObserverParameters,
+        plan: TuningPlan,
+        report: ProgressCallback,
+    ) -> None:
+        self._rig = GuardedLoop(rig, plan.arm_guard, plan.pendulum_guard)
+        self._given = given
+        self._start = given._replace(compensation="lugre")
+        self._plan = plan
+        self._report_progress = report
+        self._trials: list[Trial] = []
+
+    def run(self, estimator: EstimatorParameters) -> TuningResult:
+        before = self._measure(self._start, MEASURING_TIME)
+        self._report(f"before: {before.amplitude:.4f} rad")
+        uncompensated, estimates = self._without_compensation()
+        unchanged = [before, uncompensated]
+        given = self._given_trial(unchanged)
+        fitted = None
+        try:
+            fitted = self._fit(estimates, estimator)
+        except ValueError as error:
+            if before.amplitude < uncompensated.amplitude:
+                raise
+            self._report(f"nothing to tune: {error}")
+        if fitted is not None:
+            self._search(self._start._replace(friction=fitted))
+        after = self._confirm_best([*unchanged, given])
+        return TuningResult(
+            before, uncompensated, given, fitted, after, self._trials, self._rig.elapsed
+        )
+
+    def _given_trial(self, unchanged: list[Trial]) -> Trial:
+        """The motion with the initial compensation, measured only if it is not known yet."""
+        for trial in unchanged:
+            if trial.observer == self._given:
+                return trial
+        trial = self._measure(self._given, MEASURING_TIME)
+        self._report(f"{self._given.compensation}, initial: {trial.amplitude:.4f} rad")
+        return trial
+
+    def _search(self, start: ObserverParameters) -> None:
+        minimise_amplitude(self._try, start, self._plan.search, self._plan.max_trials)
+        if self._plan.rivals and not self._plan.seconds_for_rivals:
+            self._report("no time left to try the other compensations")
+            return
+        for rival in self._plan.rivals:
+            self._try(start._replace(compensation=rival))
+
+    def _without_compensation(self) -> tuple[Trial, np.ndarray]:
+        """The motion without compensation, and its estimates (n, 5)."""
+        self._report("recording the friction without compensation")
+        observer = self._start._replace(compensation="none")
+        self._rig.apply(observer)
+        self._rig.watch(FRICTION_SETTLING_TIME)
+        estimates = self._rig.watch(FRICTION_RECORDING_TIME)
+        trial = Trial(observer, float(np.ptp(estimates[:, PHI])))
+        self._report(f"without compensation: {trial.amplitude:.4f} rad")
+        return trial, estimates
+
+    def _fit(self, estimates: np.ndarray, estimator: EstimatorParameters) -> Friction:
+        """The friction parameters, from the limit cycle without compensation."""
+        return fit_friction(
+            estimates,
+            sample_kalman(estimator.rig, estimator.kalman),
+            estimator.sample_time,
+            self._start.friction,
+            self._plan.fit,
+        ).friction
+
+    def _try(self, observer: ObserverParameters) -> float:
+        """The amplitude [rad] with a candidate, ``arm_guard`` if the motion leaves the guard."""
+        try:
+            trial = self._measure(observer, MEASURING_TIME)
+        except GuardError:
+            trial = Trial(observer, self._plan.arm_guard)
+            self._retreat()
+        self._trials.append(trial)
+        given = values(observer)
+        tried = ", ".join(f"{name} {given[name]:.4g}" for name in self._plan.search)
+        self._report(f"{observer.compensation}, {tried}: {trial.amplitude:.4f} rad")
+        return trial.amplitude
+
+    def _retreat(self) -> None:
+        """Go back to the best candidate so far; if that leaves the guard too, tuning ends."""
+        self._report("left the guard")
+        best = min(self._trials, key=lambda trial: trial.amplitude, default=None)
+        self._rig.apply(best.observer if best else self._start)
+        # The excursion takes a while to decay; the guard holds again after that.
+        self._rig.watch_unguarded(RECOVERY_TIME)
+        self._rig.watch(GUARD_INTERVAL)
+
+    def _confirm_best(self, unchanged: list[Trial]) -> Trial:
+        """The best of the best candidates after a second measurement in the time that is left.
+
+        One of ``unchanged``, the motions without tuning, if that is not worse.
+        """
+        best = sorted(self._trials, key=lambda trial: trial.amplitude)[:FINALISTS]
+        seconds = (self._plan.seconds - self._rig.elapsed) / max(1, len(best)) - SETTLING_TIME
+        confirmed = list(unchanged)
+        for number, first in enumerate(best, start=1):
+            self._report(f"second measurement of candidate {number} of {len(best)}")
+            try:
+                second = self._measure(first.observer, seconds)
+            except GuardError:
+                self._retreat()
+                continue
+            confirmed.append(second._replace(amplitude=max(first.amplitude, second.amplitude)))
+        return min(confirmed, key=lambda trial: trial.amplitude)
+
+    def _measure(self, observer: ObserverParameters, seconds: float) -> Trial:
+        self._rig.apply(observer)
+        self._rig.watch(SETTLING_TIME)
+        return Trial(observer, float(np.ptp(self._rig.watch(seconds)[:, PHI])))
+
+    def _report(self, message: str) -> None:
+        self._report_progress(message, self._rig.elapsed)

@@ -1,1 +1,0 @@
-"""Simulation and analysis of the closed loop, without ROS."""

@@ -1,1 +1,0 @@
-"""Simulation of the closed loop without ROS, and measurement of its oscillation."""

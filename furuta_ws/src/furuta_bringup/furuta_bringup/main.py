@@ -1,0 +1,170 @@
+"""The command line ``furuta``: a verb is a module of ``verbs`` and a line in ``VERBS``."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import sys
+from difflib import get_close_matches
+from importlib.metadata import packages_distributions, version
+from typing import Any
+
+import click
+
+from furuta_bringup.printing import printable
+from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
+from furuta_ros.process_start import INTERRUPTED, end_with_parent, exit_on_interrupt
+
+VERBS = {
+    "demo": "Compare four compensations on the real node graph.",
+    "run": "Run the graph until Ctrl-C.",
+    "view": "Show the graph in a browser, with all parameters.",
+    "simulate": "Simulate the same closed loop without ROS.",
+    "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
+    "swing-up": "Swing up from random states, and optimise the swing-up.",
+    "benchmark-swing-up": "Score swing-up as the double-pendulum competition does.",
+    "tune": "Tune the compensator for the smallest limit cycle.",
+    "sweep": "Simulate many parameter values, on all cores or on a cluster.",
+    "compare": "Compare compensations on rigs that they do not know.",
+    "robustness": "How sure a compensation is over uncertain rigs.",
+    "sensitivity": "Remaining limit cycle over the sensor noise.",
+    "linearize": "Linear model, poles, and the gain by pole placement.",
+    "limit-cycle": "Exact limit cycle, and its branches over a parameter.",
+    "map": "Map of the limit cycle over two parameters.",
+    "nyquist": "Nyquist plot from friction to arm speed, and its crossings (Fig. 4).",
+    "describing-function": "Limit cycles predicted by the describing function of friction.",
+    "convergence": "Passivity condition for convergence of the friction observer.",
+    "identify": "Identify a model from recordings.",
+    "rig": "Check a rig file: does the loop hold as surely as its values are known?",
+    "bag": "Show, export, recover, replay and recompute recorded bags.",
+    "plot": "Draw a bag or a file of series.",
+    "hw": "Commission a real rig, arm it, or emulate one.",
+    "param": "Read and set parameters of running nodes; print parameter files.",
+    "reset": "Put the simulated pendulum upright again.",
+    "node": "List the running nodes, or run one.",
+}
+
+
+def _load(verb: str) -> click.Command:
+    try:
+        module = importlib.import_module(f"furuta_bringup.verbs.{verb.replace('-', '_')}")
+    except ModuleNotFoundError as error:
+        raise _explained(error, verb) from None
+    command: click.Command = module.command
+    return command
+
+
+def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
+    """What to raise if ``verb`` imports what is not installed."""
+    if (error.name or "").startswith("furuta"):
+        return error
+    return UserError(f"furuta {verb} needs {error.name}, which is not installed")
+
+
+class Verbs(click.Group):
+    """The group of all verbs; imports a verb's module only when that verb is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All verbs."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The verb's command."""
+        if cmd_name not in VERBS:
+            return None
+        return _load(cmd_name)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a verb, which may import some packages only then."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            raise _explained(error, ctx.invoked_subcommand) from None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The verb's name, its command and the other arguments; suggests a verb after a typo."""
+        similar = get_close_matches(args[0], VERBS, n=1)
+        if similar and args[0] not in VERBS:
+            ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List all verbs without importing them."""
+        with formatter.section("Verbs"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+def _print_version(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """Print the version of the workspace's package, or of the wheel that contains it."""
+    if value and not ctx.resilient_parsing:
+        print("furuta", version(packages_distributions()["furuta_bringup"][0]))
+        ctx.exit()
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Print the version.",
+)
+def furuta() -> None:
+    """Friction and friction compensation in the Furuta pendulum, on ROS 2."""
+
+
+def main() -> None:
+    """Entry point of the executable ``furuta``."""
+    exit_on_interrupt()
+    end_with_parent()
+    run_command(furuta, "furuta")
+
+
+def run_verb(verb: str, name: str) -> None:
+    """Run one verb as the executable ``name``."""
+    exit_on_interrupt()
+    end_with_parent()
+    run_command(_load(verb), name)
+
+
+def run_command(command: click.Command, name: str) -> None:
+    """Run a command with the arguments of the process, and end the process.
+
+    Its exit status is 0 (done), 1 (failed), 2 (wrong usage) or 130 (Ctrl-C). Each error is one line
+    on standard error.
+    """
+    logging.basicConfig(format="%(levelname)s: %(message)s")
+    try:
+        status = command.main(prog_name=name, standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        status = error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        status = INTERRUPTED
+    except click.ClickException as error:
+        status = _fail(_sentence(error), error.exit_code)
+    except (ParameterError, UserError) as error:
+        status = _fail(str(error))
+    except OSError as error:
+        file = f"{error.filename}: " if error.filename else ""
+        status = _fail(f"{file}{error.strerror}")
+    except MemoryError:
+        status = _fail("not enough memory")
+    sys.exit(status or 0)
+
+
+def _fail(reason: str, status: int = 1) -> int:
+    """Print one line on standard error; return the exit status."""
+    print(f"error: {printable(reason)}", file=sys.stderr)
+    return status
+
+
+def _sentence(error: click.ClickException) -> str:
+    """What is wrong in one line, and where the usage is explained."""
+    text = " ".join(error.format_message().split()).rstrip(".")
+    context = getattr(error, "ctx", None)
+    return f"{text} (see {context.command_path} --help)" if context else text

@@ -1,0 +1,145 @@
+"""Options that several verbs have, and their output."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import click
+
+from furuta_bringup.number_types import FiniteRange
+from furuta_model.friction.laws import LAWS
+from furuta_model.parameters import ParameterError
+from furuta_recordings.readers import Mapping
+from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.rigs import rig_file
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+# Pendulum time [s] of a simulation, and of one that is measured after its transients.
+SIMULATED_SECONDS = FiniteRange(0, 1e6, min_open=True)
+MEASURED_SECONDS = FiniteRange(5, 3600)
+SEED = click.IntRange(0, 2**62)
+
+
+def model_options(function: Function) -> Function:
+    """``--rig NAME|FILE``, and ``--params FILE`` and ``--set NAME=VALUE``, both repeatable.
+
+    The verb receives the rig's file as the first of its parameter files.
+    """
+
+    @wraps(function)
+    def with_rig(*args: Any, rig: str, files: tuple[Path, ...], **others: Any) -> Any:
+        files = (rig_file(rig), *files) if rig else files
+        return function(*args, files=files, **others)
+
+    return rig_option(parameter_options(cast(Function, with_rig)))
+
+
+rig_option = click.option(
+    "--rig",
+    default="",
+    metavar="NAME|FILE",
+    help="Rig whose model, friction, sensors and sample time every node uses.",
+)
+
+
+def parameter_options(function: Function) -> Function:
+    """``--params FILE`` and ``--set NAME=VALUE``, both repeatable."""
+    function = click.option(
+        "--set",
+        "assignments",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3; "
+        "repeatable.",
+    )(function)
+    return click.option(
+        "--params",
+        "files",
+        multiple=True,
+        type=click.Path(exists=False, path_type=Path),
+        metavar="FILE",
+        help="ROS parameter file, or rig file; repeatable.",
+    )(function)
+
+
+def ideal_options(function: Function) -> Function:
+    """``--law`` and ``--feedback`` of the verbs that analyse the ideal loop."""
+    return feedback_option(law_option(function))
+
+
+law_option = click.option(
+    "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
+)
+
+feedback_option = click.option(
+    "--feedback",
+    nargs=4,
+    type=float,
+    metavar="L1 L2 L3 L4",
+    help="Feedback u = l·x; default: the controller's gain.",
+)
+
+
+def _namespace(ctx: click.Context, param: click.Parameter, value: str) -> str:
+    try:
+        return full_namespace(value)
+    except ParameterError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+namespace_option = click.option(
+    "--namespace",
+    default="",
+    metavar="NAME",
+    callback=_namespace,
+    help="ROS namespace of the graph.",
+)
+
+
+def names_options(function: Function) -> Function:
+    """``--arm``, ``--pendulum``, ``--command``, ``--states``: names in another rig's recording.
+
+    The verb receives them as ``names``.
+    """
+
+    @wraps(function)
+    def with_names(*args: Any, **others: Any) -> Any:
+        given = (others.pop(name) for name in ("arm", "pendulum", "command_name", "states"))
+        return function(*args, names=Mapping(*given), **others)
+
+    for parameters, text in (
+        (("--states",), "Topic of the joint states."),
+        (("--command", "command_name"), "Topic or column of the command, or `effort`."),
+        (("--pendulum",), "Name of the pendulum's joint."),
+        (("--arm",), "Name of the arm's joint, in a recording of another rig."),
+    ):
+        with_names = click.option(*parameters, help=text)(with_names)
+    return cast(Function, with_names)
+
+
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
+)
+
+
+def print_json(result: dict[str, Any]) -> None:
+    """Print one JSON object on standard output; NaN becomes null."""
+    print(json.dumps(finite(result)))
+
+
+def finite(value: Any) -> Any:
+    """The value with null instead of NaN and infinity, which JSON does not have."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {key: finite(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(each) for each in value]
+    return value

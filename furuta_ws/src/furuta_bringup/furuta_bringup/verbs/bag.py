@@ -1,0 +1,198 @@
+"""``furuta bag``: info, export, recover, replay, recompute."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from furuta_bringup.file_types import FIGURE, SERIES
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import json_option, model_options, names_options, print_json
+from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.readers import Mapping
+from furuta_ros.time_stamps import NANOSECONDS
+
+BAG = click.argument("bag", type=click.Path(path_type=Path))
+
+
+@click.group()
+def command() -> None:
+    """Show, export, recover, replay and recompute recorded bags."""
+
+
+@command.command()
+@BAG
+@json_option
+def info(bag: Path, as_json: bool) -> None:
+    """Show what BAG contains: topics, types, messages, times."""
+    with Bag(bag) as content:
+        result = _info(content)
+    parameters = bag / PARAMETERS_FILE
+    result["parameters"] = str(parameters) if parameters.is_file() else None
+    if as_json:
+        print_json(result)
+        return
+    print(f"{result['messages']} messages, {result['duration_s']:.3f} s")
+    for topic, about in result["topics"].items():
+        print(f"{topic:24} {about['type']:32} {about['messages']}")
+    if result["parameters"]:
+        print(f"parameters: {result['parameters']}")
+
+
+def _info(bag: Bag) -> dict[str, Any]:
+    return {
+        "messages": bag.message_count,
+        "start_s": bag.start / NANOSECONDS if bag.message_count else None,
+        "duration_s": bag.seconds if bag.message_count else 0.0,
+        "topics": {c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in bag.connections},
+    }
+
+
+@command.command()
+@BAG
+@click.option(
+    "--out",
+    type=SERIES,
+    required=True,
+    metavar="FILE",
+    help="File to write, which ends in .csv, .parquet, .mat (MATLAB) or .npz.",
+)
+@names_options
+@json_option
+def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
+    """Write BAG as a table with one row per measurement; docs/bags.md lists its columns."""
+    from furuta.studies.series import load_series
+    from furuta_recordings.series_columns import TIME
+    from furuta_recordings.table_files import write_columns
+
+    series = load_series(bag, names)
+    write_columns(out, series)
+    result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
+    if as_json:
+        print_json(result)
+    else:
+        print(f"{result['rows']} rows of {', '.join(series)} in {out}")
+
+
+@command.command()
+@BAG
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="BAG", help="New bag; default: BAG_recovered."
+)
+@json_option
+def recover(bag: Path, out: Path | None, as_json: bool) -> None:
+    """Copy all readable messages of BAG into a new bag; BAG itself is not changed."""
+    from furuta_recordings.bags.recovery import recover as recover_bag
+
+    if not bag.exists():
+        raise ParameterError(f"no bag {bag}")
+    result: dict[str, Any] = recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered"))
+    if as_json:
+        print_json(result)
+        return
+    print(f"{result['messages']} messages in {result['bag']}")
+    for problem in result["problems"]:
+        print(f"problem: {problem}")
+
+
+class Remapping(click.ParamType):
+    """A pair of topics FROM:=TO."""
+
+    name = "remapping"
+
+    def convert(
+        self, value: str, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, str]:
+        """The two topics."""
+        old, separator, new = value.partition(":=")
+        if not (old and separator and new) or ":=" in new:
+            self.fail(f"{value!r} is not FROM:=TO", param, ctx)
+        return old, new
+
+
+@command.command()
+@BAG
+@click.option(
+    "--rate",
+    type=FiniteRange(0.0, 1e6),
+    default=1.0,
+    show_default=True,
+    help="Speed relative to the recording; 0: as fast as possible.",
+)
+@click.option("--topic", "topics", multiple=True, help="Replay only this topic; repeatable.")
+@click.option(
+    "--remap",
+    multiple=True,
+    type=Remapping(),
+    metavar="FROM:=TO",
+    help="Publish a topic under another name; repeatable.",
+)
+@click.option("--clock", is_flag=True, help="Publish the bag's time on /clock.")
+@click.option("--wait", is_flag=True, help="Wait until every topic has a subscriber.")
+@json_option
+def replay(
+    bag: Path,
+    rate: float,
+    topics: tuple[str, ...],
+    remap: tuple[tuple[str, str], ...],
+    clock: bool,
+    wait: bool,
+    as_json: bool,
+) -> None:
+    """Publish the messages of BAG with their original timing."""
+    from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+    from furuta_ros.context import ros_context
+    from furuta_ros.spinning import StopSignal
+
+    with ros_context():
+        node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
+        node.play(StopSignal())
+        result = {"published": node.published, "latest_s": node.latest}
+        node.destroy_node()
+    if as_json:
+        print_json(result)
+    else:
+        print(f"{node.published} messages, at most {node.latest * 1e3:.1f} ms late")
+
+
+@command.command()
+@BAG
+@click.option("--out", type=FIGURE, help="Draw recorded and recomputed time series.")
+@model_options
+@json_option
+def recompute(
+    bag: Path,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Recompute estimates and commands from BAG's measurements and compare them with BAG.
+
+    Uses the recorded parameters, except those given by --params and --set. The measurements stay
+    as recorded: the pendulum does not react to the new commands.
+    """
+    from furuta.studies.recompute import recompute_bag
+    from furuta.studies.recorded_loop import compare
+
+    recorded, recomputed = recompute_bag(bag, files, assignments)
+    result = compare(recorded, recomputed)
+    if out is not None:
+        from furuta.figures.recomputation import draw_recomputation
+
+        draw_recomputation(recorded, recomputed, out)
+        result["figure"] = str(out)
+    if as_json:
+        print_json(result)
+        return
+    print(f"{result['samples']} samples, " + ("identical" if result["identical"] else "different"))
+    for name in ("estimate", "friction_estimate", "command"):
+        each = result[name]
+        print(
+            f"{name:18} largest difference {each['largest_difference']:.6g}, "
+            f"rms {each['rms_difference']:.6g} over {each['compared']}"
+        )

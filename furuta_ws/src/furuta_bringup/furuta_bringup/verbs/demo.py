@@ -1,0 +1,124 @@
+"""``furuta demo``."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress
+from rich.table import Table
+
+from furuta.figures.demo import draw_demo
+from furuta.studies.phases import COMPENSATIONS, evaluate
+from furuta.studies.tuning.plan import TuningPlan
+from furuta.studies.tuning.result import observer_parameters
+from furuta_bringup.demo_run import run_demo, tune_graph
+from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, print_json
+from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_ros.context import ros_context
+from furuta_sim.settings.settings import load_settings
+
+PLAN = TuningPlan()
+
+
+@click.command()
+@click.option(
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=40.0,
+    show_default=True,
+    help="Simulated time per compensation [s].",
+)
+@click.option(
+    "--out",
+    "directory",
+    default="output/demo",
+    show_default=True,
+    type=click.Path(path_type=Path),
+    help="Directory for figure, bag and summary.json. Files of an earlier demo are replaced.",
+)
+@model_options
+@json_option
+def command(
+    seconds: float,
+    directory: Path,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Compare no, Coulomb, LuGre and tuned LuGre compensation on the real node graph.
+
+    The graph runs in lock-step in one process and is recorded. Parameter services tune
+    the compensator and switch between the compensations.
+    """
+    settings = load_settings(files, assignments)
+    summary = _run(settings, seconds, directory, quiet=as_json)
+    (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    if as_json:
+        print_json(summary)
+    else:
+        _print(summary)
+
+
+def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
+    bag = directory / "bag"
+    _clear(bag)
+    console = Console(stderr=True, quiet=quiet)
+    with ros_context(), Progress(console=console, transient=True) as bar:
+        tuning = bar.add_task("tuning", total=PLAN.seconds)
+        tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
+        bar.update(tuning, completed=PLAN.seconds)
+        task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
+        phases = run_demo(
+            settings, tuned.after.observer, seconds, bag, lambda t: bar.update(task, completed=t)
+        )
+    with console.status("reading the bag, drawing"):
+        recorded = read_recorded_run(bag)
+        figure = directory / "demo.png"
+        draw_demo(recorded, phases, figure)
+    return {
+        "runs": evaluate(phases, recorded),
+        "tuned_parameters": observer_parameters(tuned.after.observer),
+        "figure": str(figure),
+        "bag": str(bag),
+    }
+
+
+def _clear(bag: Path) -> None:
+    """Remove the bag of an earlier demo, but only if the directory contains nothing else."""
+    if not bag.exists():
+        return
+    for file in bag.iterdir():
+        if file.suffix not in (".mcap", ".yaml"):
+            raise click.ClickException(
+                f"{bag} contains {file.name}, which does not belong to a bag"
+            )
+    for file in bag.iterdir():
+        file.unlink()
+    bag.rmdir()
+
+
+def _print(summary: dict[str, Any]) -> None:
+    table = Table(title="limit cycle, peak to peak, last three quarters of each phase", box=SIMPLE)
+    table.add_column("compensation", no_wrap=True)
+    for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
+        table.add_column(escape(heading), justify="right")
+    for run in summary["runs"]:
+        table.add_row(
+            run["compensation"],
+            f"{run['phi_peak_to_peak_rad']:.4f}",
+            f"{run['theta_peak_to_peak_rad']:.4f}",
+            "none" if isnan(run["period_s"]) else f"{run['period_s']:.3f}",
+            f"{run['command_rms_v']:.3f}",
+            f"{run['samples'] / run['wall_seconds']:.0f}",
+        )
+    console = Console()
+    console.print(table)
+    for name in ("figure", "bag"):
+        console.print(f"{name}: {summary[name]}", soft_wrap=True)

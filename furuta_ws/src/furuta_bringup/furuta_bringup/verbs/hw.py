@@ -1,0 +1,64 @@
+"""``furuta hw``: commissioning of a rig, arming of the bridge, and the emulated rig."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from furuta_bringup.options import json_option
+from furuta_bringup.verbs.hw_bridge import arm, disarm, state
+from furuta_bringup.verbs.hw_commissioning import check, friction, read, show, signs, zero
+from furuta_graph.processes import executable
+from furuta_hw.rigs.rig import Rig
+from furuta_model.linear import linearize
+from furuta_sim.settings.rigs import find_rig
+from furuta_sim.settings.settings import rig_settings
+
+
+@click.group()
+def command() -> None:
+    """Commission a rig, arm and disarm the bridge, emulate a rig.
+
+    All verbs except arm, disarm and state open the port themselves, so no bridge may be using it.
+    """
+
+
+for each in (arm, disarm, state, check, read, zero, signs, friction):
+    command.add_command(each)
+
+
+@command.command("rig")
+@click.argument("name", metavar="NAME|FILE")
+@click.option("--params", "as_file", is_flag=True, help="Print a parameter file for --params.")
+@json_option
+def show_rig(name: str, as_file: bool, as_json: bool) -> None:
+    """Show the normalised model and the friction of a rig file."""
+    rig = find_rig(name)
+    if as_file:
+        print(_parameter_file(rig), end="")
+        return
+    a, b = linearize(rig.model)
+    numbers = {"a23": a[1, 2], "a43": a[3, 2], "b21": b[1], "b41": b[3]}
+    show(
+        rig.model._asdict()
+        | {name: float(value) for name, value in numbers.items()}
+        | rig.friction._asdict()
+        | {"sample_time": rig.line.sample_time, "watchdog": rig.line.watchdog},
+        as_json,
+    )
+
+
+def _parameter_file(rig: Rig) -> str:
+    import yaml
+
+    nodes = {node: {"ros__parameters": given} for node, given in rig_settings(rig).items() if given}
+    return str(yaml.safe_dump(nodes, sort_keys=False))
+
+
+@command.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
+def emulate(arguments: tuple[str, ...]) -> None:
+    """Run an emulated rig on a pseudo-terminal; --help lists its options."""
+    path = executable("furuta_sim", "rig_emulator")
+    os.execv(path, [str(path), *arguments])

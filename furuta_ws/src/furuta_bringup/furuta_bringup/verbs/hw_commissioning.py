@@ -1,0 +1,184 @@
+"""The verbs of ``furuta hw`` that open the line to a rig themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import perf_counter
+from typing import Any
+
+import click
+import numpy as np
+from rich.console import Console
+
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import json_option, print_json
+from furuta_bringup.verbs.hw_options import drive_options, rig_options, seconds_option
+from furuta_hw.commissioning.friction import (
+    RAMP_RATE,
+    check_arm_range,
+    check_hanging,
+    measure_friction,
+)
+from furuta_hw.commissioning.session import RigSession
+from furuta_hw.commissioning.signs import find_signs
+from furuta_hw.commissioning.zeros import code_statistics, find_zeros
+from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.errors import RigError
+from furuta_ros.errors import UserError
+from furuta_ros.process_start import interrupt_raised
+from furuta_sim.settings.rigs import find_rig
+
+# Time between two lines of ``read`` [s].
+DISPLAY_PERIOD = 0.1
+# Time for which the pendulum must hang at rest before friction is measured [s].
+REST_SECONDS = 1.0
+
+
+@contextmanager
+def _open_rig(port: str, name: str) -> Iterator[RigSession]:
+    """Open the line to a rig; errors of the rig become one line."""
+    rig = find_rig(name)
+    try:
+        with interrupt_raised(), RigSession(port, rig) as session:
+            yield session
+    except RigError as error:
+        raise UserError(str(error)) from None
+
+
+def show(result: dict[str, Any], as_json: bool) -> None:
+    """Print a result as JSON, or as a table."""
+    if as_json:
+        print_json(result)
+        return
+    for name, value in result.items():
+        print(f"{name:28} {value:.6g}" if isinstance(value, float) else f"{name:28} {value}")
+
+
+@click.command()
+@rig_options
+@seconds_option(3.0, "Duration of the check.")
+@json_option
+def check(port: str, name: str, seconds: float, as_json: bool) -> None:
+    """Check the serial line: handshake, sample rate, lost and corrupt frames. Drives nothing."""
+    started = perf_counter()
+    with _open_rig(port, name) as session:
+        handshake = perf_counter() - started
+        started = perf_counter()
+        samples = sum(1 for _ in session.samples(seconds))
+        duration = perf_counter() - started
+        line, rig = session.statistics(), session.rig
+    result = {
+        "handshake_seconds": handshake,
+        "samples": samples,
+        "samples_per_s": samples / duration,
+        "expected_per_s": 1.0 / rig.line.sample_time,
+        "lost": line.lost,
+        "corrupt": line.corrupt,
+        "repeated": line.repeated,
+        "other_sessions": line.other_sessions,
+    }
+    show(result, as_json)
+    if line.bad > rig.limits.bad_frames * samples:
+        raise UserError(f"{line.bad} of {samples} frames were lost or corrupt")
+
+
+@click.command()
+@rig_options
+@seconds_option(10.0, "Duration of reading.")
+@json_option
+def read(port: str, name: str, seconds: float, as_json: bool) -> None:
+    """Show live sensor values, as codes and in SI units. Drives nothing.
+
+    With --json prints their mean and spread.
+    """
+    samples: list[RigSample] = []
+    with _open_rig(port, name) as session:
+        every = max(1, round(DISPLAY_PERIOD / session.rig.line.sample_time))
+        for sample in session.samples(seconds):
+            samples.append(sample)
+            if not as_json and len(samples) % every == 0:
+                print(f"\r{_sample_line(sample)}", end="\033[K", flush=True)
+    if as_json:
+        print_json(_summary(samples))
+    else:
+        print()
+
+
+def _sample_line(sample: RigSample) -> str:
+    codes = [f"{code:7d} = " for code in sample.codes] if sample.codes else [""] * 3
+    return (
+        f"arm {codes[0]}{sample.arm_angle:+8.4f} rad   "
+        f"speed {codes[1]}{sample.arm_speed:+8.4f} rad/s   "
+        f"pendulum {codes[2]}{sample.pendulum_angle:+8.4f} rad"
+        + ("  AT THE END OF A RANGE" if sample.at_rail else "")
+    )
+
+
+def _summary(samples: list[RigSample]) -> dict[str, Any]:
+    """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
+    codes = code_statistics(samples)._asdict() if samples[-1].codes else {}
+    angles = [(each.arm_angle, each.arm_speed, each.pendulum_angle) for each in samples]
+    names = ("phi_rad", "phi_dot_rad_s", "theta_rad")
+    means = dict(zip(names, map(float, np.mean(angles, axis=0)), strict=True))
+    return codes | means | {"at_rail": samples[-1].at_rail}
+
+
+@click.command()
+@rig_options
+@seconds_option(2.0, "Duration of averaging.")
+@click.option(
+    "--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle."
+)
+@json_option
+def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
+    """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
+    with _open_rig(port, name) as session:
+        zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
+    show(zeros, as_json)
+
+
+@click.command()
+@rig_options
+@drive_options
+@json_option
+def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
+    """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
+    with _open_rig(port, name) as session:
+        found = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
+    show({f"{name}.sign": value for name, value in found._asdict().items()}, as_json)
+
+
+@click.command()
+@rig_options
+@drive_options
+@click.option(
+    "--rate",
+    type=FiniteRange(1e-3, 10.0),
+    default=RAMP_RATE,
+    show_default=True,
+    help="Rate of the voltage ramps [V/s].",
+)
+@click.option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
+@json_option
+def friction(
+    port: str,
+    name: str,
+    voltage: float,
+    arm_range: float,
+    rate: float,
+    removed: bool,
+    as_json: bool,
+) -> None:
+    """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
+
+    The pendulum must hang at rest or be removed. Takes one to two minutes.
+    """
+    with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
+        check_arm_range(session.rig, arm_range)
+        if not removed:
+            check_hanging(list(session.samples(REST_SECONDS)))
+        experiment = measure_friction(session.rig, arm_range, rate, status.update)
+        levels = session.drive(experiment, voltage, arm_range)
+    derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
+    show(levels._asdict() | derived, as_json)

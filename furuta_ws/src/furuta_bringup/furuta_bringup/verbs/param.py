@@ -1,0 +1,133 @@
+"""``furuta param``: parameters of running nodes, as with ``ros2 param``, and parameter files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import click
+from rcl_interfaces.msg import ParameterType
+from rclpy.node import Node
+
+from furuta_bringup.options import json_option, namespace_option, print_json
+from furuta_graph.parameter_client import ParameterClient
+from furuta_model.parameters import ParameterError, number_from_text, shortened
+from furuta_ros.context import ros_context
+from furuta_ros.spinning import executor_of
+from furuta_ros.yaml_files import parse_yaml
+from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.parameter_files import parameter_file, parameter_table
+
+
+@click.group()
+def command() -> None:
+    """Read and set parameters of running nodes; print parameter files.
+
+    NODE is the name of a node in the namespace given with --namespace, or its full name, such as
+    /left/plant.
+    """
+
+
+def _node_name(ctx: click.Context, param: click.Parameter, value: str) -> str:
+    if not re.fullmatch(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", value, re.ASCII):
+        raise click.BadParameter(f"{value!r} is not a node name such as plant or /left/plant")
+    return value
+
+
+node_argument = click.argument("node", callback=_node_name)
+
+
+@contextmanager
+def _client(namespace: str) -> Iterator[ParameterClient]:
+    with ros_context(namespace=namespace):
+        node = Node("furuta_param")
+        yield ParameterClient(node, executor_of([node]))
+
+
+@command.command("list")
+@node_argument
+@namespace_option
+@json_option
+def list_(node: str, namespace: str, as_json: bool) -> None:
+    """List the parameters of NODE with their values."""
+    with _client(namespace) as client:
+        values = client.get(node, client.names(node))
+    if as_json:
+        print_json({name: _plain(value) for name, value in values.items()})
+    else:
+        for name, value in values.items():
+            print(f"{name}: {_plain(value)}")
+
+
+@command.command()
+@node_argument
+@click.argument("name")
+@namespace_option
+@json_option
+def get(node: str, name: str, namespace: str, as_json: bool) -> None:
+    """Print the value of one parameter."""
+    with _client(namespace) as client:
+        value = _plain(client.get(node, [name])[name])
+    if as_json:
+        print_json({name: value})
+    else:
+        print(value)
+
+
+# Otherwise the value of `set NODE NAME -0.1` would be taken for an option.
+@command.command("set", context_settings={"ignore_unknown_options": True})
+@node_argument
+@click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
+@namespace_option
+def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
+    """Set one parameter of NODE (NAME VALUE) or several (NAME=VALUE ...): all of them or none."""
+    pairs = (
+        [assignments]
+        if len(assignments) == 2 and "=" not in assignments[0]
+        else [tuple(each.split("=", 1)) for each in assignments]
+    )
+    if any(len(pair) != 2 or pair[0].startswith("-") for pair in pairs):
+        raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
+    with _client(namespace) as client:
+        client.set_all(node, {name: _value(client, node, name, text) for name, text in pairs})
+
+
+def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
+    """The value with the type of the parameter: ROS would reject 80 for a double.
+
+    The node itself rejects a name that it does not know, or translates an earlier name.
+    """
+    try:
+        value = parse_yaml(text, name)
+    except ParameterError:
+        raise ParameterError(f"{name}: cannot read the value {text!r}") from None
+    types = {each.type for each in client.describe(node, [name])}
+    if ParameterType.PARAMETER_DOUBLE in types:
+        return _double(name, value)
+    if ParameterType.PARAMETER_DOUBLE_ARRAY in types and isinstance(value, list):
+        return [_double(name, each) for each in value]
+    return value if types else number_from_text(value)
+
+
+def _double(name: str, value: Any) -> float:
+    number = number_from_text(value)
+    if isinstance(number, bool) or not isinstance(number, (int, float)):
+        raise ParameterError(f"{name} must be a number without a unit, given {shortened(value)}")
+    return float(number)
+
+
+@command.command()
+@click.argument("node", required=False)
+@click.option("--markdown", is_flag=True, help="Print a table instead of a parameter file.")
+def defaults(node: str | None, markdown: bool) -> None:
+    """Print a parameter file with the defaults of NODE, or of all nodes."""
+    if node is not None and node not in NODES:
+        raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
+    render = parameter_table if markdown else parameter_file
+    print("\n".join(render(each) for each in ([node] if node else NODES)), end="")
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, (bool, int, float, str)) else list(value or ())

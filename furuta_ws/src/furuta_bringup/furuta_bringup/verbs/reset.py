@@ -1,0 +1,25 @@
+"""``furuta reset``: calls the reset service of a running plant."""
+
+from __future__ import annotations
+
+import click
+from rclpy.node import Node
+
+from furuta_bringup.options import json_option, namespace_option, print_json
+from furuta_graph.plant_client import PlantClient
+from furuta_ros.context import ros_context
+from furuta_ros.spinning import executor_of
+
+
+@click.command()
+@namespace_option
+@json_option
+def command(namespace: str, as_json: bool) -> None:
+    """Put the simulated pendulum upright again; estimator and friction observer start anew."""
+    with ros_context(namespace=namespace):
+        node = Node("furuta_reset")
+        message = PlantClient(node, executor_of([node])).reset()
+    if as_json:
+        print_json({"message": message})
+    else:
+        print(f"reset: {message}")

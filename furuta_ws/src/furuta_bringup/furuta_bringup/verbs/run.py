@@ -1,0 +1,133 @@
+"""``furuta run``."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+
+import click
+
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import namespace_option, parameter_options, rig_option
+from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
+from furuta_graph.processes import run_processes
+from furuta_graph.run_composed import run_hardware, run_simulated
+from furuta_model.parameters import ParameterError
+from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
+from furuta_ros.scheduling import Scheduling, may_have_priority
+from furuta_ros.spinning import StopSignal
+from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.parameter_files import settings_file
+
+PRIORITY_BESIDE_PAGE = 80
+
+
+@click.command()
+@click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True,
+    help="Simulated plant or real rig.")  # fmt: skip
+@click.option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
+@rig_option
+@click.option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
+@click.option(
+    "--lockstep",
+    "clock",
+    flag_value="lockstep",
+    help="Run in lock-step, as fast as the machine allows.",
+)
+@click.option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
+@click.option("--without", multiple=True, type=click.Choice(
+    [node.name for node in NODES.values() if not node.controlled]),
+    help="Leave out this node, so that your own can replace it; repeatable.")  # fmt: skip
+@namespace_option
+@click.option("--processes", is_flag=True, help="Run each node in a process of its own.")
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Record a bag into this directory.",
+)
+@click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
+@click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
+    help="Stop after this time of the plant or rig [s].")  # fmt: skip
+@click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
+@click.option("--beside-page", is_flag=True, hidden=True,
+    help="Take a priority where the system permits it: a browser may take all cores.")  # fmt: skip
+@click.option("--cores", metavar="N,N", help="Run on these CPU cores only.")
+@click.option("--lock-memory", is_flag=True, help="Lock all memory, so that it is not swapped out.")
+@click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector.")
+@click.option("--timing", type=click.Path(path_type=Path), metavar="FILE.csv",
+    help="Write histograms of latency and lateness.")  # fmt: skip
+@parameter_options
+def command(
+    plant: str,
+    port: str,
+    rig: str,
+    read_only: bool,
+    clock: str | None,
+    without: tuple[str, ...],
+    namespace: str,
+    processes: bool,
+    record: Path | None,
+    topics: tuple[str, ...],
+    seconds: float | None,
+    priority: int | None,
+    beside_page: bool,
+    cores: str | None,
+    lock_memory: bool,
+    no_gc: bool,
+    timing: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+) -> None:
+    """Run the graph until Ctrl-C.
+
+    At the start, the command prints what the system granted of --priority, --cores and
+    --lock-memory.
+    """
+    hardware = plant == "hardware"
+    scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
+    if processes and (seconds is not None or timing or scheduling != Scheduling()):
+        raise ParameterError(
+            "--processes cannot be combined with --seconds, --timing or scheduling"
+        )
+    if hardware and (clock or timing):
+        raise ParameterError("a rig has its own clock: no --lockstep, --realtime or --timing")
+    if not hardware and (port or read_only):
+        raise ParameterError("--port and --read-only need --plant hardware")
+    options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace)
+    graph = plan_graph(options, files, assignments)
+    if not hardware and seconds is not None:
+        graph.settings["plant"]["run_until"] = seconds
+    lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
+    in_time = not (lockstep or processes or priority)
+    if beside_page and in_time and may_have_priority(PRIORITY_BESIDE_PAGE):
+        scheduling = scheduling._replace(priority=PRIORITY_BESIDE_PAGE)
+    if timing is not None and lockstep:
+        raise ParameterError("--timing needs real time; in lock-step no sample is late")
+    recorder = _recorder(record, topics, graph, stamped=lockstep)
+    if processes:
+        sys.exit(run_processes(graph, StopSignal(), recorder))
+    if hardware:
+        run_hardware(graph, recorder, seconds, scheduling)
+    else:
+        run_simulated(graph, recorder, seconds, scheduling, timing)
+
+
+def _recorder(
+    path: Path | None, topics: tuple[str, ...], graph: Graph, stamped: bool
+) -> MakeRecorder | None:
+    """A function that makes the recorder, if there is something to record."""
+    if path is None:
+        if topics:
+            raise ParameterError("--topic needs --record")
+        return None
+    parameters = settings_file(graph.settings)
+    return partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
+
+
+def _cores(text: str | None) -> tuple[int, ...]:
+    try:
+        return tuple(int(each) for each in text.split(",")) if text else ()
+    except ValueError:
+        raise ParameterError(f"--cores must be numbers such as 0,1, given {text!r}") from None

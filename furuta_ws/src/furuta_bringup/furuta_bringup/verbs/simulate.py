@@ -1,0 +1,122 @@
+"""``furuta simulate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import click
+import numpy as np
+
+from furuta.studies.series import simulated_series
+from furuta_bringup.file_types import SERIES_OR_FIGURE
+from furuta_bringup.options import (
+    SEED,
+    SIMULATED_SECONDS,
+    feedback_option,
+    json_option,
+    law_option,
+    model_options,
+    print_json,
+)
+from furuta_bringup.printing import rounded
+from furuta_model.state import LARGEST_VALUE
+from furuta_recordings.table_files import SUFFIXES, write_columns
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import Simulation
+from furuta_sim.simulation.oscillation import fell, measure_oscillation
+
+
+@click.command(context_settings={"ignore_unknown_options": False})
+@click.option(
+    "--seconds", type=SIMULATED_SECONDS, default=60.0, show_default=True, help="Simulated time [s]."
+)
+@click.option(
+    "--compensation",
+    metavar="NAME",
+    help="Friction compensation; default: as set by the parameters.",
+)
+@click.option(
+    "--ideal-sensors",
+    is_flag=True,
+    help="Measure all four states exactly; the arm may turn without limit.",
+)
+@law_option
+@feedback_option
+@click.option("--seed", type=SEED, help="Seed of the sensors' noise.")
+@click.option(
+    "--out",
+    type=SERIES_OR_FIGURE,
+    metavar="FILE",
+    help="Write the time series (.npz, .csv, .mat, .parquet), or draw them (.png, .pdf, .svg).",
+)
+@model_options
+@json_option
+def command(
+    seconds: float,
+    compensation: str | None,
+    ideal_sensors: bool,
+    law: str | None,
+    feedback: tuple[float, float, float, float] | None,
+    seed: int | None,
+    out: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Simulate the closed loop without ROS and measure the oscillation in the second half."""
+    first, extra = [], []
+    if compensation is not None:
+        extra.append(f"friction_observer.compensation={compensation}")
+    if law is not None:
+        extra.append(f"plant.friction.law={law}")
+    if ideal_sensors:
+        extra.append("sensors.ideal=true")
+        # The motion of the ideal loop may be a rotation, and its feedback is linear.
+        limits = ("angle", "error", "speed")
+        first += [f"controller.arm_{each}_limit={LARGEST_VALUE}" for each in limits]
+    if seed is not None:
+        extra.append(f"plant.seed={seed}")
+    if feedback is not None:
+        extra.append(f"controller.gain={[-each for each in feedback]}")
+    settings = load_settings(files, [*first, *assignments, *extra])
+    simulation = Simulation(loop(settings))
+    began = perf_counter()
+    record = simulation.run(seconds)
+    wall = perf_counter() - began
+    if simulation.switched_off:
+        click.echo(f"note: {simulation.loop.observer.switch_off_reason}", err=True)
+    result = _result(record, simulation.switched_off, wall)
+    if out is not None:
+        _save(record, out, simulation.loop.plant.actuator)
+    if as_json:
+        print_json(result)
+    else:
+        for name, value in result.items():
+            print(f"{name:24} {rounded(value)}")
+
+
+def _result(record: Any, switched_off: bool, wall_seconds: float) -> dict[str, Any]:
+    settled = record.state[len(record.command) // 2 :]
+    return {
+        **measure_oscillation(settled, record.sample_time)._asdict(),
+        "fell": fell(record.state),
+        "switched_off": switched_off,
+        "steps": len(record.command),
+        "wall_seconds": wall_seconds,
+    }
+
+
+def _save(record: Any, out: Path, actuator: Any) -> None:
+    suffix = out.suffix.lower()
+    if suffix == ".npz":
+        fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
+        with out.open("wb") as file:
+            np.savez_compressed(file, time=record.time, drive=np.array(actuator), **fields)
+    elif suffix in SUFFIXES:
+        write_columns(out, simulated_series(record))
+    else:
+        from furuta.figures.run import draw_run
+
+        draw_run(record, out)

@@ -1,0 +1,138 @@
+"""``furuta sweep``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from furuta.studies.study_tables import check_table, write_runs
+from furuta.studies.sweep import Sweep
+from furuta.studies.sweep_journal import Journal
+from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
+from furuta_bringup.file_types import FIGURE
+from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
+from furuta_bringup.study_runs import run_study, with_progress
+from furuta_model.parameters import ParameterError
+from furuta_sim.settings.settings import load_settings
+
+DEFAULT_COUNT = 10
+
+
+@click.command()
+@click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
+@click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True,
+    help="How points are chosen: every combination, or a sample.")  # fmt: skip
+@click.option(
+    "--points",
+    type=click.IntRange(1, MAX_POINTS),
+    default=256,
+    show_default=True,
+    help="Number of runs with random or sobol.",
+)
+@click.option(
+    "--seed",
+    type=SEED,
+    default=0,
+    show_default=True,
+    help="Seed of random and sobol points. plant.seed is that of the sensor noise.",
+)
+@click.option(
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=60.0,
+    show_default=True,
+    help="Simulated time of each run [s].",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE.csv|FILE.parquet",
+    default=Path("output/sweep.csv"), show_default=True,
+    help="Results, one row per run; Parquet is smaller and faster to read.",
+)  # fmt: skip
+@click.option("--picture", type=FIGURE, help="Draw the results.")
+@model_options
+@json_option
+def command(
+    ranges: tuple[str, ...],
+    method: str,
+    points: int,
+    seed: int,
+    seconds: float,
+    scheduler: str | None,
+    out: Path,
+    picture: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Simulate the closed loop for many parameter values.
+
+    Example: furuta sweep friction_observer.alpha0=0.1:0.3:50 seed=0:9
+
+    Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
+    arguments to continue it.
+    """
+    check_table(out)
+    swept = tuple(parse_swept_parameter(each, DEFAULT_COUNT) for each in ranges)
+    sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
+    size = sweep.size
+    journal = Journal(out, sweep)
+    resumed, counts = len(journal), Counts()
+    try:
+        results = journal.record(run_study(sweep, journal, scheduler))
+        for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
+            pass
+        rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
+        write_runs(counts.count(rows), out)
+        if picture is not None:
+            _draw(sweep, journal, picture)
+        journal.delete()
+    finally:
+        journal.close()
+    _report(counts, resumed, out, as_json)
+
+
+class Counts:
+    """How many runs there are, and of which kind; why the first impossible one is so."""
+
+    def __init__(self) -> None:
+        self.runs = self.fell = self.switched_off = self.impossible = 0
+        self.reason = ""
+
+    def count(self, rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+        """Count the rows on their way."""
+        for row in rows:
+            self.runs += 1
+            self.fell += bool(row["fell"])
+            self.switched_off += bool(row["switched_off"])
+            self.impossible += bool(row["error"])
+            self.reason = self.reason or row["error"]
+            yield row
+
+
+def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
+    from furuta.figures.sweep import draw_sweep
+
+    rows = [point | journal[number] for number, point in enumerate(sweep.generate_points())]
+    draw_sweep(sweep.axes, rows, picture)
+
+
+def _report(counts: Counts, resumed: int, out: Path, as_json: bool) -> None:
+    summary = {
+        "runs": counts.runs,
+        "resumed": resumed,
+        "fell": counts.fell,
+        "switched_off": counts.switched_off,
+        "impossible": counts.impossible,
+        "file": str(out),
+    }
+    if counts.impossible == counts.runs:
+        raise ParameterError(f"no run is possible: {counts.reason}")
+    if as_json:
+        print_json(summary)
+    else:
+        for name, value in summary.items():
+            print(f"{name:24} {value}")

@@ -1,0 +1,86 @@
+"""``furuta swing-up``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from furuta.studies.swing_up.optimised import parameters_text, rig_trajectory
+from furuta.studies.swing_up.random_starts import (
+    random_starts,
+    run_starts,
+    summary,
+    with_friction,
+)
+from furuta.studies.swing_up.rig_loop import swing_up_settings
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import SEED, json_option, parameter_options, print_json
+from furuta_sim.settings.rigs import find_rig
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import Loop
+
+DEFAULT_RIG = "paper_full_turn"
+
+
+@click.command()
+@click.option(
+    "--starts",
+    type=click.IntRange(1, 100_000),
+    default=100,
+    show_default=True,
+    help="Random starts.",
+)
+@click.option(
+    "--rig", default=DEFAULT_RIG, show_default=True, metavar="NAME", help="Name or file of a rig."
+)
+@click.option(
+    "--friction",
+    "factor",
+    type=FiniteRange(0, 100),
+    default=1.0,
+    show_default=True,
+    help="Factor on the friction levels of the rig and of its model.",
+)
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the starts.")
+@click.option(
+    "--optimise",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.yaml",
+    help="Compute the fastest swing-up of the rig, and write it as a parameter file; no starts.",
+)
+@parameter_options
+@json_option
+def command(
+    starts: int,
+    rig: str,
+    factor: float,
+    seed: int,
+    optimise: Path | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Swing up from random states, on plants up to 10 % off the model, without ROS.
+
+    A start counts as upright if the pendulum is upright within 10 s and stays so.
+    """
+    given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
+    nominal = with_friction(loop(given), factor)
+    result = _optimised(nominal, optimise) if optimise else _started(nominal, starts, seed)
+    if as_json:
+        print_json(result)
+    else:
+        for name, value in result.items():
+            print(f"{name:14} {value}")
+
+
+def _started(nominal: Loop, starts: int, seed: int) -> dict[str, Any]:
+    return {**summary(run_starts(random_starts(nominal, starts, seed)))._asdict()}
+
+
+def _optimised(nominal: Loop, file: Path) -> dict[str, Any]:
+    trajectory = rig_trajectory(nominal)
+    file.write_text(parameters_text(trajectory))
+    return {"duration_s": trajectory.duration, "file": str(file)}

@@ -1,0 +1,76 @@
+r"""Changes the friction level with the arm's angle, time, heat and load.
+
+Every level of the law is multiplied by
+
+.. math::
+    1 + a \sin(nφ + φ_0) + d\,(1 - e^{-t/T_d}) + h\,H + l\,|τ|, \qquad
+    \dot H = F \dot φ - H/T_h
+
+but never by less than zero. H [V rad] is the heat of the friction and τ [V] the mean torque of the
+drive over the sample. Time and heat are evaluated once a sample.
+"""
+
+from __future__ import annotations
+
+from math import exp, pi, sin
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled, inlined
+from furuta_model.friction.laws import FrictionLaw
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import About
+from furuta_model.parts.plant_memory import HEAT, LEVEL_CHANGE, MOVED
+
+
+class FrictionVariation(NamedTuple):
+    """How the friction level changes; relative to the level of the law."""
+
+    angle: Annotated[
+        float, About("change of the level over the arm's turn: amplitude", "", 0, 1)
+    ] = 0.0
+    angle_periods: Annotated[int, About("periods of this change per turn", "", 1, 1000)] = 1
+    angle_phase: Annotated[float, About("phase of this change at arm angle 0", "rad", -pi, pi)] = (
+        0.0
+    )
+    drift: Annotated[float, About("change of the level with time, at the end", "", -1, 10)] = 0.0
+    drift_time: Annotated[float, About("time constant of the drift", "s", 1e-3, 1e6)] = 60.0
+    heat: Annotated[float, About("change of the level per heat", "1/(V rad)", -100, 100)] = 0.0
+    cooling_time: Annotated[float, About("time constant of cooling", "s", 1e-3, 1e6)] = 60.0
+    load: Annotated[float, About("change of the level per torque of the drive", "1/V", 0, 10)] = 0.0
+
+
+@inlined
+def vary_level(
+    x: np.ndarray, torque: float, friction: float, speed: float, dt: float, p: FrictionVariation
+) -> None:
+    """Move heat and level by a sample of ``dt`` [s].
+
+    ``friction`` [V] and ``speed`` [rad/s] are those at its beginning, ``torque`` [V] is the mean.
+    """
+    cooling = exp(-dt / p.cooling_time)
+    x[HEAT] = x[HEAT] * cooling + friction * speed * p.cooling_time * (1.0 - cooling)
+    drift = p.drift * (1.0 - exp(-x[MOVED] * dt / p.drift_time))
+    x[LEVEL_CHANGE] = drift + p.heat * x[HEAT] + p.load * abs(torque)
+
+
+@compiled
+def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) -> FrictionLaw:
+    """The law with the levels at arm angle ``phi`` [rad] and a relative ``change``."""
+    if p.angle != 0.0:
+        change += p.angle * sin(p.angle_periods * phi + p.angle_phase)
+    factor = max(1.0 + change, 0.0)
+    friction = law.parameters
+    return FrictionLaw(
+        law.kind,
+        Friction(
+            friction.sigma0,
+            friction.sigma1,
+            friction.alpha0 * factor,
+            friction.alpha1 * factor,
+            friction.stribeck_velocity,
+            friction.viscous,
+            friction.asymmetry,
+        ),
+    )

@@ -1,0 +1,114 @@
+"""Faults of the sensors: delay, bias, a stuck sensor and missing readings.
+
+Missing readings come from a stream of their own, a hash of seed, reading and signal: switching them
+on leaves the sensors' noise as it is.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled, inlined
+from furuta_model.parameters import About
+from furuta_model.parts.plant_memory import DELAY_SLOTS, LAST_READING, MAX_DELAY, READ, STATES
+from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
+
+SENSORS = ("none", "encoder", "tachometer", "potentiometer")
+SIGNALS_OF_SENSORS = (-1, PHI, PHI_DOT, THETA)
+
+
+class SensorFaults(NamedTuple):
+    """Faults, of ideal sensors too."""
+
+    reading_delay: Annotated[int, About("delay of all readings", "samples", 0, MAX_DELAY)] = 0
+    missing: Annotated[float, About("probability that a reading is missing", "", 0, 1)] = 0.0
+    stuck: Annotated[str, About("sensor that repeats its reading", choices=SENSORS)] = "none"
+    stuck_from: Annotated[float, About("time from which it does", "s", 0, 1e6)] = 0.0
+    arm_bias: Annotated[float, About("error of the arm angle", "rad", -10, 10)] = 0.0
+    arm_speed_bias: Annotated[float, About("error of the arm speed", "rad/s", -10, 10)] = 0.0
+    pendulum_bias: Annotated[float, About("error of the pendulum angle", "rad", -1, 1)] = 0.0
+
+
+class FaultySensors(NamedTuple):
+    """The faults, as compiled code uses them; ``stuck_from`` [readings]."""
+
+    any: bool
+    delay: int
+    missing: float
+    stuck: int
+    stuck_from: float
+    arm_bias: float
+    arm_speed_bias: float
+    pendulum_bias: float
+    seed: int
+
+
+def design_faults(p: SensorFaults, dt: float, seed: int) -> FaultySensors:
+    """The faults for samples of ``dt`` [s]."""
+    return FaultySensors(
+        p._replace(stuck_from=0.0) != SensorFaults(),
+        p.reading_delay,
+        p.missing,
+        SIGNALS_OF_SENSORS[SENSORS.index(p.stuck)],
+        round(p.stuck_from / dt),
+        p.arm_bias,
+        p.arm_speed_bias,
+        p.pendulum_bias,
+        seed,
+    )
+
+
+@inlined
+def seen_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
+    """State i as the sensors see it: some samples ago, with bias."""
+    value = x[i]
+    if p.delay > 0:
+        reading = int(x[READ])
+        slot = max(reading - p.delay, 0) % DELAY_SLOTS
+        value = x[STATES + RIGID_STATES * slot + i] if reading > 0 else value
+    bias = 0.0
+    if i == PHI:
+        bias = p.arm_bias
+    elif i == PHI_DOT:
+        bias = p.arm_speed_bias
+    elif i == THETA:
+        bias = p.pendulum_bias
+    return value + bias
+
+
+@inlined
+def spoil(x: np.ndarray, measurement: np.ndarray, p: FaultySensors) -> None:
+    """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
+    reading = int(x[READ])
+    slot = STATES + RIGID_STATES * (reading % DELAY_SLOTS)
+    for i in range(RIGID_STATES):
+        x[slot + i] = x[i]
+        if i == p.stuck and reading >= max(p.stuck_from, 1.0):
+            measurement[i] = x[LAST_READING + i]
+        x[LAST_READING + i] = measurement[i]
+        if p.missing > 0.0 and uniform(p.seed, reading, i) < p.missing:
+            measurement[i] = np.nan
+    x[READ] += 1.0
+
+
+@compiled
+def uniform(seed: int, reading: int, signal: int) -> float:
+    """A number in [0, 1) that depends on its arguments alone.
+
+    SplitMix64 of their combination (G. L. Steele, D. Lea, C. H. Flood, *Fast splittable
+    pseudorandom number generators*, 2014).
+    """
+    z = _mixed(np.uint64(seed))
+    z = _mixed(z ^ np.uint64(reading))
+    return float(_mixed(z ^ np.uint64(signal)) >> np.uint64(11)) * 2.0**-53
+
+
+@compiled
+def _mixed(z: np.uint64) -> np.uint64:
+    """One output of SplitMix64."""
+    z += np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))

@@ -1,1 +1,0 @@
-"""A rig: its calibration and model, its serial protocol, and an emulation of it."""

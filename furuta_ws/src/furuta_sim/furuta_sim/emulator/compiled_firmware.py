@@ -1,0 +1,156 @@
+"""The C firmware compiled for this computer, with the interface of the reference firmware."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from furuta_hw.protocol.frames import ARMED, WATCHDOG
+from furuta_sim.emulator.firmware_compiler import compile_firmware, emulated_sources
+
+# The operations and the log of firmware/boards/emulated/emulated.c.
+POWER_ON = struct.Struct("<chhhIIH")
+RECEIVE = struct.Struct("<cBH")
+SAMPLE = struct.Struct("<cBihi")
+STATE = struct.Struct("<IIIIHHHhhBB")
+LENGTH = struct.Struct("<H")
+# Like the reference, the emulated board supports every period [µs] and watchdog [samples].
+ANY_TIMING = 0, 0xFFFFFFFF, 0xFFFF
+# The log of an operation is at most so many times as long.
+LOG_FACTOR = 64
+LONGEST_RECEIVE = 0xFFFF
+
+
+class State(NamedTuple):
+    """State of the firmware after an operation; ``drive`` is what the board last received."""
+
+    number: int
+    answered: int
+    driven: int
+    period_us: int
+    session: int
+    watchdog: int
+    discarded: int
+    code: int
+    drive: int
+    status: int
+    in_session: int
+
+
+class CompiledFirmware:
+    """Drop-in replacement of :class:`furuta_sim.emulator.firmware.Firmware`.
+
+    Each object loads a copy of its own, because the firmware keeps its state in static memory.
+    """
+
+    def __init__(self, low: int, high: int, zero: int) -> None:
+        self._replay = load_replay()
+        self._codes = (low, high, zero)
+        self.fault = False
+        self._driven_before = 0  # a reboot
+        self._outbox = b""
+        self._power_on()
+
+    def reboot(self) -> None:
+        """Return to the state after power-on: no session, 0 V."""
+        self._driven_before = self.driven
+        self._power_on()
+
+    def receive(self, data: bytes) -> None:
+        """Execute the frames that these bytes complete."""
+        for at in range(0, len(data), LONGEST_RECEIVE):
+            part = data[at : at + LONGEST_RECEIVE]
+            self._outbox += self._run(RECEIVE.pack(b"r", self.fault, len(part)) + part)
+
+    def sample(self, arm: int, speed: int, pendulum: int) -> bytes:
+        """Take one sample with these codes; returns the bytes for the host."""
+        out, self._outbox = self._outbox, b""
+        return out + self._run(SAMPLE.pack(b"s", self.fault, arm, speed, pendulum))
+
+    def _power_on(self) -> None:
+        self._outbox = self._run(POWER_ON.pack(b"b", *self._codes, *ANY_TIMING))
+
+    def _run(self, operation: bytes) -> bytes:
+        ((out, self._state),) = parse_log(self._replay(operation))
+        return out
+
+    @property
+    def session(self) -> int | None:
+        """Number of the session; None without one."""
+        return self._state.session if self._state.in_session else None
+
+    @property
+    def period_us(self) -> int:
+        """Time between samples [µs]."""
+        return self._state.period_us
+
+    @property
+    def watchdog(self) -> int:
+        """The watchdog [samples]."""
+        return self._state.watchdog
+
+    @property
+    def number(self) -> int:
+        """Number of the newest sample."""
+        return self._state.number
+
+    @property
+    def answered(self) -> int:
+        """Sample of the newest Drive frame that was applied."""
+        return self._state.answered
+
+    @property
+    def code(self) -> int:
+        """The DA code that the board holds."""
+        return self._state.drive
+
+    @property
+    def driven(self) -> int:
+        """Drive frames applied, also before a reboot."""
+        return self._driven_before + self._state.driven
+
+    @property
+    def discarded(self) -> int:
+        """Frames discarded since the session started, modulo 2¹⁶."""
+        return self._state.discarded
+
+    @property
+    def armed(self) -> bool:
+        """Whether Drive frames are applied."""
+        return bool(self._state.status & ARMED)
+
+    @property
+    def tripped(self) -> bool:
+        """Whether the watchdog has stopped the rig since it was last armed."""
+        return bool(self._state.status & WATCHDOG)
+
+
+def load_replay(*options: str) -> Callable[[bytes], bytes]:
+    """Compile the emulated board and load it; returns a function from script to log."""
+    with tempfile.TemporaryDirectory() as directory:
+        library = Path(directory) / "firmware.so"
+        compile_firmware(emulated_sources(), library, "-shared", "-fPIC", *options)
+        function = ctypes.CDLL(str(library)).emulated_replay
+
+    def replay(script: bytes) -> bytes:
+        log = ctypes.create_string_buffer(LOG_FACTOR * len(script))
+        size = function(script, ctypes.c_uint32(len(script)), log)
+        return ctypes.string_at(log, size)
+
+    return replay
+
+
+def parse_log(log: bytes) -> list[tuple[bytes, State]]:
+    """Split the log of a replay into what each operation sent, and the state after it."""
+    entries = []
+    at = 0
+    while at < len(log):
+        (length,) = LENGTH.unpack_from(log, at)
+        end = at + LENGTH.size + length
+        entries.append((log[at + LENGTH.size : end], State(*STATE.unpack_from(log, end))))
+        at = end + STATE.size
+    return entries

@@ -1,0 +1,122 @@
+"""An emulated rig: firmware on the simulated pendulum, with faults to inject.
+
+It has no clock: ``step`` is one sample. The pendulum is held in its initial state until the rig is
+first driven, and again after ``hold``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from furuta_hw.rigs.channels import wrapped
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import build_from_known
+from furuta_model.parts.converter import Actuator
+from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_sim.emulator.compiled_firmware import CompiledFirmware
+from furuta_sim.emulator.faults import Faults, FaultyLine
+from furuta_sim.emulator.firmware import Firmware
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
+from furuta_sim.plant import Noise, design_plant, initial_state, move
+
+# Both execute the same rules.
+AnyFirmware = Firmware | CompiledFirmware
+
+
+def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
+    """Parameters of a rig's simulated plant, with noise of one code on analogue channels."""
+    return PlantParameters(
+        model=rig.model,
+        friction=PlantFriction(parameters=rig.friction),
+        sensors=rig.sensors,
+        actuator=Actuator(rig.drive.range, 0),  # the drive's codes are quantised already
+        drive=rig.drive_dynamics,
+        pendulum_friction=rig.pendulum_friction,
+        waves=rig.waves,
+        tilt=rig.tilt,
+        initial=initial or InitialState(),
+        sample_time=rig.line.sample_time,
+        seed=seed,
+    )
+
+
+def initial_state_of(given: dict[str, Any]) -> InitialState:
+    """The initial state with these values; ParameterError for a wrong name or value."""
+    return build_from_known(InitialState, given, "state")
+
+
+class EmulatedRig:
+    """Call ``receive`` with bytes at any time, and ``step`` once a sample."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        plant: PlantParameters | None = None,
+        faults: Faults | None = None,
+        make_firmware: Callable[[int, int, int], AnyFirmware] = Firmware,
+    ) -> None:
+        self.plant = plant or plant_of(rig)
+        self._rig = rig
+        self._arm, self._speed = rig.arm.channel, rig.speed.channel
+        self._pendulum, self._drive = rig.pendulum.channel, rig.drive.channel
+        drive = self._drive
+        self.firmware = make_firmware(drive.low, drive.high, drive.to_code(0.0))
+        self._noise = Noise(self.plant.seed)
+        self._plant = design_plant(self.plant)
+        self.faults = faults or Faults()
+        self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
+        self._inbox = b""
+        self._stuck_arm_code: int | None = None
+        self.volts = 0.0
+        self.x = initial_state(self.plant)
+        self.held = True
+        self._driven_before = 0
+        move(self.x.copy(), 0.0, self._plant)  # compile before time matters
+
+    def hold(self, initial: InitialState | None = None) -> None:
+        """Hold the pendulum in its initial state, or another one, until the rig is driven."""
+        if initial is not None:
+            self.plant = self.plant._replace(initial=initial)
+        self.x = initial_state(self.plant)
+        self.held = True
+        self._driven_before = self.firmware.driven
+
+    def receive(self, data: bytes) -> None:
+        """Receive bytes from the host."""
+        self._inbox += data
+
+    def process_input(self) -> None:
+        """Pass received bytes to the firmware; ``step`` does so itself."""
+        data, self._inbox = self._inbox, b""
+        self.firmware.receive(self._line_to_rig.carry(data, self.faults))
+
+    def step(self) -> bytes:
+        """Advance by one sample; returns the bytes for the host."""
+        self.process_input()
+        firmware = self.firmware
+        self.held = self.held and firmware.driven == self._driven_before
+        self.volts = self._drive.to_si(firmware.code) if firmware.armed else 0.0
+        if not self.held:
+            move(self.x, self.volts, self._plant)
+        firmware.fault = self.faults.rig_fault
+        return self._line_to_host.carry(firmware.sample(*self._codes()), self.faults)
+
+    def _codes(self) -> tuple[int, int, int]:
+        x, noise, sensors = self.x, self._noise(), self.plant.sensors
+        arm = self._arm.to_code(x[PHI])
+        if self.faults.encoder_stuck:
+            self._stuck_arm_code = arm = (
+                arm if self._stuck_arm_code is None else self._stuck_arm_code
+            )
+        else:
+            self._stuck_arm_code = None
+        speed, theta = 0, wrapped(x[THETA])
+        if self._rig.speed.sensor == "tachometer":
+            speed = self._speed.to_code(x[PHI_DOT] + sensors.tachometer_noise * noise[0])
+        if self._rig.pendulum.sensor == "potentiometer":
+            theta += sensors.potentiometer_noise * noise[1]
+        pendulum = self._pendulum.to_code(theta)
+        if self.faults.potentiometer_rail:
+            pendulum = self._pendulum.high
+        return arm, speed, pendulum

@@ -1,0 +1,113 @@
+"""Executable ``rig_emulator``: an emulated rig on a pseudo-terminal, in a process of its own.
+
+In real time a sample is due at every period of the steady clock. If the process is late, the rig
+continues as a real one would, with the voltage last applied and its watchdog running. In lock-step
+a driven rig waits for the answer to each sample.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import os
+import signal
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NoReturn
+
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import load_rig
+from furuta_model.parameters import ParameterError
+from furuta_ros.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
+from furuta_ros.yaml_files import parse_yaml
+from furuta_sim.emulator.compiled_firmware import CompiledFirmware
+from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of, plant_of
+from furuta_sim.emulator.faults import Faults, with_faults
+from furuta_sim.emulator.firmware import Firmware
+from furuta_sim.emulator.monitor import serve
+from furuta_sim.emulator.running_rig import RunningRig
+
+# Priority in the real-time scheduler. Any value precedes processes without real-time priority.
+PRIORITY = 10
+
+
+def main() -> None:
+    """Entry point of the executable ``rig_emulator``."""
+    options = _parse_arguments()
+    stop = _stop_signal()
+    try:
+        running = _make_rig(options)
+        if options.monitor:
+            serve(options.monitor, running.answer)
+        if options.link:
+            options.link.unlink(missing_ok=True)
+            options.link.symlink_to(running.terminal.name)
+    except (ParameterError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+    if stop():
+        sys.exit(INTERRUPTED)
+    print(f"port: {running.terminal.name}", flush=True)
+    gc.collect()
+    gc.freeze()
+    if options.lockstep:
+        running.run_in_lockstep(stop)
+    else:
+        _raise_priority()
+        running.run_in_real_time(stop)
+    for path in (options.link, options.monitor):
+        if path:
+            path.unlink(missing_ok=True)
+
+
+def _parse_arguments() -> argparse.Namespace:
+    parser = _Parser(prog="rig_emulator", description=__doc__)
+    parser.add_argument("--rig", type=Path, help="rig file; default: the paper's rig")
+    parser.add_argument("--link", type=Path, help="make a link to the port's name here")
+    parser.add_argument("--monitor", type=Path, help="Unix socket to observe it and inject faults")
+    parser.add_argument("--lockstep", action="store_true", help="wait for each answer when driven")
+    parser.add_argument(
+        "--firmware", action="store_true", help="run the C firmware for boards, not the reference"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the sensors' noise")
+    parser.add_argument("--initial", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("--fault", action="append", default=[], metavar="NAME=VALUE")
+    # ros2 run and ros2 launch add ROS arguments, which are ignored here.
+    return parser.parse_args(own_arguments(sys.argv[1:]))
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports wrong usage in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"error: {message} (see {self.prog} --help)\n")
+
+
+def _make_rig(options: argparse.Namespace) -> RunningRig:
+    rig = load_rig(options.rig) if options.rig else Rig()
+    plant = plant_of(rig, initial_state_of(_values(options.initial)), options.seed)
+    faults = with_faults(Faults(), _values(options.fault))
+    make_firmware = CompiledFirmware if options.firmware else Firmware
+    return RunningRig(EmulatedRig(rig, plant, faults, make_firmware), rig.line.sample_time)
+
+
+def _values(assignments: list[str]) -> dict[str, Any]:
+    pairs = [each.partition("=") for each in assignments]
+    if any(not separator for _, separator, _ in pairs):
+        raise ParameterError(f"expected NAME=VALUE, given {', '.join(assignments)}")
+    return {name: parse_yaml(text, name) for name, _, text in pairs}
+
+
+def _raise_priority() -> None:
+    """Run before other processes if the system permits it: no load slows a real rig."""
+    with suppress(PermissionError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+
+
+def _stop_signal() -> Callable[[], bool]:
+    received: list[int] = []
+    set_interrupt_handler(lambda number, _: received.append(number))
+    signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
+    return lambda: bool(received)

@@ -1,0 +1,1 @@
+"""Many closed loops at once, in the lanes of vector instructions."""

@@ -1,0 +1,352 @@
+"""Simulates many closed loops side by side in the lanes of the processor's vector instructions.
+
+Loops that compute alike form a group: the same kinds of law, compensation, estimator and sensors,
+and as many samples. Up to 64 loops of a group run in one block
+(:mod:`furuta_sim.lanes.lane_stages`); each has parameters, seed and initial state of its
+own.
+
+Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and others) or
+springs, and controllers with another mode or an excitation run singly. So do loops whose stages
+are not compiled yet, until their runs would have taken longer than the compilation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+
+from furuta_control import control as controller
+from furuta_control import estimation as estimator
+from furuta_control.control import ControllerParameters, design_controller
+from furuta_control.estimation import EstimatorParameters, design_estimator
+from furuta_friction import compensation
+from furuta_friction.compensation import ObserverParameters, design_compensator
+from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.friction.laws import FrictionLaw
+from furuta_model.parts.converter import Actuator
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
+from furuta_sim.lanes.lane_compiler import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
+from furuta_sim.lanes.lane_stages import (
+    LANE_SIGNALS,
+    MOST_STAGES,
+    PARTS,
+    Lane,
+    LanePlant,
+    Stage,
+)
+from furuta_sim.plant import NOISE_CHANNELS, design_plant
+from furuta_sim.simulation.closed_loop import SUMS, Loop, Outcome, summary
+from furuta_sim.simulation.oscillation import ACCUMULATOR_SIZE
+
+# Most lanes of a block: many, because starting a loop over them costs time, but what a sample uses
+# of the block has to stay in the processor's first cache. That is some 70 numbers per lane with
+# ideal sensors and without a filter, and some 200 otherwise.
+WIDTH = 32
+WIDTH_WITHOUT_FILTER = 64
+# Lanes of the widest vectors; a block runs a multiple of them.
+VECTOR = 8
+# Samples below which a single run takes no longer than preparing the loop for a lane.
+FEWEST_SAMPLES = 500
+# Distance of two rows. With a divisor of 4096 bytes a load would often seem to depend on a store
+# before it, because the processor compares only the lowest bits of addresses.
+BETWEEN_ROWS = 8
+# Samples for which noise is drawn ahead.
+NOISE_SAMPLES = 256
+# Numbers that select what is computed, besides truth values.
+SELECTORS = frozenset({"kind", "method", "mode"})
+# Numbers whose zero means that a part is off.
+OFF_AT_ZERO = frozenset(
+    {"bits", "encoder_counts", "tachometer_bits", "potentiometer_bits", "patience"}
+    | {"integral_share", "rate_bound"}
+)
+# The fields of a lane that are zero at the start, and their sizes.
+_START = (
+    NOISE_CHANNELS,
+    SIGNALS,
+    SIGNALS,
+    estimator.MEMORY,
+    compensation.MEMORY,
+    controller.MEMORY,
+    LANE_SIGNALS,
+    ACCUMULATOR_SIZE,
+    SUMS,
+)
+
+
+def is_constant(name: str, value: Any) -> bool:
+    """Whether a number selects what is computed, so that it is a constant of the block."""
+    return isinstance(value, bool) or name in SELECTORS or (name in OFF_AT_ZERO and value == 0)
+
+
+class Group(NamedTuple):
+    """What the loops of a block have in common: layouts of the designs, samples, most lanes."""
+
+    layouts: tuple[int, ...]
+    samples: int
+    width: int
+
+    @property
+    def stride(self) -> int:
+        """Distance of two rows of a block."""
+        return self.width + BETWEEN_ROWS
+
+
+class PreparedLoop(NamedTuple):
+    """A loop for a lane: its group and the numbers of its :class:`Lane` before the memories.
+
+    Loops with the same designs share their numbers, so a waiting loop needs little memory.
+    """
+
+    group: Group
+    numbers: tuple[np.ndarray, ...]
+    seed: int
+    sample_time: float
+
+
+def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
+    """The loop for a lane, or None if it has to run singly."""
+    control = loop.controller
+    if not control.enabled or control.mode != "balance" or control.excitation.kind != "none":
+        return None
+    samples = max(1, round(seconds / loop.plant.sample_time))
+    if samples < FEWEST_SAMPLES:
+        return None
+    plant = design_plant(loop.plant)
+    if plant.parts.any or plant.faults.any:
+        return None
+    moved = LanePlant(
+        plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps
+    )
+    estimation = _needed_estimator(loop)
+    parts = (
+        _plant(moved),
+        _sensors(loop.plant.sensors),
+        _estimator(estimation),
+        _compensator(loop.observer),
+        _controller(control),
+    )
+    x = np.zeros(PLANT_STATES)
+    x[:BRISTLE] = loop.plant.initial
+    return PreparedLoop(
+        Group(
+            tuple(layout for layout, _ in parts), samples, _width(loop.plant.sensors, estimation)
+        ),
+        (*(numbers for _, numbers in parts), x),
+        loop.plant.seed,
+        loop.plant.sample_time,
+    )
+
+
+def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:
+    plain = sensors.ideal and estimation.method == "lowpass"
+    return WIDTH_WITHOUT_FILTER if plain else WIDTH
+
+
+def _needed_estimator(loop: Loop) -> EstimatorParameters:
+    """The estimator without a filter if the sensors are ideal and nothing uses its friction."""
+    observer = loop.observer
+    guarded = observer.guard_time > 0.0 and observer.compensation != "none"
+    used = observer.chosen.needs_observed_friction or guarded
+    if used or not loop.estimator.sensors.ideal:
+        return loop.estimator
+    return loop.estimator._replace(method="lowpass")
+
+
+# A part of a lane: the number of its layout in _LAYOUTS, and its numbers.
+Part = tuple[int, np.ndarray]
+_LAYOUTS: dict[Layout, int] = {}
+
+
+def _part(design: Any) -> Part:
+    return _layout_number(design), numbers_of(design)
+
+
+def _layout_number(design: Any) -> int:
+    layout, _ = layout_of(design, is_constant)
+    return _LAYOUTS.setdefault(layout, len(_LAYOUTS))
+
+
+def _plant(p: LanePlant) -> Part:
+    return _plant_layout(p.friction.kind, p.actuator), numbers_of(p)
+
+
+@lru_cache(maxsize=256)
+def _plant_layout(kind: int, actuator: Actuator) -> int:
+    """The layout does not depend on the real numbers, which differ between the loops of a study."""
+    return _layout_number(LanePlant(FurutaPendulum(), FrictionLaw(kind), actuator, 0.0, 1))
+
+
+@lru_cache(maxsize=4096)
+def _sensors(p: Sensors) -> Part:
+    return _part(p)
+
+
+@lru_cache(maxsize=256)
+def _estimator(p: EstimatorParameters) -> Part:
+    return _part(design_estimator(p))
+
+
+@lru_cache(maxsize=256)
+def _compensator(p: ObserverParameters) -> Part:
+    return _part(design_compensator(p))
+
+
+@lru_cache(maxsize=256)
+def _controller(p: ControllerParameters) -> Part:
+    return _part(design_controller(p))
+
+
+@lru_cache(maxsize=256)
+def _layout(group: Group) -> tuple[Layout, int]:
+    """Layout and rows of a group's blocks."""
+    layouts = list(_LAYOUTS)
+    arrays = [np.zeros(PLANT_STATES), *(np.zeros(size) for size in _START)]
+    parts = [layouts[each] for each in group.layouts]
+    parts += [layout_of(each, is_constant)[0] for each in arrays]
+    fields, rows = [], 0
+    for name, layout in zip(Lane._fields, parts, strict=True):
+        fields.append((name, rows, layout))
+        rows += rows_of(layout)
+    return ("record", tuple(fields)), rows
+
+
+def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
+    """Outcomes of at most ``width`` loops of one group; lanes to spare repeat the first loop."""
+    group, block = loops[0].group, block_of(loops)
+    measured = max(1, round(settled * group.samples))
+    _run_samples(block, loops, group, group.samples - measured)
+    accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
+    memories = block.rows("observer").T
+    found = []
+    for i, each in enumerate(loops):
+        accumulator, off = accumulators[i].copy(), compensation.switched_off(memories[i])
+        found.append(
+            summary(accumulator, sums[i].copy(), each.sample_time, off, group.samples, measured)
+        )
+    return found
+
+
+def block_of(loops: Sequence[PreparedLoop]) -> Lanes:
+    """A block with the loops at their start."""
+    group = loops[0].group
+    layout, rows = _layout(group)
+    block = Lanes(layout, rows, group.stride)
+    for i in range(_used(loops)):
+        numbers = np.concatenate(loops[i if i < len(loops) else 0].numbers)
+        # The block begins with zeros. A controller that only balances has thousands of them.
+        given = np.flatnonzero(numbers.view(np.int64))
+        block.data[given, i] = numbers[given]
+    return block
+
+
+def _used(loops: Sequence[PreparedLoop]) -> int:
+    """Lanes that the loops take."""
+    return -(-len(loops) // VECTOR) * VECTOR
+
+
+def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int) -> None:
+    """Run all samples; the noise of each lane is that of its loop's own seed."""
+    stages = np.array([[stage_address(each, group) for each in part] for part in _padded_parts()])
+    ideal = block.constant("sensors", "ideal")
+    generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
+    noise = np.zeros((_used(loops), NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
+    rows = block.rows("noise")[:, : len(noise)]
+    for first in range(0, group.samples, NOISE_SAMPLES):
+        for i, generator in enumerate(generators):
+            generator.standard_normal(out=noise[i])
+        last = min(first + NOISE_SAMPLES, group.samples)
+        run_stages(stages, block.address, rows, noise, first, last, transient)
+
+
+def _padded_parts() -> list[list[Stage | None]]:
+    return [[*part, *[None] * (MOST_STAGES - len(part))] for part in PARTS]
+
+
+def compile_stages(loops: Iterable[Loop]) -> None:
+    """Compile the stages of the groups of ``loops``; later batches find them on the disk."""
+    for loop in loops:
+        prepared = prepare(loop, 1.0)
+        if prepared is not None:
+            for stage in {stage for part in PARTS for stage in part}:
+                stage_address(stage, prepared.group)
+
+
+def is_compiled(group: Group) -> bool:
+    """Whether the machine code of the group's stages exists, in memory or on the disk."""
+    return all(_exists(stage, group) for part in PARTS for stage in part)
+
+
+@lru_cache(maxsize=1024)
+def stage_address(stage: Stage | None, group: Group) -> int:
+    """Address of the machine code of a stage, which is compiled if need be; 0 for no stage."""
+    if stage is None:
+        return 0
+    arguments = _argument_types(stage, group)
+    function: Any = stage.function
+    function.compile(arguments)
+    result = function.overloads[arguments]
+    return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+
+
+def _exists(stage: Stage, group: Group) -> bool:
+    arguments = _argument_types(stage, group)
+    function: Any = stage.function
+    if arguments in function.overloads:
+        return True
+    return function._cache.load_overload(arguments, function.targetctx) is not None
+
+
+def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
+    layout, _ = _layout(group)
+    fields = tuple(each for each in layout[1] if each[0] in stage.fields)
+    return LanesType(("record", fields), group.stride), types.intp
+
+
+def _calling(_: Any, address: Any, block: Any, count: Any) -> Any:
+    """Call a stage by its address; so the loop over the samples is compiled once for all stages."""
+
+    def generate(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
+        ir: Any = cgutils.ir
+        pointer, integer = ir.IntType(8).as_pointer(), ir.IntType(64)
+        result, error = builder.alloca(pointer), builder.alloca(pointer)
+        kind = ir.FunctionType(
+            ir.IntType(32), [result.type, error.type, ir.DoubleType().as_pointer(), integer]
+        )
+        stage = builder.inttoptr(arguments[0], kind.as_pointer())
+        memory = builder.inttoptr(arguments[1], ir.DoubleType().as_pointer())
+        builder.call(stage, [result, error, memory, arguments[2]])
+        return context.get_dummy_value()
+
+    return types.none(types.intp, types.intp, types.intp), generate
+
+
+_call_stage: Callable[[int, int, int], None] = make_intrinsic(_calling)
+
+
+@compiled
+def run_stages(
+    stages: np.ndarray,
+    block: int,
+    noise_rows: np.ndarray,
+    noise: np.ndarray,
+    first: int,
+    last: int,
+    transient: int,
+) -> None:
+    """Run the samples from ``first`` to before ``last``; ``noise`` (lanes, samples, channels)."""
+    width, _, channels = noise.shape
+    for k in range(first, last):
+        for channel in range(channels):
+            for i in range(width):
+                noise_rows[channel, i] = noise[i, k - first, channel]
+        part = 0 if k < transient // 2 else 1 if k < transient else 2
+        for stage in stages[part]:
+            if stage != 0:
+                _call_stage(stage, block, width)

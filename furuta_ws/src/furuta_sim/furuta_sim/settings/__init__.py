@@ -1,0 +1,1 @@
+"""Settings of a loop: nodes, parameters by name, rigs."""

@@ -1,0 +1,170 @@
+"""Settings: parameters of all nodes, from parameter files and NAME=VALUE assignments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
+from furuta_model.parameters import ParameterError, build, shortened
+from furuta_ros.renamed_parameters import with_current_names
+from furuta_ros.ros_parameters import by_full_name, is_of_ros
+from furuta_ros.yaml_files import parse_yaml, read_yaml
+from furuta_sim.settings.nodes import NODES, check_graph
+from furuta_sim.settings.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
+from furuta_sim.settings.rig_parameters import rig_parameters
+from furuta_sim.simulation.closed_loop import Loop
+
+# Most unknown names of a section that are reported; each is compared with all known ones.
+MOST_REPORTED = 10
+
+# Values that differ from the defaults, by node and full parameter name.
+Settings = dict[str, dict[str, Any]]
+
+
+def default_settings() -> Settings:
+    """Settings that leave every parameter at its default."""
+    return {node: {} for node in NODES}
+
+
+def rig_settings(rig: Rig) -> Settings:
+    """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
+    return default_settings() | rig_parameters(rig)
+
+
+def load_settings(
+    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+) -> Settings:
+    """Settings from ``base``, parameter files and assignments; later ones take precedence.
+
+    Raises:
+        ParameterError: A name is unknown, a value is not allowed, or nodes do not fit together.
+    """
+    settings = collect_settings(files, assignments, base)
+    check_graph(parameters_of(settings))
+    return settings
+
+
+def collect_settings(
+    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+) -> Settings:
+    """Like :func:`load_settings`, without the checks of several parameters together."""
+    settings = merge_settings(default_settings(), base or default_settings())
+    for file in files:
+        settings = merge_settings(settings, read_file(file))
+    for assignment in assignments:
+        name, separator, text = assignment.partition("=")
+        if not separator:
+            raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
+        for match in find_parameters(name.strip()):
+            settings[match.node][match.parameter.name] = match.parsed(_value(text, name))
+    return settings
+
+
+def with_current_parameter_names(node: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """A node's values by today's parameter names; warns about earlier names."""
+    current, warnings = with_current_names(NODES[node].parameters, given)
+    for warning in warnings:
+        warn_once(f"{node}: {warning}")
+    return current
+
+
+def merge_settings(under: Settings, over: Settings) -> Settings:
+    """Two settings in one; the second takes precedence."""
+    return {node: under[node] | over[node] for node in NODES}
+
+
+def parameters_of(settings: Settings) -> dict[str, Any]:
+    """Every node's parameters."""
+    return {node: build(each.parameters, settings[node]) for node, each in NODES.items()}
+
+
+def loop(settings: Settings) -> Loop:
+    """The same parameters for the loop without ROS."""
+    return _loop(parameters_of(settings))
+
+
+def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:
+    """The loop with further values by name, checked as :func:`load_settings` does."""
+    assignments = [f"{name}={value}" for name, value in values.items()]
+    made = parameters_of(collect_settings([], assignments, settings))
+    check_graph(made)
+    return _loop(made)
+
+
+def _loop(made: Mapping[str, Any]) -> Loop:
+    return Loop(
+        made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
+    )
+
+
+def read_file(file: Path) -> Settings:
+    """Settings from a ROS parameter file, or from a rig file."""
+    return _from_content(read_yaml(file, "parameter file"), file)
+
+
+def settings_from_text(text: str, name: str) -> Settings:
+    """Settings from the text of a ROS parameter file of that name."""
+    return _from_content(parse_yaml(text, f"parameter file {name}"), Path(name))
+
+
+def _from_content(content: Any, file: Path) -> Settings:
+    if not isinstance(content, Mapping):
+        raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
+    if is_rig_file(content):
+        rig, _ = rig_from_content(content, file)
+        return rig_settings(rig)
+    settings = default_settings()
+    for key, section in content.items():
+        node = _node_name(key, file)
+        _set_all(settings, node, _parameters(section, key, file), file)
+    return settings
+
+
+def _parameters(section: Any, key: Any, file: Path) -> dict[str, Any]:
+    """The parameters of a section by full name."""
+    if not isinstance(section, Mapping) or not isinstance(section.get("ros__parameters"), Mapping):
+        raise ParameterError(f"{file}: {key} has no ros__parameters")
+    beside = [each for each in section if each != "ros__parameters"]
+    if beside:
+        raise ParameterError(f"{file}: {key} has ros__parameters and also {shortened(beside)}")
+    return dict(by_full_name(section["ros__parameters"]))
+
+
+def _node_name(key: Any, file: Path) -> str:
+    """The node that a section of a file is for; a namespace before its name does not matter."""
+    last = str(key).rpartition("/")[2]
+    name = EVERY_NODE if last in ("*", "**") else last
+    if name != EVERY_NODE and name not in NODES:
+        raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")
+    return name
+
+
+def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Path) -> None:
+    """Set the values of a section; raises ParameterError with its unknown names."""
+    unknown = []
+    for name, value in values.items():
+        if is_of_ros(name):
+            if name == "use_sim_time" and value:
+                warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
+            continue
+        try:
+            matches = find_in_node(node, name)
+        except ParameterError as error:
+            unknown.append(str(error))
+            if len(unknown) == MOST_REPORTED:
+                break
+            continue
+        for match in matches:
+            settings[match.node][match.parameter.name] = match.parsed(value)
+    if unknown:
+        raise ParameterError(f"{file}: {'; '.join(unknown)}")
+
+
+def _value(text: str, name: str) -> Any:
+    try:
+        return parse_yaml(text, name)
+    except ParameterError:
+        raise ParameterError(f"{name}: cannot read the value {text!r}") from None

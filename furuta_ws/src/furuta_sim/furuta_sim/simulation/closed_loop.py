@@ -1,0 +1,287 @@
+"""Simulates the closed loop without ROS, with the compiled functions that the nodes call.
+
+One sample: sensors → estimator → friction observer → controller → actuator and plant. A run is
+one call of compiled code, which releases the interpreter lock. Oscillation and rms values are
+measured during the run; series are kept only on request.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters, allow, switched_off
+from furuta_model.compiled import compiled, inlined
+from furuta_model.state import APPLIED_TORQUE, PHI, RIGID_STATES, SIGNALS, THETA
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.plant import (
+    NOISE_CHANNELS,
+    Plant,
+    design_plant,
+    initial_state,
+    move,
+    read,
+    true_friction,
+)
+from furuta_sim.simulation.control_system import (
+    ControlSystem,
+    Memory,
+    control_sample,
+    design_control_system,
+    initial_memory,
+)
+from furuta_sim.simulation.oscillation import (
+    ACCUMULATOR_SIZE,
+    accumulate,
+    accumulate_midpoint,
+    oscillation,
+)
+
+# Fraction of a run that is measured: the last half, after the transients.
+SETTLED = 0.5
+
+# Sums over the measured part: squares of φ, u and F − F̂; and whether the pendulum fell.
+_PHI_SQUARED = 0
+_COMMAND_SQUARED = 1
+_ERROR_SQUARED = 2
+_FELL = 3
+SUMS = 4
+
+
+class Loop(NamedTuple):
+    """Parameters of plant, estimator, friction observer and controller."""
+
+    plant: PlantParameters = PlantParameters()
+    estimator: EstimatorParameters = EstimatorParameters()
+    observer: ObserverParameters = ObserverParameters()
+    controller: ControllerParameters = ControllerParameters()
+
+
+class Record(NamedTuple):
+    """Series of a run, one row per sample of ``sample_time`` [s].
+
+    ``state`` (n, 4) true x, ``estimate`` (n, 5) of x and of the friction [V], ``friction`` (n,)
+    true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V], ``measurement`` (n, 5) of
+    x, NaN where there is no sensor, and of the torque applied since the previous sample [V].
+    """
+
+    sample_time: float
+    state: np.ndarray
+    estimate: np.ndarray
+    friction: np.ndarray
+    friction_estimate: np.ndarray
+    command: np.ndarray
+    measurement: np.ndarray
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time of each sample (n,) [s]."""
+        return np.arange(len(self.command)) * self.sample_time
+
+
+class Outcome(NamedTuple):
+    """Result of a run over its settled part; ``fell`` and ``switched_off`` refer to the whole run.
+
+    ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
+    oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
+    values are about zero: arm angle [rad], command [V], error of the friction estimate F − F̂ [V].
+    ``switched_off`` tells whether the guard has switched the compensation off, as worse than none.
+    """
+
+    phi_peak_to_peak_rad: float
+    theta_peak_to_peak_rad: float
+    period_s: float
+    stuck_fraction: float
+    phi_rms_rad: float
+    command_rms_v: float
+    friction_error_rms_v: float
+    fell: bool
+    switched_off: bool
+    steps: int
+
+
+class Simulation:
+    """Simulates a loop. Its parameters can be changed between two runs, as on the graph.
+
+    Parameters that are only read at the start (initial state, seed, sample time) stay the same.
+    """
+
+    def __init__(self, loop: Loop) -> None:
+        self._memory = initial_memory()
+        self._loop = loop
+        self.loop = loop
+        self._state = initial_state(loop.plant)
+        self._noise = np.random.default_rng(loop.plant.seed)
+        self._torque = np.zeros(1)
+
+    @property
+    def switched_off(self) -> bool:
+        """Whether the guard has switched the friction compensation off, as worse than none."""
+        return switched_off(self._memory.observer)
+
+    @property
+    def loop(self) -> Loop:
+        """The current parameters."""
+        return self._loop
+
+    @loop.setter
+    def loop(self, loop: Loop) -> None:
+        if loop.observer != self._loop.observer:
+            allow(self._memory.observer)
+        self._loop = loop
+        self._plant = design_plant(loop.plant)
+        self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
+
+    def run(self, seconds: float) -> Record:
+        """Continue for ``seconds``, at least one sample, and keep the series."""
+        record = _empty_record(self.loop.plant.sample_time, self._samples(seconds))
+        self._run(seconds, SETTLED, record)
+        return record
+
+    def measure(self, seconds: float, settled: float = SETTLED) -> Outcome:
+        """Continue for ``seconds`` and measure the last fraction ``settled``; keep no series."""
+        return self._run(seconds, settled, _empty_record(self.loop.plant.sample_time, 0))
+
+    def _samples(self, seconds: float) -> int:
+        return max(1, round(seconds / self.loop.plant.sample_time))
+
+    def _run(self, seconds: float, settled: float, record: Record) -> Outcome:
+        """Continue for ``seconds``; write the series into ``record`` unless it has no rows."""
+        samples = self._samples(seconds)
+        measured = max(1, round(settled * samples))
+        accumulator, sums = np.zeros(ACCUMULATOR_SIZE), np.zeros(SUMS)
+        _run(
+            self._state,
+            self._noise,
+            self._plant,
+            self._control_system,
+            self._memory,
+            self._torque,
+            samples,
+            samples - measured,
+            record,
+            accumulator,
+            sums,
+        )
+        sample_time, off = self.loop.plant.sample_time, self.switched_off
+        return summary(accumulator, sums, sample_time, off, samples, measured)
+
+
+def summary(
+    accumulator: np.ndarray,
+    sums: np.ndarray,
+    sample_time: float,
+    off: bool,
+    samples: int,
+    measured: int,
+) -> Outcome:
+    """The outcome of a run of ``samples`` samples, of which the last ``measured`` count."""
+    motion = oscillation(accumulator, sample_time)
+    phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
+    return Outcome(*motion, phi, command, error, bool(sums[_FELL]), off, samples)
+
+
+def simulate(loop: Loop, seconds: float) -> Record:
+    """Run the loop for ``seconds`` from the plant's initial state and keep its series."""
+    return Simulation(loop).run(seconds)
+
+
+def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
+    """Run the loop for ``seconds`` and measure the last fraction ``settled``; keep no series."""
+    return Simulation(loop).measure(seconds, settled)
+
+
+def _empty_record(sample_time: float, samples: int) -> Record:
+    """A record for ``samples`` samples, not yet filled."""
+    return Record(
+        sample_time,
+        np.empty((samples, RIGID_STATES)),
+        np.empty((samples, SIGNALS)),
+        np.empty(samples),
+        np.empty(samples),
+        np.empty(samples),
+        np.empty((samples, SIGNALS)),
+    )
+
+
+@inlined
+def measure_sample(
+    accumulator: np.ndarray,
+    sums: np.ndarray,
+    x: np.ndarray,
+    u: float,
+    friction: float,
+    estimated: float,
+) -> None:
+    """Include a sample in what is measured: true state, u, F and F̂ [V]."""
+    accumulate(accumulator, x)
+    sums[_PHI_SQUARED] += x[PHI] * x[PHI]
+    sums[_COMMAND_SQUARED] += u * u
+    sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)
+
+
+@inlined
+def note_fall(sums: np.ndarray, x: np.ndarray) -> None:
+    """Remember whether the pendulum has been below the horizontal."""
+    if abs(x[THETA]) > 0.5 * np.pi:
+        sums[_FELL] = 1.0
+
+
+@compiled
+def _run(
+    x: np.ndarray,
+    generator: np.random.Generator,
+    plant: Plant,
+    control_system: ControlSystem,
+    memory: Memory,
+    applied: np.ndarray,
+    samples: int,
+    transient: int,
+    record: Record,
+    accumulator: np.ndarray,
+    sums: np.ndarray,
+) -> None:
+    """Run ``samples`` samples; the first ``transient`` are not measured.
+
+    ``applied`` (1,) is the torque applied since the last measurement [V], kept between runs.
+    """
+    measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
+    noise = np.zeros(NOISE_CHANNELS)
+    keep = len(record.command) > 0
+    # Taken before the loop, because taking an array from a tuple costs as much as a filter.
+    estimator_memory, observer_memory = memory.estimator, memory.observer
+    controller_memory, torque = memory.controller, applied[0]
+    for k in range(samples):
+        if not plant.sensors.ideal:
+            for channel in range(NOISE_CHANNELS):
+                noise[channel] = generator.standard_normal()
+        read(x, noise, plant, measurement)
+        measurement[APPLIED_TORQUE] = torque
+        estimated, u = control_sample(
+            estimator_memory,
+            observer_memory,
+            controller_memory,
+            measurement,
+            control_system,
+            estimate,
+        )
+        friction = 0.0
+        if keep or k >= transient:
+            friction = true_friction(x, plant)
+        if keep:
+            record.state[k] = x[:RIGID_STATES]
+            record.estimate[k] = estimate
+            record.friction[k] = friction
+            record.friction_estimate[k] = estimated
+            record.command[k] = u
+            record.measurement[k] = measurement
+        if transient // 2 <= k < transient:
+            accumulate_midpoint(accumulator, x)
+        if k >= transient:
+            measure_sample(accumulator, sums, x, u, friction, estimated)
+        note_fall(sums, x)
+        torque = move(x, u, plant)
+    applied[0] = torque

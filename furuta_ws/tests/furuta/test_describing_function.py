@@ -1,0 +1,177 @@
+"""Describing functions, compared with integration in time, closed forms, and each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+from scipy.integrate import quad, solve_ivp
+from scipy.special import ive
+
+from furuta.describing_functions.describing_function import bias, describing_function
+from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
+from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
+
+COULOMB, LUGRE, STICTION, STRIBECK = (
+    LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
+)
+
+UNEQUAL = Friction(viscous=0.3, asymmetry=0.25)
+
+
+def fundamental(force: np.ndarray, phase: np.ndarray, amplitude: float) -> complex:
+    """N from samples of the force over full periods of v = A sin(phase)."""
+    return complex(2j * np.mean(force * np.exp(-1j * phase)) / amplitude)
+
+
+def simulated(amplitude: float, omega: float, p: Friction) -> complex:
+    """LuGre's N from equation (5) integrated in time over one period.
+
+    z after a period is linear in z before, so two integrations give the periodic solution.
+    """
+
+    def rate(t: float, z: np.ndarray) -> np.ndarray:
+        v = amplitude * np.sin(omega * t)
+        return v - p.sigma0 * abs(v) / reference.level(v, p) * z
+
+    def period(start: float, phase: np.ndarray) -> np.ndarray:
+        return solve_ivp(
+            rate,
+            (0, 2 * np.pi / omega),
+            [start],
+            method="Radau",
+            t_eval=phase / omega,
+            rtol=1e-9,
+            atol=1e-14,
+            max_step=0.02 / omega,
+        ).y[0]
+
+    turn = np.array([2 * np.pi])
+    end, shifted = period(0.0, turn)[0], period(1e-3, turn)[0]
+    samples = 20_000
+    phase = 2 * np.pi * (np.arange(samples) + 0.5) / samples
+    z = period(end / (1.0 - (shifted - end) / 1e-3), phase)
+    v = amplitude * np.sin(phase)
+    z_dot = v - p.sigma0 * np.abs(v) / np.array([reference.level(each, p) for each in v]) * z
+    force = p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
+    return fundamental(force, phase, amplitude)
+
+
+@pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
+@pytest.mark.parametrize("p", [Friction(), UNEQUAL])
+@pytest.mark.parametrize("amplitude", [1e-3, 0.04, 0.3, 10.0])
+def test_static_laws_by_quadrature(kind: int, p: Friction, amplitude: float) -> None:
+    """N is the first Fourier coefficient of F(A sin x), real for any asymmetry."""
+    law = FrictionLaw(kind, p)
+
+    def coefficient(weight: object) -> float:
+        parts = [
+            quad(
+                lambda x: steady_friction(amplitude * np.sin(x), law) * weight(x),  # type: ignore
+                *ends,
+                points=(ends[0] + 1e-3, ends[1] - 1e-3),
+                limit=500,
+                epsabs=1e-12,
+            )[0]
+            for ends in ((0, np.pi / 2), (np.pi / 2, np.pi), (np.pi, 1.5 * np.pi))
+        ]
+        parts.append(
+            quad(
+                lambda x: steady_friction(amplitude * np.sin(x), law) * weight(x),  # type: ignore
+                1.5 * np.pi,
+                2 * np.pi,
+                points=(2 * np.pi - 1e-3,),
+                limit=500,
+                epsabs=1e-12,
+            )[0]
+        )
+        return sum(parts) / np.pi / amplitude
+
+    n = describing_function(amplitude, 3.0, law)
+    assert n.imag == 0.0
+    assert n.real == pytest.approx(coefficient(np.sin), rel=1e-7)
+    assert coefficient(np.cos) == pytest.approx(0.0, abs=1e-7 * n.real)
+    assert bias(amplitude, law) == pytest.approx(
+        0.5 * amplitude * coefficient(lambda _: 1.0), abs=1e-9
+    )
+
+
+def test_closed_forms_by_hand() -> None:
+    """4Fc/(πA) for Coulomb and stiction; α₀ + α₁ at small and α₀ at large A for Stribeck."""
+    for kind in (COULOMB, STICTION):
+        assert describing_function(0.5, 1.0, FrictionLaw(kind)) == pytest.approx(
+            4 * 0.21 / (np.pi * 0.5)
+        )
+    stribeck = FrictionLaw(STRIBECK)
+    assert describing_function(1e-6, 1, stribeck) == pytest.approx(4e6 * 0.232 / np.pi)
+    assert describing_function(100.0, 1, stribeck) == pytest.approx(0.04 * 0.21 / np.pi, rel=1e-5)
+    assert bias(1.0, FrictionLaw(COULOMB, UNEQUAL)) == pytest.approx(0.25 * 0.21)
+
+
+@pytest.mark.parametrize("amplitude", [1e-3, 0.01, 0.05, 0.3, 2.0])
+@pytest.mark.parametrize("omega", [1.0, 30.0])
+@pytest.mark.parametrize("p", [Friction(), Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)])
+def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Friction) -> None:
+    """N is the fundamental of equation (5) simulated by a stiff solver."""
+    n = describing_function(amplitude, omega, FrictionLaw(LUGRE, p))
+    assert n == pytest.approx(simulated(amplitude, omega, p), rel=2e-6)
+
+
+@pytest.mark.parametrize("deflection", np.geomspace(1e-6, 1e3, 19))
+@pytest.mark.parametrize("omega", [0.1, 50.0])
+def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omega: float) -> None:
+    """With g constant and κ = σ₀X/α₀, Z₁ = (2α₀/σ₀)(2/π (1 − tanh κ/κ) − j I₁(κ)/cosh κ)."""
+    p = Friction(alpha1=0.0)
+    k = p.sigma0 * deflection / p.alpha0
+    tanh = 1 - np.tanh(k) / k if k > 1e-3 else k * k / 3
+    bessel = ive(1, k) * 2 / (1 + np.exp(-2 * k))
+    exact = 2 * p.alpha0 / p.sigma0 * complex(2 / np.pi * tanh, -bessel)
+    z = bristle_fundamental(deflection * omega, omega, FrictionLaw(LUGRE, p), STEPS)
+    assert z == pytest.approx(exact, rel=2e-6)
+
+
+def test_number_of_steps_is_sufficient() -> None:
+    """Twice the steps per quarter cycle give the same N, also for a sharp Stribeck curve."""
+    sharp = Friction(stribeck_velocity=1e-3, alpha1=0.3, sigma0=1e5)
+    for law in (FrictionLaw(LUGRE), FrictionLaw(LUGRE, sharp)):
+        for amplitude in np.geomspace(1e-5, 30, 12):
+            for omega in (0.1, 3.0, 100.0):
+                once, twice = (
+                    bristle_fundamental(amplitude, omega, law, n * STEPS) for n in (1, 2)
+                )
+                assert once == pytest.approx(twice, rel=2e-6)
+
+
+def test_limits_of_lugre() -> None:
+    """A spring and damper at small amplitude, Coulomb friction at large, without asymmetry."""
+    p = Friction(viscous=0.1)
+    law = FrictionLaw(LUGRE, p)
+    for omega in (0.5, 5.0, 50.0):
+        spring = complex(p.sigma1 + p.viscous, -p.sigma0 / omega)
+        assert describing_function(1e-6 * omega, omega, law) == pytest.approx(spring, rel=1e-2)
+        large = describing_function(1e3 * omega, omega, law)
+        coulomb = describing_function(1e3 * omega, omega, FrictionLaw(COULOMB, p))
+        assert large == pytest.approx(coulomb, rel=1e-3)
+    stiff = FrictionLaw(LUGRE, Friction(sigma0=1e5, sigma1=0.0, alpha1=0.0))
+    assert describing_function(1.0, 3.0, stiff) == pytest.approx(
+        describing_function(1.0, 3.0, FrictionLaw(COULOMB)), rel=1e-2
+    )
+
+
+def test_asymmetry_enters_in_second_order_only() -> None:
+    """With unequal levels the fundamental differs from that of the mean level as a²."""
+    equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))
+    errors = [
+        abs(simulated(0.1, 3.0, Friction(asymmetry=each)) / equal - 1.0) for each in (0.1, 0.2, 0.4)
+    ]
+    assert errors[0] < 2e-3
+    assert np.diff(np.log2(errors)) == pytest.approx([2.0, 2.0], abs=0.4)
+    assert describing_function(0.1, 3.0, FrictionLaw(LUGRE, Friction(asymmetry=0.4))) == equal
+
+
+@pytest.mark.parametrize(("amplitude", "omega"), [(0, 1), (1, 0), (-1, 1), (float("nan"), 1)])
+def test_impossible_oscillations_are_rejected(amplitude: float, omega: float) -> None:
+    with pytest.raises(ParameterError, match="above 0"):
+        describing_function(amplitude, omega, FrictionLaw())

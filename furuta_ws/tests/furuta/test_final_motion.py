@@ -1,0 +1,227 @@
+"""The final motion agrees with a long simulation, for known hard cases and for random loops.
+
+``FURUTA_RANDOM_LOOPS=500`` tries 500 random loops instead of a few.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+import reference
+
+from furuta.limit_cycles.continuation import Branch
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
+from furuta.limit_cycles.periodic_orbit import LimitCycle
+from furuta.limit_cycles.rest_stability import rest_stability
+from furuta.studies.analysis_options import AnalysisOptions
+from furuta_model.parameters import ParameterError
+from furuta_model.state import THETA
+from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import Outcome, Simulation
+
+# Laws of the random loops.
+ANALYSED = ("coulomb", "stiction", "stribeck", "lugre")
+RANDOM_LOOPS = int(os.environ.get("FURUTA_RANDOM_LOOPS", "6"))
+# Half a period of the slowest motion of the random loops, several times.
+SIMULATED = 60.0  # [s]
+LONGEST = 1000.0  # [s], if the kinds differ after the first time
+SAMPLE_TIME = 1e-4  # [s]
+IDEAL = (
+    "sensors.ideal=true",
+    f"sample_time={SAMPLE_TIME}",
+    "actuator.bits=0",
+    "actuator.voltage_range=1000",
+    "voltage_limit=1000",
+    "controller.arm_angle_limit=1e6",
+    "controller.arm_error_limit=1e6",
+    "controller.arm_speed_limit=1e6",
+    # A disturbance of the torque, too small to matter but where a rest is unstable.
+    "excitation.kind=sine",
+    "excitation.amplitude=1e-8",
+    "excitation.period=1.7",
+    "excitation.excursion_limit=1000",
+    "excitation.speed_limit=1000",
+)
+SMALL = (
+    *("alpha=.1179", "beta=.01126", "gamma=.02448", "delta=.2462", "sigma0=14.19", "sigma1=1.849"),
+    *("alpha0=.01215", "alpha1=.00569", "stribeck_velocity=.0911", "asymmetry=-.557"),
+    *("omega1=6.402", "zeta1=.6874", "omega2=11.02", "zeta2=.4434"),
+)
+Gains = tuple[float, float, float, float]
+
+
+def ideal(*assignments: str, law: str | None = None, feedback: Gains | None = None) -> IdealLoop:
+    """The ideal loop."""
+    return AnalysisOptions((), assignments, law, feedback).ideal_loop()
+
+
+def exact(*assignments: str, feedback: Gains | None = None) -> LimitCycle:
+    """The final motion of the ideal loop."""
+    return limit_cycle(ideal(*assignments, feedback=feedback))
+
+
+def simulated(seconds: float, *assignments: str) -> Outcome:
+    """The same loop, simulated with perfect sensors and a short sample time."""
+    return Simulation(loop(load_settings((), [*IDEAL, *assignments]))).measure(seconds)
+
+
+def kind(run: Outcome) -> str:
+    """Kind of the motion in the last half of a run."""
+    if run.fell or not np.isfinite(run.phi_peak_to_peak_rad):
+        return "unbounded"
+    return "rest" if run.phi_peak_to_peak_rad < 1e-4 else "oscillation"
+
+
+def test_an_unstable_rest_is_left() -> None:
+    """The arm creeps to an unstable rest: it moves to and fro, with pauses set by disturbances."""
+    motion = exact("zeta1=1.25")
+    assert motion.kind == "oscillation"
+    assert motion.period_s == np.inf
+    run = simulated(200.0, "zeta1=1.25")
+    assert motion.phi_peak_to_peak_rad == pytest.approx(run.phi_peak_to_peak_rad, rel=0.01)
+    assert motion.growth_rate_1_s == pytest.approx(4.92, abs=0.005)
+
+
+def test_growth_rate_at_rest_is_that_of_a_disturbance() -> None:
+    """Independent integration leaves the rest at the rate of the eigenvalue, on the side of it."""
+    given = ideal("zeta1=1.25")
+    p = given.law.parameters
+    rest = np.array([0.22, 0.0, 0.0, 0.0, given.l1 * 0.22 / p.sigma0])
+    stability = rest_stability(rest, given)
+    (direction,) = stability.directions
+    start, gains = rest + 1e-4 * direction, np.array(given.gains)
+    tilts = [
+        reference.closed_loop(start, gains, seconds, given.body, p)[-1][THETA]
+        for seconds in (0.3, 0.5)
+    ]
+    assert np.log(tilts[1] / tilts[0]) / 0.2 == pytest.approx(stability.growth_rate, rel=0.01)
+
+
+def test_a_soft_bristle_has_a_stable_rest_and_a_stiff_one_has_none() -> None:
+    """The limit is the feedback of φ: only with a softer bristle a disturbance decays."""
+    given = ideal()
+    for factor, stable in ((0.5, True), (0.99, True), (1.01, False), (10.0, False)):
+        friction = given.law.parameters._replace(sigma0=factor * given.l1, sigma1=0.1)
+        loop_ = given._replace(law=given.law._replace(parameters=friction))
+        assert (rest_stability(np.zeros(5), loop_).growth_rate < 0.0) == stable
+
+
+def test_a_cycle_that_passes_a_rest_closely_is_found() -> None:
+    """0.66192 rad and 29.39 s, though it comes as close as 1e-10 to a rest."""
+    motion = exact(feedback=(0.7, 0.50429, 7.68541, 1.36183))
+    assert motion.phi_peak_to_peak_rad == pytest.approx(0.66192, abs=5e-6)
+    assert motion.period_s == pytest.approx(29.39, abs=0.005)
+    assert motion.stable
+    assert 1e-12 < motion.rest_distance < 1e-9
+
+
+def test_a_cycle_smaller_than_the_deflection_of_the_bristle_is_found() -> None:
+    """An arm that never leaves presliding oscillates with 2.07 mrad."""
+    motion = exact(*SMALL)
+    assert motion.kind == "oscillation"
+    assert motion.phi_peak_to_peak_rad == pytest.approx(2.07e-3, abs=5e-6)
+
+
+def test_a_slow_fall_is_followed_to_its_end() -> None:
+    """Just beyond the fold the pendulum falls after 127 s."""
+    assert exact("viscous=0.2096").kind == "unbounded"
+
+
+@pytest.mark.parametrize("law", ["coulomb", "stiction"])
+def test_a_stuck_arm_at_rest_is_unstable(law: str) -> None:
+    """It leaves the upright rest with √(δ/β), whatever the feedback, and ends in the cycle."""
+    stuck = ideal(law=law)
+    assert rest_stability(np.zeros(5), stuck).growth_rate == pytest.approx(
+        np.sqrt(stuck.body.delta / stuck.body.beta)
+    )
+    released = limit_cycle(stuck)
+    from_rest = limit_cycle(stuck, np.zeros(5))
+    assert from_rest.phi_peak_to_peak_rad == pytest.approx(released.phi_peak_to_peak_rad, rel=1e-6)
+
+
+def test_a_branch_ends_where_its_period_grows_without_bound() -> None:
+    """Over ζ₁ the cycle comes ever closer to an unstable rest, at 1.1654."""
+    branch = Branch(lambda zeta1: ideal(f"zeta1={zeta1!r}"), 1.1, 1.5)
+    points = branch.follow(1.15, exact("zeta1=1.15"))
+    assert [point.event for point in (points[0], points[-1])] == ["end", "homoclinic"]
+    assert points[0].value == 1.1
+    assert points[-1].value == pytest.approx(1.16545, abs=1e-4)
+    assert points[-1].cycle.period_s > 1.5 * points[0].cycle.period_s
+    with pytest.raises(ParameterError, match="period is infinite"):
+        branch.follow(1.25, exact("zeta1=1.25"))
+
+
+def test_a_branch_reaches_the_end_of_its_range() -> None:
+    """The last cycle is the one at the end itself."""
+    branch = Branch(lambda a: ideal(f"asymmetry={a!r}"), 0.0, 0.95)
+    points = branch.follow(0.0, exact())
+    assert (points[-1].value, points[-1].event) == (0.95, "end")
+    end = exact("asymmetry=0.95")
+    assert points[-1].cycle.period_s == pytest.approx(end.period_s, rel=1e-6)
+
+
+def random_settings(random: np.random.Generator) -> list[str]:
+    """Assignments of a random rig, friction law and pole placement."""
+
+    def between(low: float, high: float) -> float:
+        return float(low * (high / low) ** random.random())
+
+    alpha, beta = between(0.01, 0.2), between(0.005, 0.05)
+    level = between(0.02, 0.5)
+    values = {
+        "alpha": alpha,
+        "beta": beta,
+        "gamma": random.uniform(0.2, 0.8) * np.sqrt(alpha * beta),
+        "delta": between(0.1, 2.0),
+        "alpha0": level,
+        "alpha1": level * random.uniform(0.0, 0.6),
+        "sigma0": level * between(3.0, 1000.0),
+        "stribeck_velocity": between(0.01, 0.2),
+        "viscous": random.choice([0.0, between(1e-3, 0.1)]),
+        "asymmetry": random.choice([0.0, random.uniform(-0.6, 0.6)]),
+        "omega1": between(2.0, 12.0),
+        "zeta1": random.uniform(0.3, 1.5),
+        "omega2": between(2.0, 12.0),
+        "zeta2": random.uniform(0.3, 1.5),
+        "initial.theta": between(0.002, 0.05),
+    }
+    values["sigma1"] = between(0.1, 1.0) * 2.0 * np.sqrt(values["sigma0"] * alpha)
+    law = random.choice(ANALYSED, p=[0.1, 0.1, 0.1, 0.7])
+    return [*(f"{name}={float(each)!r}" for name, each in values.items()), f"friction.law={law}"]
+
+
+def test_kinds_of_random_loops() -> None:
+    """Exact motion and simulation agree in kind, and about in size where there is a period."""
+    random = np.random.default_rng(12)
+    for number in range(RANDOM_LOOPS):
+        given = random_settings(random)
+        check_agreement(given, f"loop {number}: {' '.join(given)}")
+
+
+def check_agreement(given: list[str], name: str) -> None:
+    """Compare the exact motion from the release in ``given`` with the simulation."""
+    release = next(float(each.split("=")[1]) for each in given if each.startswith("initial.theta"))
+    try:
+        motion = limit_cycle(ideal(*given), state_at_rest(release))
+    except ParameterError as error:
+        pytest.fail(f"{name}: {error}")
+    for seconds in (SIMULATED, LONGEST):
+        run = simulated(seconds, *given)
+        if kind(run) == motion.kind and _same_size(motion, run):
+            return
+    pytest.fail(
+        f"{name}: exact {motion.kind} {motion.phi_peak_to_peak_rad:.6g} rad, "
+        f"{motion.period_s:.6g} s; simulated {kind(run)} {run.phi_peak_to_peak_rad:.6g} rad, "
+        f"{run.period_s:.6g} s"
+    )
+
+
+def _same_size(motion: LimitCycle, run: Outcome) -> bool:
+    if motion.kind != "oscillation" or not np.isfinite(motion.period_s):
+        return True  # without a period, the disturbance decides where the arm pauses
+    # Close to a rest, disturbances by the sampling decide the motion.
+    tolerance = 0.02 if motion.rest_distance > 1e-4 else 0.3
+    return abs(run.phi_peak_to_peak_rad / motion.phi_peak_to_peak_rad - 1.0) < tolerance

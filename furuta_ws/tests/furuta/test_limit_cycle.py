@@ -1,0 +1,196 @@
+"""Exact periodic motions, compared with independent integration and known properties."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+
+from furuta.limit_cycles.continuation import Branch, fold_value
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
+from furuta.studies.feedback_map import map_feedbacks
+from furuta_model.friction.laws import LAWS, FrictionLaw
+from furuta_model.friction.parameters import Friction
+from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import FurutaPendulum
+
+COULOMB, LUGRE, STICTION, STRIBECK = (
+    LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
+)
+
+BODY = FurutaPendulum()
+PAPER = Friction()
+
+
+def ideal(
+    lugre: Friction = PAPER, kind: int = LUGRE, linear: bool = False, **poles: float
+) -> IdealLoop:
+    """The loop with the poles of the paper by default."""
+    return IdealLoop(BODY, FrictionLaw(kind, lugre), *_gain(**poles), linear)
+
+
+def _gain(**poles: float) -> tuple[float, ...]:
+    return tuple(float(-each) for each in place_poles(BODY, DesiredPoles(**poles)))
+
+
+def test_values_of_the_paper() -> None:
+    """0.5106 rad, 0.0918 rad, 2.370 s within 0.05 % and the digits given."""
+    cycle = limit_cycle(ideal())
+    assert cycle.kind == "oscillation"
+    assert cycle.stable
+    assert cycle.phi_peak_to_peak_rad == pytest.approx(0.5106, rel=5e-4)
+    assert cycle.theta_peak_to_peak_rad == pytest.approx(0.0918, abs=0.00005)
+    assert cycle.period_s == pytest.approx(2.370, rel=5e-4)
+
+
+SETS = {
+    "strong stiction": (Friction(alpha1=0.2), {}),
+    "viscosity": (Friction(viscous=0.1), {}),
+    "asymmetry": (Friction(asymmetry=0.3), {}),
+    "soft bristle": (Friction(sigma0=20.0, sigma1=0.4), {"omega1": 9.0}),
+    "all, other poles": (
+        Friction(alpha0=0.3, alpha1=0.1, asymmetry=-0.2, viscous=0.03, stribeck_velocity=0.2),
+        {"omega1": 6.0, "zeta1": 0.9, "omega2": 4.0},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_independent_integration_closes_the_orbit(name: str) -> None:
+    """Radau on the plain equations returns after the period with the same amplitudes, to 0.01 %."""
+    lugre, poles = SETS[name]
+    loop = ideal(lugre, **poles)
+    cycle = limit_cycle(loop)
+    assert cycle.kind == "oscillation"
+    gains = np.array(_gain(**poles))
+    start = np.array(cycle.point)
+    path = reference.closed_loop(start, gains, cycle.period_s, BODY, lugre)
+    scale = np.array([1, 1, 1, 1, 1 / lugre.sigma0]) * cycle.phi_peak_to_peak_rad
+    assert np.abs((path[-1] - start) / scale).max() < 1e-4
+    assert np.ptp(path[:, 0]) == pytest.approx(cycle.phi_peak_to_peak_rad, rel=1e-4)
+    assert np.ptp(path[:, 2]) == pytest.approx(cycle.theta_peak_to_peak_rad, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
+def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
+    """With a stiff, well damped bristle LuGre approaches the law that truly sticks."""
+    lugre = Friction(alpha1=0.0 if kind != STRIBECK else 0.05)
+    sharp = limit_cycle(ideal(lugre, kind))
+    errors = [
+        abs(limit_cycle(ideal(lugre._replace(sigma0=s, sigma1=d))).period_s - sharp.period_s)
+        for s, d in ((1e3, 3.0), (1e4, 10.0))
+    ]
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[1] < 3e-3 * sharp.period_s
+    assert 0.2 < sharp.stuck_fraction < 0.4
+
+
+def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
+    """While stuck the holding force is within the breakaway level, and it ends at the level."""
+    loop = ideal(Friction(alpha1=0.1), STICTION)
+    motion = trace(loop, limit_cycle(loop))
+    stuck = motion.state[:, 1] == 0.0
+    held = np.abs(motion.friction[stuck])
+    assert held.max() == pytest.approx(0.31, abs=1e-9)
+    assert np.abs(motion.friction[~stuck]) == pytest.approx(0.21)
+
+
+@pytest.mark.parametrize("law", [COULOMB, LUGRE])
+@pytest.mark.parametrize("l2", [1.0, 7.0])
+def test_positive_speed_feedback_alone_rotates(law: int, l2: float) -> None:
+    """Fig. 4 c and d: steady rotation at the speed where l₂v is the friction."""
+    loop = IdealLoop(BODY, FrictionLaw(law), 0.0, l2, 60.0, 20.0)
+    motion = limit_cycle(loop)
+    assert motion.kind == "rotation"
+    speed = abs(motion.rotation_rate_rad_s)
+    lugre = Friction()
+    bump = lugre.alpha1 * np.exp(-((speed / lugre.stribeck_velocity) ** 2))
+    assert l2 * speed == pytest.approx(0.21 + (bump if law == LUGRE else 0.0), rel=1e-6)
+
+
+def test_without_arm_feedback_friction_accelerates_the_arm() -> None:
+    """Fig. 4 b: no limit cycle; friction accelerates the arm without bound."""
+    assert (
+        limit_cycle(IdealLoop(BODY, FrictionLaw(COULOMB), 0.0, 0.0, 60.0, 20.0)).kind == "unbounded"
+    )
+
+
+def test_loop_without_friction_comes_to_rest() -> None:
+    """A stable loop with nearly no friction ends at rest."""
+    assert limit_cycle(ideal(Friction(alpha0=0.0, alpha1=0.0, viscous=0.01))).kind == "rest"
+
+
+def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
+    """From reversal to reversal a small disturbance decays by the largest multiplier."""
+    loop = IdealLoop(BODY, FrictionLaw(), 10.0, 4.0, 60.0, 20.0)
+    cycle = limit_cycle(loop)
+    largest = abs(cycle.floquet_multipliers[0])
+    start = np.array(cycle.point)
+    disturbed = start.copy()
+    disturbed[0] += 1e-3
+    gains = np.array([10.0, 4.0, 60.0, 20.0])
+    turns = reference.upper_reversals(disturbed, gains, 5 * cycle.period_s, BODY, Friction())
+    off = [abs(turn[0] - start[0]) for turn in turns]
+    assert off[3] / off[2] == pytest.approx(largest, rel=0.02)
+
+
+def test_amplitude_scales_with_the_friction_level() -> None:
+    """The linear loop has no amplitude of its own: twice the Coulomb level, twice the cycle."""
+    one = limit_cycle(ideal(Friction(alpha0=0.21), COULOMB, linear=True))
+    two = limit_cycle(ideal(Friction(alpha0=0.42), COULOMB, linear=True))
+    assert two.phi_peak_to_peak_rad == pytest.approx(2 * one.phi_peak_to_peak_rad, rel=1e-6)
+    assert two.period_s == pytest.approx(one.period_s, rel=1e-6)
+
+
+def branch(low: float = 0.0, high: float = 0.3) -> list:
+    """The cycle over viscous friction, through the fold."""
+
+    def loop_at(viscous: float) -> IdealLoop:
+        return ideal(Friction(viscous=viscous))
+
+    return Branch(loop_at, low, high).follow(0.0, limit_cycle(loop_at(0.0)))
+
+
+def test_branch_folds_where_the_cycle_disappears() -> None:
+    """Below the viscous friction of the fold there is a limit cycle, above it none."""
+    points = branch()
+    (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
+    value = fold_value(points, fold)
+    assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "oscillation"
+    assert limit_cycle(ideal(Friction(viscous=value + 0.004))).kind == "unbounded"
+    multiplier = abs(points[fold].cycle.floquet_multipliers[0])
+    assert multiplier == pytest.approx(1.0, abs=0.15)
+
+
+def test_unstable_cycle_bounds_the_region_of_attraction() -> None:
+    """A start just inside the unstable cycle ends in the stable one, just outside it falls."""
+    unstable = next(p for p in branch() if not p.cycle.stable and p.value < 0.15)
+    loop = ideal(Friction(viscous=unstable.value))
+    point = np.array(unstable.cycle.point)
+    ends = {limit_cycle(loop, point * (1.0 + d)).kind for d in (-0.01, 0.01)}
+    assert ends == {"oscillation", "unbounded"}
+
+
+def test_map_does_not_depend_on_workers() -> None:
+    """The points of a map equal single results for any number of threads."""
+    values = [5.0, 7.0, 9.0]
+
+    def loop_at(first: float, second: float) -> IdealLoop:
+        return ideal(omega1=first, omega2=second)
+
+    maps = [list(map_feedbacks(loop_at, values, values, workers)) for workers in (1, 3)]
+    assert maps[0] == maps[1]
+    assert maps[0][4].cycle == limit_cycle(loop_at(7.0, 7.0))
+
+
+def test_impossible_loops_are_rejected() -> None:
+    """Invalid models and feedbacks are parameter errors."""
+    with pytest.raises(ParameterError, match="gamma"):
+        limit_cycle(IdealLoop(FurutaPendulum(gamma=1.0), FrictionLaw(), 1.0, 1.0, 1.0, 1.0))
+    with pytest.raises(ParameterError, match="finite"):
+        limit_cycle(IdealLoop(BODY, FrictionLaw(), float("nan"), 1.0, 1.0, 1.0))
+    with pytest.raises(ParameterError, match="no limit cycle"):
+        Branch(lambda _: ideal(), 0.0, 1.0).follow(0.5, LimitCycle("rest"))

@@ -1,0 +1,200 @@
+"""Predicted limit cycles: residuals, completeness, stability, and the simulated motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import ive
+
+from furuta.describing_functions.describing_function import static_describing_function
+from furuta.describing_functions.lugre_cycles import candidate_cells, winding_number
+from furuta.describing_functions.predicted_cycles import Prediction, predict_cycles
+from furuta.describing_functions.residual import residual
+from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
+from furuta_model.friction.parameters import Friction
+from furuta_model.linear import DesiredPoles, linearize, place_poles
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import FIGURE_4, Transfer, transfer
+
+COULOMB, LUGRE = map(LAWS.index, ("coulomb", "lugre"))
+
+P = FurutaPendulum()
+PLACED = -place_poles(P, DesiredPoles())
+
+
+def brute_force(g: Transfer, p: Friction, prediction: Prediction) -> list[tuple[float, float]]:
+    """(X, ω) of cells in which both parts of 1/G + N change sign, with N in closed form."""
+    omega = np.geomspace(*prediction.omega_range_rad_s, 1500)[None, :]
+    deflection = np.geomspace(*prediction.phi_amplitude_range_rad, 1500)[:, None]
+    k = p.sigma0 * deflection / p.alpha0
+    in_phase = 4 * p.alpha0 / (np.pi * p.sigma0) * (1 - np.tanh(k) / k)
+    quadrature = -2 * p.alpha0 / p.sigma0 * ive(1, k) * 2 / (1 + np.exp(-2 * k))
+    z = in_phase + 1j * quadrature
+    n = (p.sigma0 + 1j * omega * p.sigma1) * z / (deflection * omega) + p.viscous
+    h = n + g.inverse_at(omega)
+
+    both = np.ones((1499, 1499), bool)
+    for part in ((h.real > 0).astype(int), (h.imag > 0).astype(int)):
+        count = part[:-1, :-1] + part[1:, :-1] + part[:-1, 1:] + part[1:, 1:]
+        both &= (count > 0) & (count < 4)
+    return [(float(deflection[i, 0]), float(omega[0, j])) for i, j in np.argwhere(both)]
+
+
+def random_loop(rng: np.random.Generator) -> tuple[Transfer, Friction]:
+    """A feedback near pole placement and a bristle, often without damping."""
+    omega1, omega2, zeta1, zeta2 = rng.uniform([0.5, 0.5, 0.02, 0.02], [20, 20, 1.5, 1.5])
+    gain = -place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2)) * rng.uniform(0.8, 1.2, 4)
+    p = Friction(
+        alpha1=0.0,
+        sigma0=float(10 ** rng.uniform(0, 4)),
+        sigma1=float(rng.choice([0.0, 10 ** rng.uniform(-2, 1)])),
+        viscous=float(rng.choice([0.0, 0.05])),
+    )
+    return transfer(P, gain), p
+
+
+@pytest.mark.parametrize("kind", range(len(ANALYSED_LAWS)))
+@pytest.mark.parametrize("feedback", [tuple(PLACED), *FIGURE_4.values()])
+def test_every_cycle_balances(kind: int, feedback: tuple[float, ...]) -> None:
+    """1 + GN vanishes at each predicted cycle; there is one if φ is fed back, else none."""
+    g, law = transfer(P, feedback), FrictionLaw(kind)
+    prediction = predict_cycles(g, law)
+    assert prediction.complete
+    assert len(prediction.cycles) == (feedback[0] != 0.0)
+    for cycle in prediction.cycles:
+        assert cycle.stable
+        h = residual(cycle.velocity_amplitude_rad_s, cycle.omega_rad_s, g, law)
+        assert abs(h) < 1e-9 * abs(complex(g.inverse_at(cycle.omega_rad_s)))
+        assert cycle.phi_peak_to_peak_rad == pytest.approx(
+            2 * cycle.velocity_amplitude_rad_s / cycle.omega_rad_s
+        )
+        assert cycle.period_s * cycle.omega_rad_s == pytest.approx(2 * np.pi)
+
+
+def test_prediction_of_the_rig() -> None:
+    """Coulomb at 0.21 V: 0.643 rad and 2.074 s; LuGre somewhat slower and smaller."""
+    (coulomb,) = predict_cycles(transfer(P, PLACED), FrictionLaw(COULOMB)).cycles
+    assert coulomb.phi_peak_to_peak_rad == pytest.approx(0.643, abs=1e-3)
+    assert coulomb.period_s == pytest.approx(2.074, abs=1e-3)
+    (lugre,) = predict_cycles(transfer(P, PLACED), FrictionLaw(LUGRE)).cycles
+    assert lugre.phi_peak_to_peak_rad == pytest.approx(0.6369, abs=1e-4)
+    assert lugre.period_s == pytest.approx(2.1491, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("gain", "p", "stable"),
+    [
+        # Bristles without damping.
+        (
+            (26.405, 3.6467, 58.786, 6.479),
+            Friction(alpha1=0.0, sigma0=25.906, sigma1=0.0),
+            [False, True],
+        ),
+        (
+            (23.567, 1.818, 52.279, 3.085),
+            Friction(alpha1=0.0, sigma0=16.37, sigma1=0.0),
+            [False, True],
+        ),
+    ],
+)
+def test_several_cycles(gain: tuple[float, ...], p: Friction, stable: list[bool]) -> None:
+    """An unstable cycle separates rest from a stable one."""
+    prediction = predict_cycles(transfer(P, gain), FrictionLaw(LUGRE, p))
+    assert [cycle.stable for cycle in prediction.cycles] == stable
+
+
+def test_stability_agrees_with_the_poles() -> None:
+    """A cycle is stable if the loop with N at a larger amplitude has only stable poles."""
+    rng = np.random.default_rng(8)
+    law = FrictionLaw(COULOMB)
+    verdicts = []
+    for feedback in rng.normal([5, 3, 40, 8], [10, 4, 30, 10], (200, 4)):
+        g = transfer(P, feedback)
+        for cycle in predict_cycles(g, law).cycles:
+            n = static_describing_function(1.001 * cycle.velocity_amplitude_rad_s, law)
+            poles = np.roots(np.polyadd(g.denominator, n * np.array(g.numerator)))
+            assert cycle.stable == bool(np.all(poles.real < 0.0))
+            verdicts.append(cycle.stable)
+    assert verdicts.count(True) > 20
+    assert verdicts.count(False) > 20
+
+
+def test_no_cycle_is_missed() -> None:
+    """The same cycles as in an independent scan of a closed form on two million cells."""
+    rng = np.random.default_rng(7)
+    counts = []
+    for _ in range(15):
+        g, p = random_loop(rng)
+        prediction = predict_cycles(g, FrictionLaw(LUGRE, p))
+        assert prediction.complete
+        scanned = np.log(np.reshape(brute_force(g, p, prediction), (-1, 2)))
+        found = np.log(
+            np.reshape(
+                [(c.phi_peak_to_peak_rad / 2, c.omega_rad_s) for c in prediction.cycles], (-1, 2)
+            )
+        )
+        for these, those in ((scanned, found), (found, scanned)):
+            for point in these:
+                assert np.min(np.abs(those - point).max(axis=1), initial=np.inf) < 0.2
+        counts.append(len(found))
+    assert max(counts) >= 1
+
+
+def test_small_cycles_are_found_too() -> None:
+    """With friction of a nanovolt the cycles shrink in proportion, and none is missed."""
+    g = transfer(P, PLACED)
+    for kind in range(len(ANALYSED_LAWS)):
+        p = Friction(alpha0=0.21e-9, alpha1=0.022e-9, stribeck_velocity=1e-6, sigma0=80.0)
+        (cycle,) = predict_cycles(g, FrictionLaw(kind, p)).cycles
+        assert cycle.phi_peak_to_peak_rad == pytest.approx(0.64e-9, rel=0.2)
+
+
+def test_frictionless_and_viscous_loops_have_none() -> None:
+    """No cycle without friction, or with viscous friction beyond 1/|G| at the crossing."""
+    g = transfer(P, PLACED)
+    for kind in range(len(ANALYSED_LAWS)):
+        assert predict_cycles(g, FrictionLaw(kind, Friction(alpha0=0.0, alpha1=0.0))).cycles == ()
+        viscous = 1.0 / abs(g.crossings[0].real)
+        (cycle,) = predict_cycles(g, FrictionLaw(kind, Friction(viscous=0.5 * viscous))).cycles
+        assert cycle.phi_peak_to_peak_rad > 0.9
+        assert predict_cycles(g, FrictionLaw(kind, Friction(viscous=1.05 * viscous))).cycles == ()
+
+
+def test_bias_is_the_asymmetry() -> None:
+    """Unequal levels do not change the cycle and add a mean force."""
+    g = transfer(P, PLACED)
+    (equal,) = predict_cycles(g, FrictionLaw(COULOMB)).cycles
+    (unequal,) = predict_cycles(g, FrictionLaw(COULOMB, Friction(asymmetry=0.1))).cycles
+    assert unequal == equal._replace(bias_v=pytest.approx(0.021))
+
+
+def test_winding_number_counts_zeros() -> None:
+    """Zeros of a polynomial count +1, of its conjugate −1; a candidate cell holds each."""
+    x, y = np.meshgrid(np.linspace(-2, 2, 40), np.linspace(-2, 2, 41), indexing="ij")
+    s = x + 1j * y
+    h = (s - 0.5) * (s + 0.3 - 1j)
+    assert winding_number(h) == 2
+    assert winding_number(np.conj(h)) == -2
+    assert winding_number(h + 100.0) == 0
+    cells = candidate_cells(h)
+    for root in (0.5 + 0j, -0.3 + 1j):
+        inside = (
+            (x[cells[:, 0], 0] <= root.real)
+            & (x[cells[:, 0] + 1, 0] >= root.real)
+            & (y[0, cells[:, 1]] <= root.imag)
+            & (y[0, cells[:, 1] + 1] >= root.imag)
+        )
+        assert inside.any()
+    assert len(cells) < 100
+
+
+def test_no_state_feedback_avoids_a_solution() -> None:
+    """Coulomb friction acts as a viscous one of any size, and a large one always destabilises."""
+    random = np.random.default_rng(8)
+    a, b = linearize(FurutaPendulum())
+    for _ in range(200):
+        omega, zeta = random.uniform(1.0, 30.0, 2), random.uniform(0.2, 2.0, 2)
+        gain = place_poles(FurutaPendulum(), DesiredPoles(omega[0], zeta[0], omega[1], zeta[1]))
+        damped = gain + np.array([0.0, 1e6, 0.0, 0.0])
+        assert np.max(np.linalg.eigvals(a - np.outer(b, gain)).real) < 0.0
+        assert np.max(np.linalg.eigvals(a - np.outer(b, damped)).real) > 0.0

@@ -1,0 +1,148 @@
+"""Nyquist curves that start on the negative real axis: the arm rotates, as in simulations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import reference
+from scipy.integrate import solve_ivp
+
+from furuta.describing_functions.steady_rotation import steady_rotations
+from furuta.studies.loop_note import loop_note
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw, steady_friction
+from furuta_model.friction.parameters import Friction
+from furuta_model.parts.converter import Actuator
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT, THETA
+from furuta_model.transfer import FIGURE_4
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
+from furuta_sim.simulation.closed_loop import Loop, simulate
+
+COULOMB, LUGRE, STRIBECK = map(LAWS.index, ("coulomb", "lugre", "stribeck"))
+
+P = FurutaPendulum()
+FREE = {case: FIGURE_4[case] for case in "cd"}
+# A Stribeck curve so steep about the rotation of case d that it destabilises it.
+STEEP = Friction(alpha0=0.05, alpha1=0.3, stribeck_velocity=0.02)
+
+
+def speeds(
+    feedback: tuple[float, ...], p: Friction, start: InitialState, seconds: float = 60.0
+) -> np.ndarray:
+    """Arm speed [rad/s] under LuGre friction, ideal sensors, strong drive."""
+    plant = PlantParameters(
+        friction=PlantFriction(parameters=p),
+        sensors=Sensors(ideal=True),
+        actuator=Actuator(1000.0, 0),
+        initial=start,
+        sample_time=2e-4,
+    )
+    gain = tuple(-each for each in feedback)
+    controller = ControllerParameters(
+        gain=gain,
+        voltage_limit=1000.0,
+        arm_angle_limit=1e6,
+        arm_error_limit=1e6,
+        arm_speed_limit=1e6,
+    )
+    estimator = EstimatorParameters(sensors=Sensors(ideal=True), sample_time=2e-4)
+    loop = Loop(plant, estimator, controller=controller)
+    state = simulate(loop, seconds).state
+    assert np.abs(state[-1, THETA]) < 0.1
+    return state[:, PHI_DOT]
+
+
+@pytest.mark.parametrize("feedback", FREE.values(), ids=FREE)
+@pytest.mark.parametrize(
+    "start",
+    [
+        InitialState(0, 0, 0.01, 0),
+        InitialState(0, 0, -0.1, 0),
+        InitialState(0, -0.8, 0.05, 0.1),
+        InitialState(1, 0.3, 0.05, -0.3),
+    ],
+)
+def test_lugre_ends_in_rotation(feedback: tuple[float, ...], start: InitialState) -> None:
+    """From any start the arm of cases c and d ends at one of the two speeds."""
+    expected = [each.rate_rad_s for each in steady_rotations(P, feedback, FrictionLaw())]
+    assert expected[0] == -expected[1] > 0.0
+    end = speeds(feedback, Friction(), start)[-1]
+    assert min(abs(end - each) for each in expected) < 1e-5
+
+
+@pytest.mark.parametrize("feedback", FREE.values(), ids=FREE)
+def test_coulomb_rotates_at_fc_over_l2(feedback: tuple[float, ...]) -> None:
+    """While sliding forward the arm settles at Fc/l2 with the pendulum upright."""
+
+    def rate(_: float, x: np.ndarray) -> list[float]:
+        v_dot, w_dot = reference.accelerations(*x[1:], float(np.dot(feedback, x)) - 0.21, P)
+        return [x[1], v_dot, x[3], w_dot]
+
+    for factor in (0.5, 1.5):
+        start = [0.0, factor * 0.21 / feedback[1], 0.001, 0.0]
+        path = solve_ivp(rate, (0, 20), start, method="Radau", rtol=1e-8, atol=1e-10).y
+        assert np.all(path[1] > 0.0)
+        assert path[1, -1] == pytest.approx(0.21 / feedback[1], rel=1e-5)
+        assert abs(path[2, -1]) < 1e-6
+    rotation, back = steady_rotations(P, feedback, FrictionLaw(COULOMB))
+    assert rotation == (pytest.approx(0.21 / feedback[1]), True)
+    assert back == (pytest.approx(-0.21 / feedback[1]), True)
+
+
+@pytest.mark.parametrize("kind", range(len(ANALYSED_LAWS)))
+def test_feedback_cancels_friction(kind: int) -> None:
+    """l₂v is F at every rotation, with viscous part and unequal levels."""
+    law = FrictionLaw(kind, Friction(viscous=0.3, asymmetry=0.2, alpha1=0.1))
+    for rotation in steady_rotations(P, FIGURE_4["c"], law):
+        v = rotation.rate_rad_s
+        assert steady_friction(v, law) == pytest.approx(FIGURE_4["c"][1] * v, rel=1e-9)
+    assert len(steady_rotations(P, FIGURE_4["c"], law)) == 2
+
+
+def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
+    """For both laws with the slope; the simulated arm leaves the rotation."""
+    for kind in (STRIBECK, LUGRE):
+        law = FrictionLaw(kind, STEEP)
+        assert [each.stable for each in steady_rotations(P, FIGURE_4["d"], law)] == [False] * 2
+        assert "This rotation is unstable" in loop_note(P, FIGURE_4["d"], law)
+    rate = steady_rotations(P, FIGURE_4["d"], FrictionLaw(LUGRE, STEEP))[0].rate_rad_s
+    v = speeds(FIGURE_4["d"], STEEP, InitialState(0, rate, 0.0, 0))
+    assert np.ptp(v[-50_000:]) > rate
+
+
+@pytest.mark.parametrize(
+    "feedback", [FIGURE_4["a"], FIGURE_4["b"], (0, -1, 60, 20), (0, 0.2, 1, 1)]
+)
+def test_no_rotation(feedback: tuple[float, ...]) -> None:
+    """None if φ is fed back, or if l2 is at most the viscous friction."""
+    assert steady_rotations(P, feedback, FrictionLaw(COULOMB, Friction(viscous=0.3))) == ()
+
+
+def test_case_b_accelerates() -> None:
+    """If neither φ nor its speed is fed back, friction accelerates the arm at δFc/a₂."""
+    v = speeds(FIGURE_4["b"], Friction(), InitialState(0, 0.2, 0.0, 0), 30.0)
+    early = np.diff(v[[10_000, 20_000]])[0] / 2.0  # from 2 s to 4 s
+    note = loop_note(P, FIGURE_4["b"], FrictionLaw())
+    assert "initially by 0.143 rad/s²" in note
+    assert early == pytest.approx(0.1434, rel=0.05)
+    assert v[-1] > 5.0
+    assert np.all(np.diff(v[10_000::1000]) > 0.0)
+
+
+def test_overdamped_loop_comes_to_rest_off_centre() -> None:
+    """If the slowest pole is real the arm creeps to l1 φ = F, and the note warns of it."""
+    feedback = (0.1, 1.0, 60.0, 20.0)
+    assert "The slowest pole is real" in loop_note(P, feedback, FrictionLaw())
+    assert "The slowest pole" not in loop_note(P, FIGURE_4["a"], FrictionLaw())
+    v = speeds(feedback, Friction(), InitialState(0, 0, 0.02, 0), 100.0)
+    assert abs(v[-1]) < 1e-5
+    assert abs(np.sum(v) * 2e-4) == pytest.approx(0.232 / 0.1, rel=1e-2)
+
+
+def test_note_reports_an_unstable_loop() -> None:
+    """A feedback that does not stabilise the pendulum is reported; drift alone is not."""
+    assert "unstable (a pole with real part" in loop_note(P, (0, 0, 0, 0), FrictionLaw())
+    assert "unstable (a pole" not in loop_note(P, FIGURE_4["b"], FrictionLaw())
+    assert "stable" not in loop_note(P, FIGURE_4["a"], FrictionLaw())

@@ -1,0 +1,108 @@
+"""Journal and table of a study: kills at any byte, memory, types."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from furuta.studies.study_tables import OUTCOME, check_table, write_csv, write_runs
+from furuta.studies.sweep_journal import Journal
+from furuta_model.parameters import ParameterError
+from furuta_recordings import table_files
+from furuta_recordings.table_files import parquet
+
+RESULTS = {number: {"size": 0.1 * number, "error": ""} for number in (2, 0, 1)}
+
+
+class Study(NamedTuple):
+    """What results depend on."""
+
+    size: int = 3
+    values: np.ndarray = np.array([1.0, 2.0])
+
+
+def recorded(out: Path) -> bytes:
+    """The journal with all results that are not there yet."""
+    journal = Journal(out, Study())
+    rest = [(number, result) for number, result in RESULTS.items() if number not in journal]
+    assert list(journal.record(iter(rest))) == rest
+    assert {number: journal[number] for number in journal} == RESULTS
+    assert len(journal) == len(RESULTS)
+    journal.close()
+    return out.with_name(out.name + ".part").read_bytes()
+
+
+def test_a_journal_continues_from_any_byte(tmp_path: Path) -> None:
+    """A kill can cut it anywhere, in its first line too."""
+    whole = recorded(tmp_path / "a.csv")
+    out = tmp_path / "b.csv"
+    for length in range(len(whole)):
+        out.with_name("b.csv.part").write_bytes(whole[:length])
+        assert recorded(out) == whole
+
+
+def test_a_journal_of_another_study_is_kept(tmp_path: Path) -> None:
+    """One number is enough to be another study."""
+    out = tmp_path / "a.csv"
+    whole = recorded(out)
+    with pytest.raises(ParameterError, match="belongs to another study"):
+        Journal(out, Study(values=np.array([1.0, np.nextafter(2.0, 3.0)])))
+    assert out.with_name("a.csv.part").read_bytes() == whole
+
+
+def test_a_journal_of_results_with_other_columns_is_kept(tmp_path: Path) -> None:
+    """An earlier version may have measured less."""
+    out = tmp_path / "a.csv"
+    whole = recorded(out)
+    with pytest.raises(ParameterError, match="version of this program"):
+        Journal(out, Study(), ("size",))
+    assert out.with_name("a.csv.part").read_bytes() == whole
+
+
+def rows(count: int) -> Any:
+    """Runs, the first one impossible."""
+    outcome = {name: kind(1) for name, kind in OUTCOME.items()} | {"error": ""}
+    for number in range(count):
+        none = dict.fromkeys(OUTCOME) | {"error": "too stiff"}
+        yield {"rig": number, "alpha0": 0.1 * number, "law": "lugre"} | (
+            outcome if number else none
+        )
+
+
+def test_parquet_has_types_and_empty_values(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also if no value of a column is in the first rows; written in groups."""
+    monkeypatch.setattr(table_files, "ROWS_TOGETHER", 4)
+    write_runs(rows(10), tmp_path / "a.parquet")
+    assert parquet.ParquetFile(tmp_path / "a.parquet").num_row_groups == 3
+    table = parquet.read_table(tmp_path / "a.parquet")
+    assert table.to_pylist() == list(rows(10))
+    assert str(table.schema.field("fell").type) == "bool"
+    assert str(table.schema.field("steps").type) == "int64"
+
+
+def test_csv_has_the_same_rows(tmp_path: Path) -> None:
+    """With a header, and nothing in between."""
+    write_runs(rows(3), tmp_path / "a.csv")
+    write_csv(list(rows(3)), tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert len((tmp_path / "a.csv").read_text().splitlines()) == 4
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.csv", "b.csv"]
+
+
+def test_a_table_is_checked_before_the_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its suffix, whether it exists, and whether Parquet can be written."""
+    with pytest.raises(ParameterError, match=r"must be a .csv or .parquet file"):
+        check_table(tmp_path / "a.txt")
+    (tmp_path / "a.csv").touch()
+    with pytest.raises(ParameterError, match="already exists"):
+        check_table(tmp_path / "a.csv")
+    monkeypatch.setattr(table_files, "arrow", None)
+    with pytest.raises(ParameterError, match="need pyarrow"):
+        check_table(tmp_path / "a.parquet")

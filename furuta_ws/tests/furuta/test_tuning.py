@@ -1,0 +1,240 @@
+"""The friction fit is accurate; tuning finds good parameters, is safe, and keeps its time."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from furuta.studies.tuning.observed_friction import fit_friction
+from furuta.studies.tuning.plan import RIVALS, TuningPlan
+from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
+from furuta.studies.tuning.tuning import tune
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_control.estimators.kalman import sample_kalman
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import values
+from furuta_sim.lanes.batch import batch
+from furuta_sim.parameters import PlantFriction, PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, Simulation
+
+NOMINAL = Friction()
+STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().kalman)
+# The motor of Fig. 6 with other friction than the compensator's default.
+OTHER = Friction(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
+
+
+def plant(friction: Friction, seed: int) -> PlantParameters:
+    """A rig with this friction."""
+    return PlantParameters(friction=PlantFriction(parameters=friction), seed=seed)
+
+
+def scaled(factor: float, friction: Friction = NOMINAL) -> Friction:
+    """All of LuGre's five parameters wrong by a factor."""
+    five = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity")
+    return friction._replace(**{name: factor * getattr(friction, name) for name in five})
+
+
+def silent(message: str, seconds: float) -> None:
+    """Ignore progress."""
+
+
+def amplitude(friction: Friction, true: Friction, seeds: range) -> float:
+    """Arm, peak to peak over 30 s [rad], mean over the seeds."""
+    observer = ObserverParameters("lugre", friction)
+    loops = (Loop(plant(true, seed), observer=observer) for seed in seeds)
+    return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
+
+
+@pytest.mark.parametrize(
+    "true",
+    [
+        NOMINAL,
+        OTHER,
+        Friction(sigma0=40.0, sigma1=0.7),
+        Friction(sigma0=150.0, sigma1=3.0, viscous=0.05),
+    ],
+)
+def test_friction_is_identified_from_the_limit_cycle(true: Friction) -> None:
+    """Twelve seconds without compensation determine the friction from a start 30 % off."""
+    simulation = Simulation(Loop(plant(true, 31)))
+    simulation.run(3.0)
+    fit = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
+    found = fit.friction
+    assert found.alpha0 == pytest.approx(true.alpha0, rel=0.01)
+    assert found.asymmetry == pytest.approx(true.asymmetry, abs=0.01)
+    assert found.viscous == pytest.approx(true.viscous, abs=0.005)
+    assert found.sigma0 == pytest.approx(true.sigma0, rel=0.1)
+    assert found.sigma1 == pytest.approx(true.sigma1, rel=0.3)
+    assert found.alpha0 + found.alpha1 == pytest.approx(true.alpha0 + true.alpha1, rel=0.1)
+
+
+def test_standard_errors_cover_the_spread() -> None:
+    """Over ten runs the estimates scatter at most three times as much as the standard errors say.
+
+    Parameters that the prior determines (alpha1, stribeck_velocity) scatter less and are left out.
+    """
+    fits = []
+    for seed in range(40, 50):
+        simulation = Simulation(Loop(PlantParameters(seed=seed)))
+        simulation.run(3.0)
+        fits.append(fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7)))
+    for name in ("sigma0", "sigma1", "alpha0", "asymmetry"):
+        spread = np.std([getattr(fit.friction, name) for fit in fits])
+        predicted = np.mean([fit.standard_errors[name] for fit in fits])
+        assert spread < 3 * predicted, name
+
+
+def test_only_named_parameters_are_fitted() -> None:
+    """The other parameters keep their values."""
+    simulation = Simulation(Loop(plant(OTHER, 32)))
+    simulation.run(3.0)
+    start = scaled(0.7)
+    names = ("alpha0", "asymmetry")
+    found = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, start, names)
+    assert set(found.standard_errors) == set(names)
+    assert found.friction._replace(alpha0=start.alpha0, asymmetry=0.0) == start
+
+
+def test_a_fit_needs_observed_friction() -> None:
+    """An arm at rest or an estimator that observes no friction gives an error."""
+    resting = np.zeros((12_000, 5))
+    with pytest.raises(ValueError, match="hardly moved"):
+        fit_friction(resting, STEP, 1e-3, NOMINAL)
+    resting[:, 4] = np.nan
+    with pytest.raises(ValueError, match="observes no friction"):
+        fit_friction(resting, STEP, 1e-3, NOMINAL)
+
+
+@pytest.mark.parametrize("true", [NOMINAL, OTHER])
+@pytest.mark.parametrize("factor", [0.7, 1.3])
+def test_tuning_is_close_to_an_exhaustive_search(true: Friction, factor: float) -> None:
+    """From a start 30 % off, the result is within 20 % of the best of a grid around the truth."""
+    start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
+    rig = SimulatedLoop(Loop(plant(true, 33), observer=start))
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
+    assert tuned.seconds <= 200.0
+    assert tuned.after.amplitude < 0.5 * tuned.before.amplitude
+    seeds = range(60, 62)
+    grid = [
+        true._replace(
+            alpha0=level * true.alpha0, sigma1=damping * true.sigma1, sigma0=stiffness * true.sigma0
+        )
+        for level, damping, stiffness in product(
+            (0.98, 1.0, 1.02), (1.0, 1.2, 1.4, 1.7), (0.7, 1.0, 1.4)
+        )
+    ]
+    best = min(amplitude(friction, true, seeds) for friction in grid)
+    assert amplitude(tuned.after.observer.friction, true, seeds) < 1.2 * best
+
+
+class DangerousRig:
+    """A rig that runs away with a large sigma1 and records the parameters that were applied."""
+
+    def __init__(self, dangerous: float) -> None:
+        self.applied: list[ObserverParameters] = []
+        self.dangerous = dangerous
+        self._rig = SimulatedLoop(Loop(PlantParameters(seed=34)))
+
+    def apply(self, observer: ObserverParameters) -> None:
+        """Record and apply."""
+        self.applied.append(observer)
+        self._rig.apply(observer)
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """The rig's estimates, or those of an arm that runs away."""
+        estimates = self._rig.watch(seconds)
+        latest = self.applied[-1]
+        if latest.compensation == "lugre" and latest.friction.sigma1 > self.dangerous:
+            estimates[:, 0] = np.linspace(0.0, 5.0, len(estimates))
+        return estimates
+
+
+def test_a_candidate_outside_the_guard_is_rejected() -> None:
+    """The best candidate so far is applied, and the search continues."""
+    rig = DangerousRig(dangerous=2.0)
+    start = ObserverParameters("lugre")
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
+    dropped = [trial for trial in tuned.trials if trial.observer.friction.sigma1 > 2.0]
+    assert dropped
+    assert {trial.amplitude for trial in dropped} == {TuningPlan().arm_guard}
+    for trial in dropped:
+        tried = trial.observer._replace(guard_time=0.0)  # tuning has its own guard
+        after = rig.applied[rig.applied.index(tried) + 1]
+        assert after.friction.sigma1 <= 2.0
+    assert rig.applied[-1] == tuned.after.observer
+    assert tuned.after.observer.friction.sigma1 <= 2.0
+
+
+def test_initial_parameters_are_restored_if_nothing_helps() -> None:
+    """If even the initial parameters leave the guard, they are restored and the error says why."""
+    rig = DangerousRig(dangerous=0.0)
+    start = ObserverParameters("coulomb")
+    with pytest.raises(GuardError, match="peak to peak"):
+        tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
+    assert rig.applied[-1] == start
+
+
+def test_initial_parameters_are_restored_after_an_interruption() -> None:
+    """Any exception leaves the rig with its initial parameters."""
+    rig = DangerousRig(dangerous=np.inf)
+    start = ObserverParameters("none")
+
+    def interrupt(message: str, seconds: float) -> None:
+        if seconds > 30.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        tune(rig, start, EstimatorParameters(), TuningPlan(), interrupt)
+    assert rig.applied[-1] == start
+
+
+def test_a_fallen_pendulum_ends_the_tuning() -> None:
+    """Without control the pendulum leaves the guard."""
+    loop = Loop(PlantParameters(seed=35), controller=ControllerParameters(enabled=False))
+    with pytest.raises(GuardError, match="pendulum"):
+        tune(SimulatedLoop(loop), loop.observer, loop.estimator, TuningPlan(), silent)
+
+
+@pytest.mark.parametrize(
+    ("plan", "message"),
+    [
+        (TuningPlan(fit=("alpha",)), "cannot tune alpha; possible are sigma0"),
+        (TuningPlan(search=("omega1",)), "cannot tune omega1"),
+        (TuningPlan(seconds=60.0), "needs at least"),
+    ],
+)
+def test_impossible_plans_are_rejected(plan: TuningPlan, message: str) -> None:
+    """An impossible plan is rejected before any parameter is set."""
+    rig = DangerousRig(dangerous=np.inf)
+    with pytest.raises(ValueError, match=message):
+        tune(rig, ObserverParameters(), EstimatorParameters(), plan, silent)
+    assert not rig.applied
+
+
+def test_search_of_several_parameters_stays_in_range() -> None:
+    """All searched parameters vary, and stay within their declared ranges."""
+    search = ("sigma1", "observer_gain", "asymmetry")
+    rig = SimulatedLoop(Loop(PlantParameters(seed=36)))
+    start = ObserverParameters("lugre", Friction(asymmetry=0.99))
+    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(("sigma1",), search), silent)
+    tried = [values(trial.observer) for trial in tuned.trials]
+    assert all(len({each[name] for each in tried}) > 1 for name in search)
+    assert max(each["asymmetry"] for each in tried) <= 1.0
+
+
+def test_no_gain_is_an_answer() -> None:
+    """Where there is no friction, every compensator is worse than none, and none is the result."""
+    rig = SimulatedLoop(Loop(plant(Friction(alpha0=0.0, alpha1=0.0), 37)))
+    plan = TuningPlan(seconds=240.0, rivals=RIVALS)
+    start = ObserverParameters("lugre")
+    tuned = tune(rig, start, EstimatorParameters(), plan, silent)
+    assert tuned.after == tuned.uncompensated
+    assert not tuned.gain
+    assert tuned.seconds <= 240.0
+    tried = {trial.observer.compensation for trial in tuned.trials}
+    assert tried == {"lugre", *RIVALS}
+    assert min(trial.amplitude for trial in tuned.trials) > 10.0 * tuned.after.amplitude

@@ -1,0 +1,96 @@
+"""Rig files with uncertainty: written, read, drawn from."""
+
+from __future__ import annotations
+
+from math import log
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
+from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.uncertainty import Uncertainty, drawn_rigs
+from furuta_model.parameters import ParameterError
+from furuta_model.parts.tilt import Tilt
+from furuta_model.parts.torque_waves import TorqueWaves
+
+RIG = Rig()._replace(
+    tilt=Tilt(0.02, -0.01), waves=TorqueWaves((1.0, 14.0), (0.01, 0.02), (0.0, -0.03))
+)
+UNCERTAINTY = Uncertainty(
+    ("beta", "alpha0", "delay"),
+    np.array([[0.01, 1.8e-3, 0.0], [1.8e-3, 4e-4, 0.0], [0.0, 0.0, 1e-6]]),
+)
+
+
+def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
+    """All values to nine digits, comments and name included."""
+    file = tmp_path / "rig.yaml"
+    file.write_text(rig_file_text(RIG, UNCERTAINTY, "a rig", ["first", "second\nline"]))
+    rig, uncertainty = load_uncertain_rig(file)
+    assert rig.tilt == RIG.tilt
+    assert rig.waves == RIG.waves
+    assert rig.model == pytest.approx(RIG.model, rel=1e-8)
+    assert uncertainty.names == UNCERTAINTY.names
+    assert uncertainty.covariance == pytest.approx(UNCERTAINTY.covariance, rel=1e-3, abs=1e-9)
+    assert file.read_text().startswith("# first\n# second line\nname: a rig\n")
+    assert load_rig(file) == rig
+
+
+def test_draws_have_the_covariance() -> None:
+    """β is drawn by its logarithm; no delay is negative; α keeps the arm's own inertia."""
+    rigs = list(drawn_rigs(RIG, UNCERTAINTY, 2000, seed=3))
+    beta = np.array([log(each.model.beta / RIG.model.beta) for each in rigs])
+    level = np.array([each.friction.alpha0 - RIG.friction.alpha0 for each in rigs])
+    drawn = np.cov(beta, level)
+    assert drawn == pytest.approx(UNCERTAINTY.covariance[:2, :2], rel=0.15, abs=0.0)
+    assert all(each.model.determinant > 0.0 and each.drive.delay >= 0.0 for each in rigs)
+    inertia = {round(r.model.alpha - r.model.gamma**2 / r.model.beta, 12) for r in rigs}
+    assert len(inertia) == 1
+
+
+def test_waves_are_uncertain(tmp_path: Path) -> None:
+    """Their amplitudes are drawn; those of a wave that the rig does not have are refused."""
+    file = tmp_path / "rig.yaml"
+    given = Uncertainty(("wave14_sin", "wave1_cos"), np.diag([1e-4, 0.0]))
+    file.write_text(rig_file_text(RIG, given, "a rig"))
+    rig, uncertainty = load_uncertain_rig(file)
+    waves = [each.waves for each in drawn_rigs(rig, uncertainty, 500, seed=1)]
+    assert np.std([each.sine[1] for each in waves]) == pytest.approx(0.01, rel=0.1)
+    assert {(each.orders, each.cosine, each.sine[0]) for each in waves} == {
+        ((1.0, 14.0), (0.01, 0.02), 0.0)
+    }
+    file.write_text(file.read_text().replace("wave14_sin", "wave15_sin"))
+    with pytest.raises(ParameterError, match=r"unknown wave15_sin; known are .*wave14_sin"):
+        load_rig(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("uncertainty: 3", "must have standard_errors"),
+        ("uncertainty: {standard_errors: {mass: 1}}", "uncertainty of unknown mass"),
+        ("uncertainty: {standard_errors: {beta: -1}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: x}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: 1}, spread: 2}", "unknown: uncertainty.spread"),
+        (
+            "uncertainty: {standard_errors: {beta: 1}, correlations: [[1, 0]]}",
+            "must be the 1 rows of a lower triangle",
+        ),
+        (
+            "uncertainty: {standard_errors: {beta: 1, gamma: 1}, correlations: [[1], [2, 1]]}",
+            "must be the 2 rows of a lower triangle",
+        ),
+        ("waves: {orders: [1, 2], cosine: [0.1], sine: [0.1]}", "must have one length"),
+    ],
+)
+def test_a_bad_uncertainty_is_one_line(tmp_path: Path, text: str, reason: str) -> None:
+    """The message names the file and the error."""
+    file = tmp_path / "rig.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=r"rig\.yaml") as caught:
+        load_uncertain_rig(file)
+    assert reason in str(caught.value)
+    assert "\n" not in str(caught.value)

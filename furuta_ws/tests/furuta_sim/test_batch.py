@@ -1,0 +1,146 @@
+"""Batches: a run has the same outcome in any batch, and memory does not grow."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.state import PHI
+from furuta_sim.lanes.batch import batch
+from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
+from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
+from furuta_sim.simulation.oscillation import fell, measure_oscillation
+
+SECONDS = 3.0
+
+
+def loops(count: int) -> list[Loop]:
+    """Runs that differ in all kinds of parameters."""
+    return [
+        Loop(
+            PlantParameters(
+                friction=PlantFriction(parameters=Friction(alpha0=0.1 + 0.01 * k)), seed=k
+            ),
+            observer=ObserverParameters(compensation=("none", "coulomb", "lugre")[k % 3]),
+        )
+        for k in range(count)
+    ]
+
+
+def bits(outcomes: Iterator[Outcome] | list[Outcome]) -> list[bytes]:
+    """Outcomes to the last bit, with NaN."""
+    return [np.array(each, dtype=float).tobytes() for each in outcomes]
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_outcomes_depend_on_their_own_parameters_alone(workers: int) -> None:
+    """Not on the number of workers, nor on the size and order of the batch."""
+    alone = bits([outcome(loop, SECONDS) for loop in loops(23)])
+    assert len(set(alone)) == 23
+    assert bits(batch(loops(23), SECONDS, workers=workers)) == alone
+    assert bits(batch(loops(23)[::-1], SECONDS, workers=workers)) == alone[::-1]
+    assert bits(batch(loops(4), SECONDS, workers=workers)) == alone[:4]
+
+
+@pytest.mark.parametrize("kind", ["none", "coulomb", "lugre"])
+def test_outcome_equals_that_of_the_series(kind: str) -> None:
+    """Values measured during the run equal those computed from the recorded series."""
+    loop = Loop(observer=ObserverParameters(compensation=kind))
+    found, record = outcome(loop, 40.0), simulate(loop, 40.0)
+    half = slice(len(record.command) // 2, None)
+    expected = measure_oscillation(record.state[half], record.sample_time)
+    assert found.phi_peak_to_peak_rad == expected.phi_peak_to_peak_rad
+    assert found.theta_peak_to_peak_rad == expected.theta_peak_to_peak_rad
+    assert found.stuck_fraction == expected.stuck_fraction
+    assert found.steps == len(record.command) == 40_000
+    error = record.friction[half] - record.friction_estimate[half]
+    for rms, series in (
+        (found.phi_rms_rad, record.state[half, PHI]),
+        (found.command_rms_v, record.command[half]),
+        (found.friction_error_rms_v, error),
+    ):
+        assert rms == pytest.approx(np.sqrt(np.mean(series**2)), rel=1e-12)
+    if kind == "none":
+        # The midpoint comes from an earlier part of the run and differs by a few milliradians.
+        assert found.period_s == pytest.approx(expected.period_s, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 264])
+def test_period_from_a_few_cycles(seed: int) -> None:
+    """A run of few cycles has a period, although noise changes their size."""
+    loop = Loop(PlantParameters(seed=seed), EstimatorParameters(method="lowpass"))
+    assert outcome(loop, 30.0).period_s == pytest.approx(2.68, rel=0.01)
+
+
+def test_fall_is_detected_at_any_time() -> None:
+    """Also before the settled part."""
+    fallen = Loop(PlantParameters(initial=InitialState(theta=1.0)))
+    found = outcome(fallen, 20.0)
+    assert found.fell
+    assert found.fell == fell(simulate(fallen, 20.0).state)
+    assert not outcome(Loop(), 5.0).fell
+
+
+def test_rest_has_no_period() -> None:
+    """An arm at rest: zero peak to peak, no period, stuck all the time."""
+    loop = Loop(
+        PlantParameters(initial=InitialState(theta=0.0)),
+        controller=ControllerParameters(enabled=False),
+    )
+    found = outcome(loop, 1.0)
+    assert found.phi_peak_to_peak_rad == 0.0
+    assert np.isnan(found.period_s)
+    assert found.stuck_fraction == 1.0
+
+
+def test_memory_does_not_grow() -> None:
+    """A long batch of long runs needs no more memory than a short one of short runs."""
+
+    def peak(count: int, seconds: float) -> int:
+        gc.collect()
+        gc.freeze()  # the more objects a process has, the more seldom is its garbage collected
+        tracemalloc.start()
+        loops = (Loop(PlantParameters(seed=k)) for k in range(count))
+        assert sum(1 for _ in batch(loops, seconds)) == count
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        gc.unfreeze()
+        return most
+
+    garbage = 1_000_000  # that the garbage collector may leave, for any number of runs
+    for count, short, long in ((1000, 0.01, 0.4), (500, 0.6, 2.4)):  # single runs, lanes
+        peak(count, short)  # loads the compiled code
+        small = peak(count, short)
+        assert peak(6 * count, short) < small + garbage
+        assert peak(50, long) < small + garbage
+
+
+def test_batch_consumes_its_loops_step_by_step() -> None:
+    """The first outcomes of an endless study are available."""
+    drawn = []
+
+    def endless() -> Iterator[Loop]:
+        while True:
+            drawn.append(len(drawn))
+            yield Loop(PlantParameters(seed=len(drawn)))
+
+    results = batch(endless(), 0.01, SETTLED, workers=2)
+    for _ in range(5):
+        next(results)
+    results.close()
+    assert len(drawn) < 20
+
+
+def test_failure_of_a_run_is_raised() -> None:
+    """And does not block the other runs."""
+    impossible = Loop()._replace(controller=ControllerParameters(gain=(1.0,)))
+    with pytest.raises(ValueError, match="unpack"):
+        list(batch([Loop(), impossible, Loop()], 0.01))

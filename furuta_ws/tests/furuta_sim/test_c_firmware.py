@@ -1,0 +1,219 @@
+"""The C firmware sends the bytes of the reference and has its states, on every processor.
+
+``FURUTA_FIRMWARE_FRAMES`` sets the number of random frames.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+from random import Random
+
+import pytest
+from firmware_schedules import Schedule, assert_same, random_schedule
+
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import ARMED, WATCHDOG, FrameReader, encode
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import ParameterError
+from furuta_sim.emulator import firmware_compiler
+from furuta_sim.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
+from furuta_sim.emulator.emulated_rig import EmulatedRig
+from furuta_sim.emulator.faults import Faults
+
+Replays = dict[str, Callable[[bytes], bytes]]
+
+FRAMES = int(os.environ.get("FURUTA_FIRMWARE_FRAMES", "20000"))
+CUTS = 1000
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "hardware.md"
+SESSION = 4660  # of the documentation's test vectors
+
+
+def test_random_schedules(replays: Replays) -> None:
+    """Frames of every kind, damaged, repeated, late, of other sessions, beyond wrap-arounds."""
+    sent = 0
+    for seed in count():
+        schedule = random_schedule(seed, 500)
+        logs = {name: replay(schedule.script) for name, replay in replays.items()}
+        for log in {*logs.values()}:
+            assert_same(schedule, log)
+        sent += schedule.frames
+        if sent >= FRAMES:
+            break
+
+
+def vectors() -> dict[str, bytes]:
+    """The test vectors of docs/hardware.md: text and bytes."""
+    rows = re.findall(r"^\| `(\w+\([^`]*\))` \| `([0-9a-f ]+)` \|$", PAGE.read_text(), re.M)
+    return {text: bytes.fromhex(data) for text, data in rows}
+
+
+def vector_schedule() -> Schedule:
+    """A schedule with every frame of the documentation's test vectors."""
+    given = vectors()
+    schedule = Schedule(Random(0))
+    schedule.receive(given["Hello(1, 4660, 1000, 50)"])
+    for _ in range(7):
+        schedule.sample()
+    schedule.receive(given["Arm(4660, 7)"])
+    schedule.sample()
+    schedule.receive(given["Drive(4660, 8, -2048)"])
+    schedule.send(frames.DriveFrame(SESSION, 8, 100))
+    schedule.sample(-3, 17, -2048)
+    schedule.set_numbers(256, 255)
+    schedule.receive(given["Drive(4660, 256, 0)"])
+    schedule.receive(b"\1\0" * 3)
+    schedule.set_numbers(65535, 65486)
+    schedule.sample(250, -1, 0)
+    schedule.send(frames.ArmFrame(SESSION, 65536))
+    schedule.receive(given["Stop(4660)"])
+    schedule.sample()
+    return schedule
+
+
+def test_vectors_of_the_documentation(replays: Replays) -> None:
+    """The host's frames are executed, and the rig's frames are sent to the last bit."""
+    schedule = vector_schedule()
+    for replay in replays.values():
+        log = replay(schedule.script)
+        assert_same(schedule, log)
+        sent = b"".join(out for out, _ in parse_log(log))
+        for text, data in vectors().items():
+            if text.startswith(("Welcome", "Sensors")):
+                assert data in sent, text
+    # None of the host's vectors was discarded; the three damaged frames were.
+    assert [step.state.discarded for step in schedule.steps][-1] == 3
+
+
+def test_sample_numbers_wrap_around(replays: Replays) -> None:
+    """Driven across 2³² without interruption."""
+    schedule = Schedule(Random(0))
+    schedule.start_session()
+    schedule.set_numbers(2**32 - 10, 2**32 - 10)
+    for _ in range(20):
+        schedule.sample()
+        schedule.send(frames.DriveFrame(77, schedule.firmware.number, 5))
+    assert schedule.firmware.driven == 20
+    assert schedule.firmware.number == 10
+    for replay in replays.values():
+        assert_same(schedule, replay(schedule.script))
+
+
+def test_discarded_frames_wrap_around(replays: Replays) -> None:
+    """The counter of 16 bits begins again at 0."""
+    schedule = Schedule(Random(0))
+    schedule.start_session()
+    for _ in range(5):
+        schedule.receive(b"\1\0" * 14_000)
+        schedule.sample()
+    assert schedule.steps[-1].state.discarded == 70_000 - 2**16
+    for replay in replays.values():
+        assert_same(schedule, replay(schedule.script))
+
+
+def test_a_host_killed_at_any_byte(replays: Replays) -> None:
+    """A thousand random cuts: 0 V within the watchdog after the last answered sample, and after."""
+    random = Random(1)
+    for _ in range(CUTS):
+        watchdog = random.randrange(2, 60)
+        schedule = killed_schedule(random, watchdog)
+        for replay in replays.values():
+            log = replay(schedule.script)
+            assert_same(schedule, log)
+            silent = [state for _, state in parse_log(log)][-2 * watchdog :]
+            for state in silent:
+                if (state.number - state.answered) % 2**32 >= watchdog:
+                    assert (state.drive, state.status & ARMED) == (0, 0)
+            assert silent[-1].status == WATCHDOG
+
+
+def killed_schedule(random: Random, watchdog: int) -> Schedule:
+    """A driven rig whose host stops in the midst of a frame; then two watchdogs' time."""
+    schedule = Schedule(random)
+    schedule.start_session(77, watchdog)
+    for _ in range(random.randrange(1, 30)):
+        schedule.send(frames.DriveFrame(77, schedule.firmware.number, random.randrange(1, 2000)))
+        schedule.sample()
+    last = encode(frames.DriveFrame(77, schedule.firmware.number, 1999))
+    schedule.receive(last[: random.randrange(len(last))])
+    assert schedule.firmware.code != 0
+    for _ in range(2 * watchdog):
+        schedule.sample()
+    return schedule
+
+
+@pytest.mark.parametrize(
+    ("asked", "offered"),
+    [((1000, 50), (2000, 50)), ((90_000, 50), (20_000, 50)), ((4000, 900), (4000, 200))],
+)
+def test_a_board_offers_what_it_supports(
+    replays: Replays, asked: tuple[int, int], offered: tuple[int, int]
+) -> None:
+    """The nearest period and watchdog within its limits, in Welcome and in its own state."""
+    start = POWER_ON.pack(b"b", -100, 100, 0, 2000, 20_000, 200)
+    hello = encode(frames.HelloFrame(1, SESSION, *asked))
+    script = start + b"r\0" + len(hello).to_bytes(2, "little") + hello
+    for replay in replays.values():
+        (out, state) = parse_log(replay(script))[-1]
+        (welcome,) = FrameReader().feed(out)
+        assert welcome == frames.WelcomeFrame(1, SESSION, *offered)
+        assert (state.period_us, state.watchdog) == offered
+
+
+def test_discarded_counts_from_hello(zig: None) -> None:
+    """Damaged frames that arrive with Hello count if they come after it."""
+    schedule = Schedule(Random(0))
+    hello = encode(frames.HelloFrame(frames.VERSION, 77, 1000, 5))
+    schedule.receive(b"\1\0" * 3 + hello + b"\1\0" * 2)
+    schedule.sample()
+    assert schedule.steps[-1].state.discarded == 2
+
+
+def test_the_emulated_rig_is_the_same(zig: None) -> None:
+    """The same motion and bytes with both, on a line with faults, and after a reboot."""
+    faults = Faults(lost=0.1, repeated=0.1, corrupt=0.1)
+    reference = EmulatedRig(Rig(), faults=faults)
+    compiled = EmulatedRig(Rig(), faults=faults, make_firmware=CompiledFirmware)
+    rigs = reference, compiled
+    random = Random(2)
+    for k in range(3000):
+        number = reference.firmware.number
+        data = encode(frames.DriveFrame(5, number, random.randrange(-300, 300)))
+        if k % 100 == 0:
+            data += encode(frames.ArmFrame(5, number))
+        if k % 1000 == 0:
+            data = encode(frames.HelloFrame(1, 5, 1000, 50)) * 5
+        for rig in rigs:
+            rig.receive(data)
+        assert reference.step() == compiled.step()
+        assert reference.volts == compiled.volts
+        assert state_of(reference) == state_of(compiled)
+        if k == 1500:
+            for rig in rigs:
+                rig.firmware.reboot()
+    assert (reference.x == compiled.x).all()
+    assert reference.firmware.driven > 500
+
+
+def state_of(rig: EmulatedRig) -> tuple[object, ...]:
+    """What the emulator shows of its firmware."""
+    it = rig.firmware
+    shown = it.session, it.period_us, it.watchdog, it.number, it.answered, it.code, it.driven
+    return *shown, it.armed, it.tripped, it.discarded % 2**16
+
+
+def test_two_rigs_do_not_share_memory(zig: None) -> None:
+    """Each has its own session."""
+    first, second = CompiledFirmware(-100, 100, 0), CompiledFirmware(-100, 100, 0)
+    first.receive(encode(frames.HelloFrame(1, 9, 1000, 5)))
+    assert (first.session, second.session) == (9, None)
+
+
+def test_without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One line says what is missing."""
+    monkeypatch.setattr(firmware_compiler, "ziglang", None)
+    with pytest.raises(ParameterError, match="install the Python package ziglang"):
+        CompiledFirmware(-100, 100, 0)

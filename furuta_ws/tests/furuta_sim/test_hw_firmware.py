@@ -1,0 +1,130 @@
+"""The reference firmware: it executes the host's frames, and stops when the host is silent."""
+
+from __future__ import annotations
+
+import pytest
+
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, FrameReader, encode
+from furuta_sim.emulator.firmware import Firmware
+
+SESSION = 77
+WATCHDOG_SAMPLES = 5
+
+
+def rig(armed: bool = True) -> Firmware:
+    """Make a firmware in a session, armed and driven at code 100."""
+    firmware = Firmware(-2048, 2047, 0)
+    firmware.receive(encode(frames.HelloFrame(frames.VERSION, SESSION, 1000, WATCHDOG_SAMPLES)))
+    sample(firmware)
+    if armed:
+        firmware.receive(encode(frames.ArmFrame(SESSION, firmware.number)))
+        drive(firmware)
+        assert firmware.code == 100
+    return firmware
+
+
+def sample(firmware: Firmware) -> frames.SensorsFrame:
+    """Take a sample and return its frame."""
+    last = FrameReader().feed(firmware.sample(0, 0, 0))[-1]
+    assert isinstance(last, frames.SensorsFrame)
+    return last
+
+
+def drive(firmware: Firmware, code: int = 100, **other: int) -> None:
+    """Send a Drive frame for the newest sample."""
+    given = {"session": SESSION, "sample": firmware.number, "code": code} | other
+    firmware.receive(encode(frames.DriveFrame(**given)))
+
+
+def test_rig_is_silent_before_hello() -> None:
+    """Without a session the rig sends nothing and applies no Drive frame."""
+    firmware = Firmware(-2048, 2047, 0)
+    firmware.receive(encode(frames.ArmFrame(0, 0)) + encode(frames.DriveFrame(0, 0, 500)))
+    assert firmware.sample(0, 0, 0) == b""
+    assert firmware.code == 0
+
+
+def test_watchdog_stops_a_silent_host() -> None:
+    """The drive goes to 0 V after the watchdog's number of samples, until it is armed again."""
+    firmware = rig()
+    for k in range(1, WATCHDOG_SAMPLES + 1):
+        status = sample(firmware)
+        assert firmware.code == (100 if k < WATCHDOG_SAMPLES else 0)
+        assert status.drive == 100  # applied up to this sample
+    assert status.status == WATCHDOG
+    drive(firmware)
+    assert firmware.code == 0
+    firmware.receive(encode(frames.ArmFrame(SESSION, firmware.number)))
+    drive(firmware, 50)
+    assert firmware.code == 50
+    assert sample(firmware).status == ARMED
+
+
+def test_regular_answers_feed_the_watchdog() -> None:
+    """An answer to every third sample is enough."""
+    firmware = rig()
+    for k in range(100):
+        status = sample(firmware)
+        assert status.status == ARMED
+        if k % 3 == 0:
+            drive(firmware, k)
+            assert firmware.code == k
+
+
+def test_repeated_and_late_frames_do_not_feed_the_watchdog() -> None:
+    """A repeated frame, or answers to old samples, do not keep the drive on."""
+    firmware = rig()
+    old = firmware.number
+    for _ in range(WATCHDOG_SAMPLES):
+        drive(firmware, 100, sample=old)
+        sample(firmware)
+    assert firmware.code == 0
+    firmware = rig()
+    sample(firmware)
+    drive(firmware, 200)
+    drive(firmware, 300, sample=firmware.number - 1)
+    assert firmware.code == 200
+    assert firmware.discarded == 1
+
+
+@pytest.mark.parametrize(
+    "other", [{"session": SESSION + 1}, {"code": 2048}, {"sample": 1000}, {"code": -2049}]
+)
+def test_invalid_drive_frames_are_discarded(other: dict[str, int]) -> None:
+    """Of another session, with a code beyond the converter's range, for a future sample."""
+    firmware = rig()
+    drive(firmware, **({"code": 500} | other))
+    assert firmware.code == 100
+    assert sample(firmware).discarded == 1
+
+
+def test_stop_and_hello_set_zero_volts() -> None:
+    """Both disarm; a new session ignores frames of the old one."""
+    firmware = rig()
+    firmware.receive(encode(frames.StopFrame(SESSION)))
+    assert (firmware.code, firmware.armed) == (0, False)
+    firmware = rig()
+    firmware.receive(encode(frames.HelloFrame(frames.VERSION, SESSION + 1, 1000, WATCHDOG_SAMPLES)))
+    assert (firmware.code, firmware.armed, firmware.number) == (0, False, 0)
+    drive(firmware)
+    assert firmware.code == 0
+
+
+def test_host_of_another_version_gets_no_samples() -> None:
+    """It receives the rig's version only."""
+    firmware = rig()
+    firmware.receive(encode(frames.HelloFrame(frames.VERSION + 1, 9, 1000, WATCHDOG_SAMPLES)))
+    (welcome,) = FrameReader().feed(firmware.sample(0, 0, 0))
+    assert welcome == frames.WelcomeFrame(frames.VERSION, 9, 1000, WATCHDOG_SAMPLES)
+    assert firmware.sample(0, 0, 0) == b""
+
+
+def test_a_fault_of_the_rig_stops_it_and_prevents_arming() -> None:
+    """For example an emergency stop or a fault of the amplifier."""
+    firmware = rig()
+    firmware.fault = True
+    assert sample(firmware).status == FAULT
+    firmware.receive(encode(frames.ArmFrame(SESSION, firmware.number)))
+    drive(firmware)
+    assert firmware.code == 0

@@ -1,0 +1,74 @@
+"""Measurement of oscillations, on signals with known size and period."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from furuta_sim.simulation.oscillation import fell, measure_oscillation, period
+
+DT = 1e-3
+TIME = np.arange(0, 30, DT)
+
+
+def states(phi: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:
+    """States (n, 4) with the arm speed by differences."""
+    x = np.zeros((len(phi), 4))
+    x[:, 0], x[:, 1] = phi, np.gradient(phi, DT)
+    if theta is not None:
+        x[:, 2] = theta
+    return x
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.5, 4.0])
+def test_sine_on_an_offset(phase: float) -> None:
+    """Peak to peak and period of sines are exact for any phase and offset."""
+    turn = 2 * np.pi * TIME / 2.3701 + phase
+    found = measure_oscillation(states(5 + 0.25 * np.sin(turn), 0.04 * np.sin(turn) - 1), DT)
+    assert found.phi_peak_to_peak_rad == pytest.approx(0.5, rel=1e-5)
+    assert found.theta_peak_to_peak_rad == pytest.approx(0.08, rel=1e-5)
+    assert found.period_s == pytest.approx(2.3701, rel=1e-6)
+
+
+def test_period_of_a_noisy_signal() -> None:
+    """Noise that crosses the midpoint many times does not shorten the period."""
+    noise = np.random.default_rng(16).normal(0, 0.01, len(TIME))
+    signal = 0.25 * np.sin(2 * np.pi * TIME / 2.0) + noise
+    assert np.sum(np.diff(np.sign(signal)) != 0) > 100
+    assert period(signal, DT) == pytest.approx(2.0, rel=1e-2)
+
+
+def test_period_with_a_rest_at_the_midpoint() -> None:
+    """A noisy signal that rests at its midpoint has the period of its large motion."""
+    turn = (TIME / 3.0) % 1
+    signal = np.interp(turn, [0, 0.2, 0.4, 0.6, 0.8, 1.0], [0, 1, 0, 0, -1, 0])
+    trembling = 0.02 * np.sin(2 * np.pi * TIME * 40)
+    assert period(signal + trembling, DT) == pytest.approx(3.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    "signal",
+    [np.full(1000, 0.3), 1e-7 * np.sin(TIME), TIME, np.sin(2 * np.pi * TIME[:1500])],
+    ids=["rest", "too small", "drift", "one crossing"],
+)
+def test_no_period(signal: np.ndarray) -> None:
+    """A signal with fewer than two crossings has no period."""
+    assert math.isnan(period(signal, DT))
+
+
+def test_stuck_fraction() -> None:
+    """The fraction of time stuck is that of the plateaus."""
+    turn = (TIME / 2.0) % 1
+    phi = np.interp(turn, [0, 0.3, 0.5, 0.8, 1.0], [0, 0.4, 0.4, 0, 0])
+    assert measure_oscillation(states(phi), DT).stuck_fraction == pytest.approx(0.4, abs=2e-3)
+
+
+def test_fell() -> None:
+    """Below the horizontal at any time, to either side, even if the pendulum came back."""
+    theta = np.zeros(100)
+    assert not fell(states(theta, theta))
+    for tilt, expected in ((1.5, False), (-1.5, False), (1.6, True), (-1.6, True)):
+        theta[50] = tilt
+        assert fell(states(np.zeros(100), theta)) == expected

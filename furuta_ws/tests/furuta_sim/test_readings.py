@@ -1,0 +1,233 @@
+"""Unusable readings: missing, impossible, clipped and outliers, for both methods.
+
+FURUTA_FALLS sets the number of falls.
+"""
+
+from __future__ import annotations
+
+import os
+from math import cos, inf, nan, pi
+
+import numpy as np
+import pytest
+
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import (
+    LOST,
+    MEMORY,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+    pass_skipped,
+    skipped_samples,
+    unusable_readings,
+)
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.sensors import Sensors
+from furuta_sim.parameters import InitialState, PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, Record, Simulation, simulate
+
+METHODS = ("kalman", "lowpass")
+SENSORS = Sensors()
+RANGE = SENSORS.potentiometer_range
+# A pendulum and an arm that swing slowly, at 1 ms.
+TIME = np.arange(400) * 1e-3
+
+
+def swinging() -> np.ndarray:
+    """Measurements (400, 5) at constant speeds and no torque."""
+    measurements = np.zeros((len(TIME), 5))
+    measurements[:, 0], measurements[:, 1] = 0.3 * TIME, 0.3
+    measurements[:, 2], measurements[:, 3] = 0.05 * np.sin(5.0 * TIME), nan
+    return measurements
+
+
+def estimates(measurements: np.ndarray, p: EstimatorParameters) -> tuple[np.ndarray, np.ndarray]:
+    """Estimates (n, 5) and the unusable readings (n,) of every sample."""
+    memory, design = np.zeros(MEMORY), design_estimator(p)
+    result = np.zeros_like(measurements)
+    unusable = np.zeros(len(result), dtype=int)
+    for k, measurement in enumerate(measurements.copy()):
+        estimate_state(memory, measurement, design, result[k])
+        unusable[k] = unusable_readings(memory)
+    return result, unusable
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("index", [0, 1, 2])
+@pytest.mark.parametrize("value", [nan, inf, -inf, 1e300, -1e300, 5.0])
+def test_a_single_bad_reading_costs_itself(method: str, index: int, value: float) -> None:
+    """The estimate stays close to that without the fault, and no other reading is dropped."""
+    good, bad = swinging(), swinging()
+    bad[200, index] = value
+    expected, _ = estimates(good, EstimatorParameters(method))
+    found, unusable = estimates(bad, EstimatorParameters(method))
+    assert np.flatnonzero(unusable).tolist() == [200]
+    assert unusable[200] == 1 << index
+    error = np.abs(found[:, :4] - expected[:, :4])
+    assert np.all(error < [2e-3, 0.02, 2e-3, 0.1])
+    assert np.all(error[300:] < 1e-3)
+
+
+@pytest.mark.parametrize("value", [nan, inf, 1e300])
+def test_a_single_bad_torque_costs_itself(value: float) -> None:
+    """The last torque is used once more."""
+    bad = swinging()
+    bad[200, 4] = value
+    found, unusable = estimates(bad, EstimatorParameters())
+    assert np.array_equal(found, estimates(swinging(), EstimatorParameters())[0])
+    assert unusable[200] == 1 << 4
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("index", [0, 1, 2])
+def test_a_sensor_that_stays_silent_loses_the_estimate(method: str, index: int) -> None:
+    """After 20 ms; the estimate returns with the sensor, from its reading."""
+    bad = swinging()
+    bad[200:300, index] = nan
+    found, unusable = estimates(bad, EstimatorParameters(method))
+    assert np.all(unusable[200:220] == 1 << index)
+    assert np.all(unusable[220:300] == LOST)
+    assert np.all(np.isnan(found[220:300, [index, 3]]))
+    assert np.all(unusable[300:] == 0)
+    assert found[300, :3] == pytest.approx(bad[300, :3])
+    assert np.all(np.isfinite(found[300:, :4]))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_readings_that_stay_elsewhere_start_the_estimate_anew(method: str) -> None:
+    """A jump is taken for an outlier at first, and believed after 20 ms."""
+    moved = swinging()
+    moved[200:, 2] += 0.5
+    found, unusable = estimates(moved, EstimatorParameters(method))
+    assert np.all(np.abs(found[200:220, 2]) < 0.1)
+    assert found[220, 2] == pytest.approx(moved[220, 2])
+    assert found[220, 3] == 0.0
+    assert np.all(unusable[220:] == 0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_clipped_pendulum_is_out_of_sight(method: str, side: float) -> None:
+    """At the end of the potentiometer the angle is known to be beyond, the speed is unknown."""
+    measurements = swinging()
+    measurements[:, 2] = np.clip(side * 5.0 * TIME, -RANGE, RANGE * (1 - 1 / 2048))
+    found, unusable = estimates(measurements, EstimatorParameters(method))
+    clipped = np.abs(5.0 * TIME) > RANGE * (1 - 1 / 2048)
+    lost = unusable == LOST
+    assert not np.any(lost[~clipped])
+    # Lowpass lags; without a model it may wait for the patience of 20 ms.
+    assert np.all(lost[np.flatnonzero(clipped)[21:]])
+    assert np.array_equal(found[lost, 2], measurements[lost, 2])
+    assert np.all(np.isnan(found[lost][:, 3:]))
+
+
+def test_clipped_arm_speed_is_predicted() -> None:
+    """Beyond the tachometer the model gives the speed, also for long."""
+    loop = Loop(
+        PlantParameters(initial=InitialState(phi_dot=14.0, theta=0.0), seed=2),
+        controller=ControllerParameters(mode="off"),
+    )
+    assert np.all(np.isnan(simulate(loop, 0.01).estimate[:, 1]))  # no start while clipped
+    measurements = np.full((600, 5), [0.0, 0.0, 0.0, nan, 1.0])
+    # 45 rad/s² per volt, on the linear model at θ = 0 and without friction.
+    speed = 45.0 * TIME[:400]
+    measurements[:400, 0] = 22.5 * TIME**2
+    measurements[:400, 1] = np.minimum(speed, 10.0 * 2047 / 2048)
+    p = EstimatorParameters(sensors=SENSORS._replace(encoder_counts=0))
+    measurements[:, 2] = 0.0
+    found, unusable = estimates(measurements[:300], p)
+    assert np.all(unusable >= 0)
+    assert found[299, 1] > 11.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_full_turn_sensor_passes_its_seam(method: str) -> None:
+    """The jump of 2π at hanging is no motion."""
+    sensors = Sensors(potentiometer_range=pi, potentiometer_bits=0, potentiometer_noise=1e-3)
+    measurements = swinging()
+    angle = 3.0 + 1.0 * TIME
+    measurements[:, 2] = (angle + pi) % (2 * pi) - pi
+    found, unusable = estimates(measurements, EstimatorParameters(method, sensors=sensors))
+    assert np.all(unusable == 0)
+    assert np.max(np.abs(np.diff(found[20:, 3]))) < 0.2
+    assert np.all(np.abs(np.exp(1j * found[:, 2]) - np.exp(1j * angle)) < 0.1)
+
+
+def test_ideal_sensors_have_no_outliers() -> None:
+    """Any possible jump is measured; an impossible value is replaced."""
+    measurements = np.random.default_rng(1).normal(size=(50, 5)) * 100.0
+    measurements[30, 0] = 1e300
+    found, unusable = estimates(measurements, EstimatorParameters(sensors=Sensors(ideal=True)))
+    usable = unusable == 0
+    assert np.array_equal(found[usable, :4], measurements[usable, :4])
+    assert np.flatnonzero(~usable).tolist() == [30]
+    assert abs(found[30, 0]) < 1e3
+
+
+FALLS = int(os.environ.get("FURUTA_FALLS", "30"))
+
+
+def fall(method: str, seed: int) -> Record:
+    """A pendulum that is let go while the controller is on, hit hard, for 20 s."""
+    rng = np.random.default_rng(seed)
+    plant = PlantParameters(
+        initial=InitialState(
+            phi=rng.uniform(-3, 3),
+            phi_dot=rng.uniform(-8, 8),
+            theta=rng.uniform(-0.6, 0.6),
+            theta_dot=rng.choice([-1, 1]) * rng.uniform(8.0, 30.0),
+        ),
+        seed=seed,
+    )
+    compensation = ("none", "coulomb", "stiction", "lugre", "adaptive")[seed % 5]
+    loop = Loop(plant, EstimatorParameters(method), ObserverParameters(compensation))
+    return simulate(loop, 20.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_hanging_pendulum_is_never_driven(method: str) -> None:
+    """After any fall the command is 0 V while the pendulum hangs, through all its swings."""
+    fell = 0
+    for seed in range(FALLS):
+        record = fall(method, seed)
+        hanging = np.cos(record.state[:, 2]) < 0.0
+        fell += bool(np.any(hanging))
+        assert not np.any(record.command[hanging])
+        assert np.all(np.abs(record.state[:, 0]) < 50.0)
+    assert fell >= FALLS // 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
+    """Lifted slowly from hanging and held for 0.1 s, it is balanced again."""
+    loop = Loop(PlantParameters(seed=4), EstimatorParameters(method))
+    simulation = Simulation(loop)
+    simulation.loop = loop._replace(controller=ControllerParameters(enabled=False))
+    simulation.run(10.0)
+    simulation.loop = loop
+    state = simulation._state
+    assert cos(state[2]) < 0.0
+    for angle in np.linspace(2.0, 0.0, 1000):
+        state[:5] = [0.0, 0.0, angle, -2.0, 0.0]
+        assert angle < 0.3 or not np.any(simulation.run(1e-3).command)
+    for _ in range(100):
+        state[:] = 0.0
+        simulation.run(1e-3)
+    assert np.max(np.abs(simulation.run(10.0).state[:, 2])) < 0.1
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_skipped_samples_are_bridged(method: str) -> None:
+    """With every fifth measurement the speed is as good as with all, not five times too large."""
+    measurements, design = swinging(), design_estimator(EstimatorParameters(method))
+    memory, estimate = np.zeros(MEMORY), np.zeros(5)
+    expected, _ = estimates(measurements, EstimatorParameters(method))
+    for k in range(0, 400, 5):
+        pass_skipped(
+            memory, skipped_samples(0.005, 0.001) if k else 0, measurements[k], design, estimate
+        )
+        estimate_state(memory, measurements[k].copy(), design, estimate)
+        if k >= 100:
+            assert estimate[:4] == pytest.approx(expected[k, :4], abs=0.1)
+    assert unusable_readings(memory) == 0

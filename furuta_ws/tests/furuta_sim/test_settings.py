@@ -1,0 +1,226 @@
+"""Settings from parameter files and NAME=VALUE assignments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import pytest
+import yaml
+
+from furuta_model.parameters import About, ParameterError, declared
+from furuta_sim.settings.nodes import NODES, NodeDescription
+from furuta_sim.settings.parameter_files import describe, parameter_file, parameter_table
+from furuta_sim.settings.settings import default_settings, load_settings, loop, read_file
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Any:
+    """Writes a parameter file."""
+
+    def write(text: str, name: str = "rig.yaml") -> Path:
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_nothing_said() -> None:
+    """Without files and assignments nothing is set and the loop has its defaults."""
+    assert load_settings([], []) == default_settings()
+    assert loop(load_settings([], [])).plant.friction.parameters.sigma0 == 80.0
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_default_files_say_the_defaults(file: Any, node: str) -> None:
+    """The generated file holds every parameter, each with its default's value and type."""
+    found = read_file(file(parameter_file(node)))[node]
+    assert found == {each.name: each.default for each in declared(NODES[node].parameters)}
+    assert [type(found[each.name]) for each in declared(NODES[node].parameters)] == [
+        type(each.default) for each in declared(NODES[node].parameters)
+    ]
+
+
+class Tiny(NamedTuple):
+    """Defaults that YAML 1.1 would take for text if written as Python does."""
+
+    small: Annotated[float, About("small")] = 1e-05
+    large: Annotated[float, About("large")] = -2e22
+
+
+def test_small_and_large_defaults(file: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numbers with an exponent are written so that they are read as numbers."""
+    monkeypatch.setitem(NODES, "tiny", NodeDescription("tiny", "p", "e", Tiny, "m:C"))
+    assert read_file(file(parameter_file("tiny")))["tiny"] == {"small": 1e-5, "large": -2e22}
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_tables_have_every_parameter(node: str) -> None:
+    """The documentation's table has one row each, with unit and meaning."""
+    rows = parameter_table(node).splitlines()[4:]
+    for each, row in zip(declared(NODES[node].parameters), rows, strict=True):
+        assert row.startswith(f"| `{each.name}` |")
+        assert each.about.meaning in row
+        assert each.about.unit in row
+        assert each.about.meaning in describe(each)
+
+
+def test_nested_and_dotted_names(file: Any) -> None:
+    """A file may nest the groups or write full names."""
+    nested = file("plant:\n  ros__parameters:\n    friction: {alpha0: 0.3}\n")
+    dotted = file("/plant:\n  ros__parameters:\n    friction.alpha0: 0.3\n", "b.yaml")
+    assert read_file(nested) == read_file(dotted)
+    assert read_file(nested)["plant"] == {"friction.alpha0": 0.3}
+
+
+def test_wildcard(file: Any) -> None:
+    """/** sets the parameter in every node that has it and in no other."""
+    found = read_file(file("/**:\n  ros__parameters:\n    sample_time: 0.002\n"))
+    assert found == {
+        "plant": {"sample_time": 0.002},
+        "estimator": {"sample_time": 0.002},
+        "friction_observer": {"sample_time": 0.002},
+        "controller": {"sample_time": 0.002},
+        "hardware_bridge": {},
+    }
+
+
+def test_later_wins(file: Any) -> None:
+    """Files in their order, assignments after them."""
+    first = file("estimator:\n  ros__parameters: {filter_bandwidth: 50, filter_damping: 1}\n")
+    second = file("estimator:\n  ros__parameters: {filter_bandwidth: 60}\n", "b.yaml")
+    assert load_settings([first, second], [])["estimator"] == {
+        "filter_bandwidth": 60.0,
+        "filter_damping": 1.0,
+    }
+    found = load_settings([first, second], ["filter_bandwidth=70", "filter_bandwidth=80"])
+    assert found["estimator"]["filter_bandwidth"] == 80.0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "must map node names to ros__parameters"),
+        ("- plant\n", "must map node names to ros__parameters"),
+        ("plant: [\n", "is not YAML: .* in line 2"),
+        ("plant:\n\tx: 1\n", "is not YAML: .* in line 2"),
+        ("motor:\n  ros__parameters: {x: 1}\n", "no node motor; nodes are plant, estimator"),
+        ("plant: {alpha: 1}\n", "plant has no ros__parameters"),
+        ("plant: {ros__parameters: 3}\n", "plant has no ros__parameters"),
+        (
+            "plant:\n  ros__parameters: {friction: {alfa0: 1}}\n",
+            r"plant has no parameter friction\.alfa0; did you mean alpha0",
+        ),
+        ("controller:\n  ros__parameters: {alpha0: 1}\n", "controller has no parameter alpha0"),
+        ("/**:\n  ros__parameters: {friktion: 1}\n", r"/\*\* has no parameter friktion; did you"),
+        (
+            "plant:\n  ros__parameters: {friction: {alpha0: -1}}\n",
+            r"friction\.alpha0 must be 0 to 100 V, given -1",
+        ),
+        ("plant:\n  ros__parameters: {friction: 1}\n", "plant has no parameter friction"),
+    ],
+)
+def test_files_that_are_wrong(file: Any, text: str, message: str) -> None:
+    """A wrong file is refused with what is wrong and where."""
+    with pytest.raises(ParameterError, match=message):
+        load_settings([file(text)], [])
+
+
+def test_unknown_names_are_named(file: Any) -> None:
+    """All of a few; of very many only the first ones, because each is compared with all known."""
+    few, many = ("{seeed: 1, clocks: 2}", "{" + ", ".join(f"a{n}: 1" for n in range(50_000)) + "}")
+    with pytest.raises(
+        ParameterError, match=r"no parameter seeed; .*; plant has no parameter clocks"
+    ):
+        read_file(file(f"plant: {{ros__parameters: {few}}}"))
+    with pytest.raises(ParameterError) as caught:
+        read_file(file(f"plant: {{ros__parameters: {many}}}"))
+    assert str(caught.value).count("no parameter") == 10
+
+
+def test_exponent_without_dot(file: Any) -> None:
+    """A file may say 1e2, as it may to ROS itself."""
+    found = read_file(file("estimator:\n  ros__parameters: {filter_bandwidth: 1e2}\n"))
+    assert found["estimator"] == {"filter_bandwidth": 100.0}
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    """A missing file, a directory and bytes that are no text are refused by name."""
+    (tmp_path / "binary.yaml").write_bytes(b"\xff\xfe\x00")
+    for name, reason in (("none.yaml", "No such file"), ("", "directory"), ("binary.yaml", "text")):
+        with pytest.raises(ParameterError, match=f"{name}: .*{reason}"):
+            read_file(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("assignment", "expected"),
+    [
+        ("alpha0=0.3", {"plant": {"friction.alpha0": 0.3}, "friction_observer": {"alpha0": 0.3}}),
+        (
+            "alpha=0.03",
+            {node: {"model.alpha": 0.03} for node in ("plant", "estimator", "controller")},
+        ),
+        ("friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
+        ("plant.friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
+        ("friction_observer.alpha0=0.3", {"friction_observer": {"alpha0": 0.3}}),
+        ("observer_gain=1e-3", {"friction_observer": {"observer_gain": 0.001}}),
+        ("filter_bandwidth=1E2", {"estimator": {"filter_bandwidth": 100.0}}),
+        ("seed=3", {"plant": {"seed": 3}}),
+        (
+            "sensors.ideal=true",
+            {node: {"sensors.ideal": True} for node in ("plant", "estimator")},
+        ),
+        ("compensation=none", {"friction_observer": {"compensation": "none"}}),
+        ("gain=[1, 2, 3, 4]", {"controller": {"gain": (1.0, 2.0, 3.0, 4.0)}}),
+        (" theta = 0.1", {"plant": {"initial.theta": 0.1}}),
+    ],
+)
+def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
+    """A name means that parameter wherever it occurs; with the node before it, one."""
+    assert load_settings([], [assignment]) == default_settings() | expected
+
+
+@pytest.mark.parametrize(
+    ("assignment", "message"),
+    [
+        ("alpha0", "expected NAME=VALUE, given 'alpha0'"),
+        ("alfa0=1", "no parameter alfa0; did you mean alpha0"),
+        ("plant.alpha0=1", r"no parameter plant\.alpha0; did you mean alpha0"),
+        ("alpha0=", r"alpha0 must be a number, given None"),
+        ("alpha0=[", "alpha0: cannot read the value"),
+        ("alpha0=abc", "alpha0 must be a number, given 'abc'"),
+        ("alpha0=nan", "alpha0 must be finite"),
+        ("seed=1e3", "seed must be an integer"),
+        (
+            "compensation=glue",
+            "must be one of none, coulomb, stiction, lugre, adaptive, .*, given 'glue'",
+        ),
+        ("gamma=1", r"alpha \* beta must exceed gamma"),
+        ("catch_angle=0.9", "catch_angle must not exceed fall_angle"),
+    ],
+)
+def test_assignments_that_are_wrong(assignment: str, message: str) -> None:
+    """A wrong assignment is refused with what to write instead."""
+    with pytest.raises(ParameterError, match=message):
+        load_settings([], [assignment])
+
+
+def test_loop_has_what_was_set(file: Any) -> None:
+    """The loop without ROS gets the very values that the nodes get."""
+    path = file(yaml.safe_dump({"plant": {"ros__parameters": {"sensors": {"ideal": True}}}}))
+    made = loop(load_settings([path], ["alpha0=0.3", "gain=[1,2,3,4]", "method=lowpass", "seed=9"]))
+    assert made.plant.sensors.ideal
+    assert (made.plant.friction.parameters.alpha0, made.observer.friction.alpha0) == (0.3, 0.3)
+    assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)
+    assert made.estimator.method == "lowpass"
+    assert made.plant.seed == 9
+
+
+def test_simulated_time_in_a_file_is_reported(file: Any, caplog: pytest.LogCaptureFixture) -> None:
+    """It is ignored, but not silently; false is what the nodes have anyway."""
+    for value, warnings in (("false", 0), ("true", 1)):
+        path = file(f"/**: {{ros__parameters: {{use_sim_time: {value}}}}}", f"{value}.yaml")
+        assert read_file(path) == default_settings()
+        assert len(caplog.messages) == warnings
+    assert "use_sim_time is ignored" in caplog.text
