@@ -13,7 +13,7 @@ from furuta_control.control import (
     ControllerParameters,
     control,
     design_controller,
-    start_anew,
+    reset,
 )
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.modes.balance import BALANCING, INTEGRAL
@@ -150,9 +150,9 @@ def test_new_start_forgets_a_fall() -> None:
     """After a reset the pendulum is caught at once; balancing is not interrupted."""
     memory = memory_of()
     assert driven(memory, [FALLEN, UPRIGHT]) == [False, False]
-    start_anew(memory)
+    reset(memory)
     assert driven(memory, [UPRIGHT, [0, 0, 0.5, 0]]) == [True, True]
-    start_anew(memory)
+    reset(memory)
     assert driven(memory, [[0, 0, 0.5, 0]]) == [True]
 
 

@@ -9,14 +9,14 @@ import pytest
 import reference
 
 from furuta_control.control import (
+    ACTIVE_MODES,
     MEMORY,
-    MODES_IN_FORCE,
     SWING_UP_MEMORY,
     ControllerParameters,
+    active_mode,
     control,
     design_controller,
-    mode_in_force,
-    start_anew,
+    reset,
 )
 from furuta_control.modes import arm_limits, energy_shaping, tracking
 from furuta_control.modes.swing_up import BEYOND, CAUGHT, SwingUpParameters
@@ -43,7 +43,7 @@ class Rig:
             seen = self.x.copy()
             seen[2] = (seen[2] + pi) % (2.0 * pi) - pi
             u = control(self.memory, seen, 0.0, self._design)
-            mode = MODES_IN_FORCE[mode_in_force(self.memory, self._design)]
+            mode = ACTIVE_MODES[active_mode(self.memory, self._design)]
             if not self.modes or self.modes[-1] != mode:
                 self.modes.append(mode)
             self.x = reference_step(self.x, u)
@@ -129,7 +129,7 @@ def test_recovers_only_if_it_may() -> None:
     rig = fallen(False)
     assert rig.modes[-1] == "off"
     assert not rig.upright
-    start_anew(rig.memory)
+    reset(rig.memory)
     rig.run(6.0)
     assert rig.upright
 

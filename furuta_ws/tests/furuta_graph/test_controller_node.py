@@ -18,12 +18,12 @@ from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.services import ServiceError
 from furuta_ros.topics import (
+    ACTIVE_MODE,
     ARMED,
     COMMAND,
     FRICTION_ESTIMATE,
     JOINT_STATES,
     LATCHED,
-    MODE_IN_FORCE,
     Topic,
 )
 
@@ -104,14 +104,14 @@ def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
         assert (added < correction) != armed
 
 
-def test_a_late_subscriber_learns_the_mode_in_force(loop: Loop) -> None:
+def test_a_late_subscriber_learns_the_active_mode(loop: Loop) -> None:
     """It is ``off`` until the first state; who subscribes later gets what was published before."""
     loop.state(1)
     loop.estimate(0.0)
     loop.expect(FEEDBACK)
     modes: list[str] = []
     loop.bench.probe.create_subscription(
-        MODE_IN_FORCE.type, MODE_IN_FORCE.name, lambda message: modes.append(message.data), LATCHED
+        ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
     )
     loop.bench.spin(lambda: len(modes) == 2)
     assert modes == ["off", "balance"]

@@ -24,7 +24,7 @@ from furuta_model.parameters import values
 from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_ros.topics import MODE_IN_FORCE, TOPICS
+from furuta_ros.topics import ACTIVE_MODE, TOPICS
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import Settings, default_settings, load_settings, loop
 from furuta_sim.simulation.closed_loop import Record, simulate
@@ -111,7 +111,7 @@ def test_graph_swings_up_as_the_offline_loop(ros: None, tmp_path: Path) -> None:
     settings = swing_up_settings(find_rig("odrive_furuta"))
     run = require_graph_is_the_offline_loop(settings, tmp_path / "bag")
     assert np.cos(run.state[-1, THETA]) > 0.95
-    messages = raw_messages(tmp_path / "bag")["mode_in_force"]
+    messages = raw_messages(tmp_path / "bag")["active_mode"]
     modes = [deserialize_message(each, String).data for each in messages]
     assert modes[0] == "off"
     assert modes[-2:] == ["catch", "balance"]
@@ -150,11 +150,11 @@ def test_one_seed_one_run(ros: None, tmp_path: Path) -> None:
         raw_messages(record(load_settings([], [f"seed={seed}"]), 2.0, tmp_path / name))
         for name, seed in (("a", 1), ("b", 1), ("c", 2))
     ]
-    assert set(bags[0]) == {topic.name for topic in (*TOPICS, MODE_IN_FORCE)}
+    assert set(bags[0]) == {topic.name for topic in (*TOPICS, ACTIVE_MODE)}
     assert {len(bags[0][topic.name]) for topic in TOPICS} == {2000}
     assert bags[0] == bags[1]
     for topic in bags[0]:
-        if topic not in ("friction_estimate", "mode_in_force"):  # 0 V and balance for any seed
+        if topic not in ("friction_estimate", "active_mode"):  # 0 V and balance for any seed
             assert bags[0][topic] != bags[2][topic]
 
 

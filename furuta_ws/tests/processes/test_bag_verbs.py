@@ -42,7 +42,7 @@ def recorded(furuta: Any, bag: Path) -> None:
 def test_info(furuta: Any, bag: Path) -> None:
     """Messages, topics, types and the parameter file of a bag."""
     result = json.loads(furuta("bag", "info", bag, "--json")[1])
-    assert result["messages"] == 10_002  # mode_in_force: off, then balance
+    assert result["messages"] == 10_002  # active_mode: off, then balance
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
     assert Path(result["parameters"]).is_file()
 
@@ -154,7 +154,7 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     assert result["fit"]["log.csv"]["arm_speed"] > 90
     errors = {each["law"]: each["errors"]["second half"] for each in result["friction_laws"]}
     assert errors["coulomb"] == 1.0 < errors["viscous"]
-    assert result["carried_law"] in errors
+    assert result["simplest_adequate_law"] in errors
     assert (tmp_path / "residuals.png").stat().st_size > 10_000
     status, _, err = furuta("simulate", "--seconds", "1", "--params", file_out)
     assert status == 0, err

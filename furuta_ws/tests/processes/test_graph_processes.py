@@ -113,7 +113,7 @@ def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
     with AnyReader([bag]) as reader:
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
     del counts["rosout"]  # as many as the nodes log
-    changes = {"parameter_events": 0, "mode_in_force": 2}  # off, balance
+    changes = {"parameter_events": 0, "active_mode": 2}  # off, balance
     assert counts == {topic.name: 500 for topic in TOPICS} | changes
 
 
@@ -131,7 +131,7 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     _, err = process.communicate()
     assert process.returncode == 0, err
     with AnyReader([bag]) as reader:
-        changes = {"/parameter_events", "/mode_in_force", "/rosout"}
+        changes = {"/parameter_events", "/active_mode", "/rosout"}
         assert {c.topic for c in reader.connections} == {"/command", *changes}
         (file,) = bag.glob("*.mcap")
         assert file.stat().st_size < 2**26  # truncated to its content

@@ -22,7 +22,7 @@ from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_model.state import THETA
-from furuta_ros.topics import LATCHED, MODE_IN_FORCE
+from furuta_ros.topics import ACTIVE_MODE, LATCHED
 from furuta_sim.settings.rigs import find_rig, rig_directory
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
@@ -99,7 +99,7 @@ def test_swings_up_over_the_serial_line(
     bench.add(ControllerNode(overrides("controller")))
     modes: list[str] = []
     bench.probe.create_subscription(
-        MODE_IN_FORCE.type, MODE_IN_FORCE.name, lambda message: modes.append(message.data), LATCHED
+        ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
     )
     bridge.start()
     assert bridge.state == "active", bridge.failure

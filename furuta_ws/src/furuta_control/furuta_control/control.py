@@ -49,8 +49,8 @@ MEMORY = SWING_UP_MEMORY + swing_up.MEMORY
 INACTIVE = (0.0, False)
 
 # What the controller does in a sample, for those who watch it.
-MODES_IN_FORCE = (*swing_up.PHASES, "open_loop")
-OPEN_LOOP_IN_FORCE = len(swing_up.PHASES)
+ACTIVE_MODES = (*swing_up.PHASES, "open_loop")
+OPEN_LOOP_ACTIVE = len(swing_up.PHASES)
 
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
@@ -232,7 +232,7 @@ def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDes
 def continues(memory: np.ndarray, x: np.ndarray, p: ControllerDesign) -> bool:
     """Whether the pendulum was balanced and still is, without excitation: the usual sample."""
     plain = p.enabled and p.mode == BALANCE and p.excitation.kind == NONE
-    return plain and balance.goes_on(memory, BALANCE_MEMORY, x, p.balance)
+    return plain and balance.still_balancing(memory, BALANCE_MEMORY, x, p.balance)
 
 
 @inlined
@@ -245,23 +245,23 @@ def continue_control(
 
 
 @inlined
-def mode_in_force(memory: np.ndarray, p: ControllerDesign) -> int:
-    """What the controller does: the index of its name in :data:`MODES_IN_FORCE`."""
+def active_mode(memory: np.ndarray, p: ControllerDesign) -> int:
+    """What the controller does: the index of its name in :data:`ACTIVE_MODES`."""
     if not p.enabled or p.mode == OFF:
         return swing_up.OFF
     if p.mode == SWING_UP:
         return int(memory[SWING_UP_MEMORY + swing_up.PHASE])
     if p.mode == OPEN_LOOP:
-        return OPEN_LOOP_IN_FORCE
+        return OPEN_LOOP_ACTIVE
     balancing = memory[BALANCE_MEMORY + balance.BALANCING] != 0.0
     return swing_up.BALANCING if balancing else swing_up.OFF
 
 
 @inlined
-def start_anew(memory: np.ndarray) -> None:
+def reset(memory: np.ndarray) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
-    balance.start_anew(memory, BALANCE_MEMORY)
-    swing_up.start_anew(memory, SWING_UP_MEMORY)
+    balance.reset(memory, BALANCE_MEMORY)
+    swing_up.reset(memory, SWING_UP_MEMORY)
 
 
 @inlined
@@ -283,7 +283,7 @@ def _mode_command(
         u = swing_up.command(memory, SWING_UP_MEMORY, BALANCE_MEMORY, x, friction, p.swing_up)
         return (0.0, False) if np.isnan(u) else (u, True)
     balance.leave(memory, BALANCE_MEMORY)
-    swing_up.start_anew(memory, SWING_UP_MEMORY)
+    swing_up.reset(memory, SWING_UP_MEMORY)
     if p.mode == OPEN_LOOP:
         return 0.0, True
     return INACTIVE

@@ -11,14 +11,14 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
 from furuta_control.control import (
+    ACTIVE_MODES,
     MEMORY,
-    MODES_IN_FORCE,
     ControllerParameters,
+    active_mode,
     control,
     design_controller,
     forget_integrals,
-    mode_in_force,
-    start_anew,
+    reset,
 )
 from furuta_control.estimate_matching import Answer, EstimateMatching
 from furuta_control.modes import swing_up
@@ -31,12 +31,12 @@ from furuta_ros.spinning import run_node
 from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
 from furuta_ros.topics import (
+    ACTIVE_MODE,
     ARMED,
     COMMAND,
     FRICTION_ESTIMATE,
     JOINT_STATES,
     LATCHED,
-    MODE_IN_FORCE,
     QOS,
 )
 
@@ -56,7 +56,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     While ``armed`` says that a rig does not apply the commands, nothing is integrated.
 
-    Publishes ``mode_in_force``, what the controller does: ``off`` until the first state, then
+    Publishes ``active_mode``, what the controller does: ``off`` until the first state, then
     whenever it changes. A late subscriber gets the last messages.
     """
 
@@ -73,10 +73,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self.watch_parameters(self.parameters_changed)
         self._publisher = self.publish_on(COMMAND)
         self._throttled = ThrottledPublisher(self, COMMAND)
-        self._mode_in_force = ""
-        self._mode_publisher = self.create_publisher(
-            MODE_IN_FORCE.type, MODE_IN_FORCE.name, LATCHED
-        )
+        self._active_mode = ""
+        self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._report_mode(swing_up.OFF)
         self.subscribe_to(JOINT_STATES, self._on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
@@ -100,7 +98,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         read_joints(message, self._x, partly=True)
         anew = starts_anew(self._stamp, stamp)
         if anew:
-            start_anew(self._memory)
+            reset(self._memory)
         self._stamp = stamp
         self._do(self._matching.state(self.message_age.sent, anew))
 
@@ -156,9 +154,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _report_mode(self, mode: int) -> None:
         """Publish what the controller does, if it is something else than before."""
-        name = MODES_IN_FORCE[mode]
-        if name != self._mode_in_force:
-            self._mode_in_force = name
+        name = ACTIVE_MODES[mode]
+        if name != self._active_mode:
+            self._active_mode = name
             self._mode_publisher.publish(String(data=name))
 
 
@@ -168,7 +166,7 @@ def _control(
 ) -> tuple[float, int]:
     """Command u [V], and the index of the mode in force."""
     u = control(memory, x, friction, design[0])
-    return u, mode_in_force(memory, design[0])
+    return u, active_mode(memory, design[0])
 
 
 def main() -> None:

@@ -121,7 +121,7 @@ def design_compensator(p: ObserverParameters) -> Compensator:
 
 
 @inlined
-def start_anew(memory: np.ndarray) -> None:
+def reset(memory: np.ndarray) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
     memory[BRISTLE] = 0.0
     memory[combined.REST] = 0.0

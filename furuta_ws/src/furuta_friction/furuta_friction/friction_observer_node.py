@@ -19,7 +19,7 @@ from furuta_friction.compensation import (
     beyond_adaptation,
     design_compensator,
     estimate_friction,
-    start_anew,
+    reset,
     switched_off,
 )
 from furuta_model.block import block
@@ -74,7 +74,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         if stamp != self._last_stamp:
             read_joints(message, self._x, partly=True)
             if starts_anew(self._last_stamp, stamp):
-                start_anew(self._memory)
+                reset(self._memory)
             self._check_observed_friction()
             before = switched_off(self._memory)
             self._estimate.data = _estimate(self._memory, self._x, self._compensator)

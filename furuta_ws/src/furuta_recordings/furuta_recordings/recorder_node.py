@@ -23,7 +23,7 @@ from furuta_recordings.bags.offered_qos import offered_qos
 from furuta_ros import topic_names
 from furuta_ros.loop_topics import several_publishers
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import MODE_IN_FORCE, QOS, TIMING, TOPICS, Topic, deep
+from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
 RECEIVE_DEPTH = 100_000
@@ -37,7 +37,7 @@ ROSOUT = Topic(topic_names.ROSOUT, Log)
 _OFFERED = {
     PARAMETER_EVENTS: offered_qos(depth=1000),
     ROSOUT: offered_qos(1000, "transient_local", lifespan={"sec": 10, "nsec": 0}),
-    MODE_IN_FORCE: offered_qos(QOS.depth, "transient_local"),
+    ACTIVE_MODE: offered_qos(QOS.depth, "transient_local"),
 }
 RECORDABLE = (*TOPICS, TIMING)
 # Seconds and nanoseconds of the stamp in a serialized JointState, after the four bytes that name
@@ -62,7 +62,7 @@ class RecorderNode(Node):
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
     records each change of a parameter (/parameter_events), what the nodes log (/rosout), and what
-    the controller does (mode_in_force).
+    the controller does (active_mode).
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class RecorderNode(Node):
         self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
-        chosen = self._topics = [*topics, PARAMETER_EVENTS, ROSOUT, MODE_IN_FORCE]
+        chosen = self._topics = [*topics, PARAMETER_EVENTS, ROSOUT, ACTIVE_MODE]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
         self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
         self._inputs = [
@@ -207,7 +207,7 @@ def _never_called(message: Any) -> None:
 def _qos(topic: Topic) -> QoSProfile:
     """A long queue; on some topics also what was published before the recorder began."""
     qos = deep(RECEIVE_DEPTH)
-    if topic in (ROSOUT, MODE_IN_FORCE):
+    if topic in (ROSOUT, ACTIVE_MODE):
         qos.durability = QoSDurabilityPolicy.TRANSIENT_LOCAL
     return qos
 

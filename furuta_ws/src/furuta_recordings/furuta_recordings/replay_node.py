@@ -16,7 +16,7 @@ from furuta_recordings.bags.bag import Bag
 from furuta_ros.errors import UserError
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topic_names import MODE_IN_FORCE, PARAMETER_EVENTS, ROSOUT
+from furuta_ros.topic_names import ACTIVE_MODE, PARAMETER_EVENTS, ROSOUT
 from furuta_ros.topics import deep
 
 # Depth of the publishers' queues. At full speed a subscriber may be this far behind, and the
@@ -134,7 +134,7 @@ class ReplayNode(Node):
 
 def _is_of_the_loop(topic: str) -> bool:
     """Whether a topic is neither one of ROS itself nor one that only reports."""
-    reports = topic.rpartition("/")[2] == MODE_IN_FORCE
+    reports = topic.rpartition("/")[2] == ACTIVE_MODE
     return topic not in (PARAMETER_EVENTS, ROSOUT) and not reports
 
 

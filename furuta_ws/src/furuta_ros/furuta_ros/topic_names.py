@@ -15,7 +15,7 @@ JOINT_STATES: Final = "joint_states"
 FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"
-MODE_IN_FORCE: Final = "mode_in_force"
+ACTIVE_MODE: Final = "active_mode"
 ARMED: Final = "armed"
 TIMING: Final = "timing"
 # After the name of a topic: its throttled copy, as topic_tools names it.

@@ -76,8 +76,8 @@ GROUND_TRUTH = Topic(
 )
 
 # A late subscriber gets the last ones.
-MODE_IN_FORCE = Topic(
-    topic_names.MODE_IN_FORCE,
+ACTIVE_MODE = Topic(
+    topic_names.ACTIVE_MODE,
     String,
     "controller → any subscriber",
     "what the controller does, at its start and when that changes; transient local",
@@ -120,4 +120,4 @@ CLOCK = Topic(
 DIAGNOSTICS = Topic("/diagnostics", DiagnosticArray)
 
 # Every topic that the nodes of the graph publish.
-EVERY_TOPIC = (*TOPICS, MODE_IN_FORCE, ARMED, CLOCK, TIMING)
+EVERY_TOPIC = (*TOPICS, ACTIVE_MODE, ARMED, CLOCK, TIMING)

@@ -34,7 +34,12 @@ from furuta_model.parts.motion import (
 )
 from furuta_model.parts.plant_memory import MOVED, PLANT_MEMORY
 from furuta_model.parts.pushes import Pushes, push_at
-from furuta_model.parts.sensor_faults import FaultySensors, design_faults, seen_state, spoil
+from furuta_model.parts.sensor_faults import (
+    FaultySensors,
+    apply_faults,
+    design_faults,
+    faulty_state,
+)
 from furuta_model.parts.tilt import Tilt, with_tilt
 from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
@@ -135,10 +140,10 @@ def _read_with_faults(
     faults: FaultySensors,
     measurement: np.ndarray,
 ) -> None:
-    phi, v = seen_state(x, PHI, faults), seen_state(x, PHI_DOT, faults)
-    theta, w = seen_state(x, THETA, faults), seen_state(x, THETA_DOT, faults)
+    phi, v = faulty_state(x, PHI, faults), faulty_state(x, PHI_DOT, faults)
+    theta, w = faulty_state(x, THETA, faults), faulty_state(x, THETA_DOT, faults)
     _measure(phi, v, theta, w, noise, sensors, measurement)
-    spoil(x, measurement, faults)
+    apply_faults(x, measurement, faults)
 
 
 @inlined

@@ -14,7 +14,7 @@ from furuta_bringup.number_types import FiniteRange, NonZero
 from furuta_bringup.options import json_option, print_json
 from furuta_hw.rigs.rig import Rig
 from furuta_identification.fitting.free_swing import identify_free_swing
-from furuta_identification.fitting.friction_laws import carried_law, compare_laws
+from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.fitting.identifiability import undetermined
 from furuta_identification.fitting.identify import identify
 from furuta_identification.fitting.model import Model
@@ -183,7 +183,7 @@ def command(
     result = _result(identified)
     if laws:
         result["friction_laws"] = [each._asdict() for each in compared]
-        result["carried_law"] = carried_law(compared).law
+        result["simplest_adequate_law"] = simplest_adequate_law(compared).law
     if out is not None:
         from furuta.figures.residual import draw_residuals
 
@@ -318,8 +318,8 @@ def _print_laws(result: dict[str, Any]) -> None:
         errors = ", ".join(f"{name} {error:.3f}" for name, error in each["errors"].items())
         law = f"{each['law']} ({each['parameters']} parameters)"
         print(f"law {law:31} held-out error over Coulomb's: {errors}")
-    if "carried_law" in result:
-        print(f"the data carry the law: {result['carried_law']}")
+    if "simplest_adequate_law" in result:
+        print(f"law supported by the data: {result['simplest_adequate_law']}")
 
 
 def _print_verdict(found: dict[str, Any]) -> None:

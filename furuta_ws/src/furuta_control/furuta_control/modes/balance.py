@@ -82,7 +82,7 @@ def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
 
 
 @inlined
-def goes_on(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
+def still_balancing(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
     """Whether the pendulum was balanced and still is: the usual sample."""
     return (memory[at + BALANCING] != 0.0) & _allowed(x, p)
 
@@ -108,7 +108,7 @@ def leave(memory: np.ndarray, at: int) -> None:
 
 
 @inlined
-def start_anew(memory: np.ndarray, at: int) -> None:
+def reset(memory: np.ndarray, at: int) -> None:
     """Forget a fall and what was integrated: the pendulum has been put back."""
     memory[at + FALLEN] = 0.0
     forget_integrals(memory, at)

@@ -162,7 +162,7 @@ def _limits(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float
 
 
 @inlined
-def start_anew(memory: np.ndarray, at: int) -> None:
+def reset(memory: np.ndarray, at: int) -> None:
     """Forget what has happened: the next sample begins a swing-up."""
     for i in range(MEMORY):
         memory[at + i] = 0.0

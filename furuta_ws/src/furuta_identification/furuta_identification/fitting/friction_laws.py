@@ -74,7 +74,7 @@ class LawResult(NamedTuple):
         return float(np.exp(np.mean(np.log(list(self.errors.values())))))
 
 
-def carried_law(results: list[LawResult]) -> LawResult:
+def simplest_adequate_law(results: list[LawResult]) -> LawResult:
     """The law with the fewest parameters that no other predicts clearly better than."""
     best = min(each.mean_error for each in results)
     good = [each for each in results if (1.0 - CLEARLY) * each.mean_error <= best]

@@ -61,7 +61,7 @@ def design_faults(p: SensorFaults, dt: float, seed: int) -> FaultySensors:
 
 
 @inlined
-def seen_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
+def faulty_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
     """State i as the sensors see it: some samples ago, with bias."""
     value = x[i]
     if p.delay > 0:
@@ -79,7 +79,7 @@ def seen_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
 
 
 @inlined
-def spoil(x: np.ndarray, measurement: np.ndarray, p: FaultySensors) -> None:
+def apply_faults(x: np.ndarray, measurement: np.ndarray, p: FaultySensors) -> None:
     """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
     reading = int(x[READ])
     slot = STATES + RIGID_STATES * (reading % DELAY_SLOTS)

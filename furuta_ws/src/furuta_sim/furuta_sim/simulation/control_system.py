@@ -67,11 +67,11 @@ def initial_memory() -> Memory:
     return Memory(*(np.zeros(size) for size in sizes))
 
 
-def start_anew(memory: Memory) -> None:
+def reset(memory: Memory) -> None:
     """Prepare for a measurement that does not continue the ones before, as the nodes do."""
     restart(memory.estimator)
-    compensation.start_anew(memory.observer)
-    controller.start_anew(memory.controller)
+    compensation.reset(memory.observer)
+    controller.reset(memory.controller)
 
 
 @inlined

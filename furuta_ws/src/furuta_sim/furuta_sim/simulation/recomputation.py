@@ -19,7 +19,7 @@ from furuta_sim.simulation.control_system import (
     control_sample,
     design_control_system,
     initial_memory,
-    start_anew,
+    reset,
 )
 
 
@@ -64,7 +64,7 @@ def recompute(
                 allow(memory.observer)
             observer = loops[start].observer
         if start in starts:
-            start_anew(memory)
+            reset(memory)
         _run(
             # The estimator replaces unusable readings.
             measurement[start:end].copy(),
