@@ -21,7 +21,8 @@ SITE = output/site_environment/bin/python
 docs:
 	tools/in_environment python -m venv output/site_environment
 	$(SITE) -m pip install --disable-pip-version-check --quiet --requirement docs/requirements.lock
-	$(SITE) docs/site/build.py output/site
+	tools/in_environment python docs/site/reference_pages.py output/reference
+	$(SITE) docs/site/build.py output/site output/reference
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
 # One wheel with the library and the command line, for Python without ROS.

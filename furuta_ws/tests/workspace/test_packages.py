@@ -18,7 +18,7 @@ from sources import PACKAGES, ROOT, SOURCES, imports, modules
 from furuta_graph.processes import executable
 from furuta_model.parameters import declared
 from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_files import parameter_file, parameter_table
+from furuta_sim.settings.parameter_files import parameter_file
 from furuta_sim.settings.settings import read_file
 
 # Who may import whom: each package only those further left, siblings in one group not each other.
@@ -172,12 +172,6 @@ def test_parameter_files_are_the_declarations(node: str) -> None:
     assert installed.read_text() == file.read_text()
     given = read_file(file)[node]
     assert given == {each.name: each.default for each in declared(NODES[node].parameters)}
-
-
-def test_parameter_documentation_is_the_declarations() -> None:
-    """docs/parameters.md holds what ``furuta param defaults --markdown`` prints."""
-    text = (ROOT / "docs" / "parameters.md").read_text()
-    assert text.endswith("\n".join(parameter_table(node) for node in NODES))
 
 
 def test_description_of_the_graph_imports_no_ros() -> None:
