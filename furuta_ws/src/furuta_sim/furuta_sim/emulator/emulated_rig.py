@@ -68,11 +68,16 @@ class EmulatedRig:
         self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
         self._inbox = b""
         self._stuck_arm_code: int | None = None
-        self.volts = 0.0
+        self.volts = 0.0  # applied over the last sample
         self.x = initial_state(self.plant)
         self.held = True
         self._driven_before = 0
         move(self.x.copy(), 0.0, self._plant)  # compile before time matters
+
+    @property
+    def drive_volts(self) -> float:
+        """The voltage that the drive holds now [V]."""
+        return self._drive.to_si(self.firmware.code) if self.firmware.armed else 0.0
 
     def hold(self, initial: InitialState | None = None) -> None:
         """Hold the pendulum in its initial state, or another one, until the rig is driven."""
@@ -96,7 +101,7 @@ class EmulatedRig:
         self.process_input()
         firmware = self.firmware
         self.held = self.held and firmware.driven == self._driven_before
-        self.volts = self._drive.to_si(firmware.code) if firmware.armed else 0.0
+        self.volts = self.drive_volts
         if not self.held:
             move(self.x, self.volts, self._plant)
         firmware.fault = self.faults.rig_fault

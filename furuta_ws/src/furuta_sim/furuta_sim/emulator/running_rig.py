@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from threading import Lock
 from time import monotonic_ns, sleep
 from typing import Any
 
@@ -27,6 +28,7 @@ class RunningRig:
         self.log = EmulatorLog()
         self._period = round(period * 1e9)
         self.late_samples = 0
+        self._lock = Lock()  # the monitor reads on its own thread
 
     def run_in_real_time(self, stop: Callable[[], bool]) -> None:
         """Run until ``stop()``, with a sample at every period of the steady clock."""
@@ -59,13 +61,15 @@ class RunningRig:
         end = monotonic_ns() + ANSWER_TIMEOUT
         while firmware.armed and firmware.answered != firmware.number and not stop():
             self.rig.receive(self.terminal.read(0.01))
-            self.rig.process_input()
+            with self._lock:
+                self.rig.process_input()
             if monotonic_ns() > end:
                 return
 
     def _sample(self, due: int) -> bytes:
         rig = self.rig
-        out = rig.step()
+        with self._lock:
+            out = rig.step()
         self.log.add(due, rig.x, rig.volts, rig.firmware.armed, rig.firmware.number)
         return out
 
@@ -75,11 +79,15 @@ class RunningRig:
         Faults have values by name, ``hold`` may have those of the initial state, ``save`` a path.
         """
         do = request.pop("do", None)
+        if do == "save":
+            return {"rows": self.log.save(Path(request["path"]))}
+        with self._lock:
+            return self._answer_at_once(do, request)
+
+    def _answer_at_once(self, do: Any, request: dict[str, Any]) -> dict[str, Any]:
         if do == "faults":
             self.rig.faults = with_faults(self.rig.faults, request)
             return self.rig.faults._asdict()
-        if do == "save":
-            return {"rows": self.log.save(Path(request["path"]))}
         if do == "hold":
             self.rig.hold(initial_state_of(request) if request else None)
         elif do == "reboot":
@@ -91,7 +99,7 @@ class RunningRig:
     def _status(self) -> dict[str, Any]:
         rig = self.rig
         return {
-            "volts": rig.volts,
+            "volts": rig.drive_volts,
             "armed": rig.firmware.armed,
             "tripped": rig.firmware.tripped,
             "held": rig.held,
@@ -100,5 +108,5 @@ class RunningRig:
             "driven": rig.firmware.driven,
             "discarded": rig.firmware.discarded,
             "late": self.late_samples,
-            "state": [float(each) for each in rig.x[:4]],
+            "state": [float(value) for value in rig.x[:4]],
         }
