@@ -1,22 +1,76 @@
-"""Runs an emulated rig in real time or in lock-step, and answers its monitor."""
+"""Runs an emulated rig on a pseudo-terminal, logs it, and answers its monitor."""
 
 from __future__ import annotations
 
+import os
+import select
+import tty
+from array import array
 from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
 from time import monotonic_ns, sleep
 from typing import Any
 
+import numpy as np
+
 from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of
-from furuta_sim.emulator.emulator_log import EmulatorLog
 from furuta_sim.emulator.faults import with_faults
-from furuta_sim.emulator.pseudo_terminal import PseudoTerminal
 
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns].
 ANSWER_TIMEOUT = 1_000_000_000
+# Columns of the log.
+COLUMNS = ("time_ns", "phi", "phi_dot", "theta", "theta_dot", "volts", "armed", "sample")
+
+
+class PseudoTerminal:
+    """A pseudo-terminal; the host opens ``name`` like a serial port."""
+
+    def __init__(self) -> None:
+        # This process keeps the other end open too: reads fail while it is closed.
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.name = os.ttyname(self._slave)
+
+    def read(self, wait: float = 0.0) -> bytes:
+        """Return the received bytes, after a wait of at most ``wait`` [s]."""
+        if wait > 0.0:
+            select.select([self._master], [], [], wait)
+        try:
+            return os.read(self._master, 65536)
+        except BlockingIOError:
+            return b""
+
+    def write(self, data: bytes) -> None:
+        """Send; bytes are lost if the buffer is full, as on a serial line without a reader."""
+        try:
+            os.write(self._master, data)
+        except BlockingIOError:
+            return
+
+
+class EmulatorLog:
+    """A growing table with a row per sample."""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def add(self, time_ns: int, x: np.ndarray, volts: float, armed: bool, sample: int) -> None:
+        """Add a row: state ``x`` (4 or more) after ``volts`` [V] over the last sample.
+
+        ``time_ns`` is when the sample was due (steady clock).
+        """
+        self._numbers.extend((time_ns, *x[:4], volts, armed, sample))
+
+    def save(self, path: Path) -> int:
+        """Write the rows to an ``.npz`` file; returns their number."""
+        table = np.array(self._numbers[:]).reshape(-1, len(COLUMNS))
+        columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
+        np.savez(path, **columns)
+        return len(table)
 
 
 class RunningRig:
