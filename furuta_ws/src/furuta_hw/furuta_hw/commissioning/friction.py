@@ -33,10 +33,6 @@ HANGING_RANGE = 0.25 * pi
 STILL_RANGE = 0.1
 
 
-def silent(message: str) -> None:
-    """Report nothing."""
-
-
 class FrictionLevels(NamedTuple):
     """Friction levels [V] by direction, as magnitudes; ``viscous`` [V s/rad]."""
 
@@ -69,7 +65,7 @@ def check_hanging(samples: Sequence[RigSample]) -> None:
     sensor at the end of its range shows only that the pendulum is not upright. Raises
     :class:`NotStillError`.
     """
-    seen = [each.pendulum_angle for each in samples if not each.at_rail]
+    seen = [sample.pendulum_angle for sample in samples if not sample.at_rail]
     if not seen:
         return
     angles = np.array([wrapped(angle - pi) for angle in seen])  # zero hanging
@@ -95,10 +91,7 @@ def check_arm_range(rig: Rig, arm_range: float) -> None:
 
 
 def measure_friction(
-    rig: Rig,
-    arm_range: float,
-    rate: float = RAMP_RATE,
-    report: Callable[[str], None] = silent,
+    rig: Rig, rate: float, report: Callable[[str], None]
 ) -> Experiment[FrictionLevels]:
     """Measure friction by voltage ramps until the arm breaks away, and by slow slides.
 
@@ -106,9 +99,7 @@ def measure_friction(
     arm breaks away. While the arm slides at a constant speed v under a speed control, its voltage
     is the friction at v: levels and viscous friction are the straight line through all slides.
     ``report`` is called before each motion.
-    Raises :class:`ParameterError` if ``arm_range`` [rad] is too small for the slides.
     """
-    check_arm_range(rig, arm_range)
     yield 0.0
     stiction = yield from _ramps(rig, rate, report)
     positive, negative, viscous = yield from _slides(rig, report)

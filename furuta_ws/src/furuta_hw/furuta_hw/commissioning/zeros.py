@@ -43,16 +43,16 @@ def find_zeros(samples: Sequence[RigSample], rig: Rig, hanging: bool) -> dict[st
 
     Raises :class:`NotStillError` if something moves.
     """
-    found = code_statistics(samples)
-    pendulum = found.pendulum_code
-    for name, spread in (("arm", found.arm_spread), ("pendulum", found.pendulum_spread)):
+    statistics = code_statistics(samples)
+    pendulum = statistics.pendulum_code
+    for name, spread in (("arm", statistics.arm_spread), ("pendulum", statistics.pendulum_spread)):
         if spread > LARGEST_VARIATION:
             raise NotStillError(f"the {name} moves: its code varied by {spread}; hold it still")
     if rig.pendulum.sensor == "potentiometer" and rig.pendulum.channel.at_rail(round(pendulum)):
         raise NotStillError("the pendulum's sensor is at the end of its range")
     if hanging:
         pendulum += pi / rig.pendulum.channel.per_code
-    result = {"arm.zero": round(found.arm_code), "pendulum.zero": round(pendulum, 1)}
+    result = {"arm.zero": round(statistics.arm_code), "pendulum.zero": round(pendulum, 1)}
     if rig.speed.sensor == "tachometer":
-        result["speed.zero"] = round(found.speed_code, 1)
+        result["speed.zero"] = round(statistics.speed_code, 1)
     return result
