@@ -23,7 +23,7 @@ import numpy as np
 from rigs_from_recordings import KNOWN, chosen_seeds, random_rig
 
 from furuta_graph.processes import executable
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import rig_file_text
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_sim.emulator.monitor import ask
 

@@ -23,8 +23,7 @@ from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
-from furuta_hw.rigs.rig_file import load_rig
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_identification.fitting.identify import identify
 from furuta_identification.preparation.options import Options
 from furuta_identification.rigs.identified_rig import identified_rig

@@ -275,7 +275,7 @@ def _fits(prediction: Prediction) -> dict[str, float]:
 
 def _write_rig(identified: Identified, file: Path, given: Rig | None, source: Path) -> list[str]:
     """Write the rig file; returns where its sensors come from."""
-    from furuta_hw.rigs.rig_file_text import rig_file_text
+    from furuta_hw.rigs.rig_file import rig_file_text
     from furuta_identification.rigs.base_rig import base_rig
     from furuta_identification.rigs.identified_rig import identified_rig
 
