@@ -31,7 +31,7 @@ def bridge(bench: Bench, **parameters: Any) -> HardwareBridgeNode:
     node: HardwareBridgeNode = bench.add(
         HardwareBridgeNode([Parameter(name, value=value) for name, value in given.items()])
     )
-    node.start()
+    node.start_up()
     return node
 
 

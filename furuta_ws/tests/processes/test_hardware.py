@@ -136,8 +136,7 @@ def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float
     bench.add(EstimatorNode())
     bench.add(FrictionObserverNode([Parameter("compensation", value=compensation)]))
     bench.add(ControllerNode())
-    bridge.start()
-    assert bridge.state == "active", bridge.failure
+    assert bridge.start_up() == ""
     return bridge
 
 

@@ -101,8 +101,7 @@ def test_swings_up_over_the_serial_line(
     bench.probe.create_subscription(
         ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
     )
-    bridge.start()
-    assert bridge.state == "active", bridge.failure
+    assert bridge.start_up() == ""
     hold_and_arm(bench, rig)
     begun = rig.status["driven"]
     bench.spin(lambda: modes[-1] == "balance" or rig.status["driven"] > begun + LONGEST, PATIENCE)

@@ -31,12 +31,12 @@ def find_driver(name: str) -> type[RigDriver]:
             )
         module_name, class_name = f"{drivers.__name__}.{name}", CLASS_NAME
     try:
-        found = getattr(import_module(module_name), class_name, None)
+        driver = getattr(import_module(module_name), class_name, None)
     except (ImportError, ValueError) as error:
         raise DriverError(f"cannot import rig driver {name}: {error}") from None
-    if not (isinstance(found, type) and issubclass(found, RigDriver)):
+    if not (isinstance(driver, type) and issubclass(driver, RigDriver)):
         raise DriverError(f"rig driver {name}: {class_name} is not a subclass of RigDriver")
-    if isabstract(found):
-        missing = ", ".join(sorted(found.__abstractmethods__))
+    if isabstract(driver):
+        missing = ", ".join(sorted(driver.__abstractmethods__))
         raise DriverError(f"rig driver {name}: {class_name} does not implement {missing}")
-    return found
+    return driver
