@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Container, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Container, Iterable, Iterator
 from typing import TypeVar
 
 from rich.console import Console
@@ -23,22 +22,13 @@ def run_study(study: Study, done: Container[int], scheduler: str | None) -> Iter
     return run_on_cluster(study, done, scheduler)
 
 
-@contextmanager
-def progress_bar(
-    title: str, size: int, completed: int = 0, quiet: bool = False
-) -> Iterator[Callable[[], None]]:
-    """A bar on the terminal, which the function that it gives advances."""
+def with_progress(
+    title: str, items: Iterable[Item], size: int, completed: int = 0, quiet: bool = False
+) -> Iterator[Item]:
+    """The items, with a bar on the terminal that advances with each of them."""
     console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task(title, total=size, completed=completed)
-        yield lambda: progress.advance(task)
-
-
-def with_progress(
-    title: str, items: Iterable[Item], size: int, completed: int, quiet: bool
-) -> Iterator[Item]:
-    """The items, with a bar that advances with each of them."""
-    with progress_bar(title, size, completed, quiet) as advance:
-        for each in items:
-            yield each
-            advance()
+        for item in items:
+            yield item
+            progress.advance(task)

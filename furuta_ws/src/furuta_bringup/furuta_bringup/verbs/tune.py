@@ -24,11 +24,10 @@ from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
     json_option,
+    model_options,
     namespace_option,
     print_json,
 )
-from furuta_bringup.robust_tuning import RobustEffort, robust_options, tune_and_report
-from furuta_bringup.uncertain_rig_options import RigOptions, uncertain_rig_options
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
@@ -86,18 +85,12 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @click.option(
-    "--robust",
-    is_flag=True,
-    help="Minimise the 95 % quantile of the residual over uncertain rigs instead of one rig's.",
-)
-@robust_options
-@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
     help="Write the parameters to a parameter file.",
 )
-@uncertain_rig_options
+@model_options
 @json_option
 def command(
     running: bool,
@@ -107,10 +100,9 @@ def command(
     seconds: float,
     arm_guard: float,
     pendulum_guard: float,
-    robust: bool,
-    effort: RobustEffort,
     out: Path | None,
-    rig_options: RigOptions,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Find the compensation with the smallest remaining limit cycle.
@@ -121,16 +113,7 @@ def command(
     friction. If the initial parameters or no compensation are better than all of them, they are the
     result ("gain": false in the JSON); the exit status is 0 then too. On a running graph the result
     stays active. If the motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
-
-    With --robust the parameters named by --search are optimised over many simulated rigs at once,
-    and the result is judged on fresh ones.
     """
-    if robust:
-        if running or namespace:
-            raise ParameterError("--robust simulates: it cannot be combined with --running")
-        tune_and_report(effort, rig_options, search, out, as_json)
-        return
-    files, assignments = rig_options.all_files, rig_options.assignments
     plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
     try:
         plan.check()
