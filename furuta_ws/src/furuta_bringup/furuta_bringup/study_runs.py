@@ -1,4 +1,4 @@
-"""Runs a study for a verb: here or on a cluster, with a progress bar."""
+"""Runs of a study for a verb: here or on a cluster, with a progress bar."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from rich.console import Console
 from rich.progress import Progress
 
 from furuta.studies.cluster import run_on_cluster
-from furuta.studies.sweep import RunResult, Study, run_locally
+from furuta.studies.sweep import RunResult, Sweep, run_locally
 
 Item = TypeVar("Item")
 
 
-def run_study(study: Study, done: Container[int], scheduler: str | None) -> Iterator[RunResult]:
+def run_sweep(sweep: Sweep, done: Container[int], scheduler: str | None) -> Iterator[RunResult]:
     """Results of the runs that are not ``done``, from this machine or a Dask cluster."""
     if scheduler is None:
-        return run_locally(study, done)
-    return run_on_cluster(study, done, scheduler)
+        return run_locally(sweep, done)
+    return run_on_cluster(sweep, done, scheduler)
 
 
 def with_progress(

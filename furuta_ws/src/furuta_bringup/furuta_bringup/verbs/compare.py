@@ -23,7 +23,7 @@ from furuta.studies.comparison.random_rigs import (
     parse_ranges,
 )
 from furuta.studies.comparison.report import Report
-from furuta.studies.comparison.tuning import TuningBudget, tune_candidate
+from furuta.studies.comparison.tuning import TuningBudget, tune_candidates
 from furuta.studies.experiments import encoder_resolution
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta_bringup.file_types import FIGURE_SUFFIXES, OutputFile
@@ -142,6 +142,7 @@ def command(
     range, PARAMETER=LOW:HIGH.
     """
     _check_options(ctx)
+    table, pictures = _table_and_pictures(files_out)
     settings = rig_options.settings()
     candidates = parse_candidates(texts or STANDARD, settings, bool(tune_budget))
     random = rig_options.random_rigs(settings)
@@ -149,16 +150,20 @@ def command(
     if tune_budget:
         rigs = replace(random, size=tuning_rigs, purpose=TUNING)
         budget = TuningBudget(tune_budget, rigs, seconds)
-        results = (tune_candidate(each, settings, budget) for each in candidates)
+        results = tune_candidates(candidates, settings, budget)
         tuned = list(with_progress("tuning", results, len(candidates), quiet=as_json))
-        candidates = tuple(each.as_candidate for each in tuned)
+        candidates = tuple(candidate.as_candidate for candidate in tuned)
     trials = Trials(seeds, tuple(push for push in dict.fromkeys(pushes) if push), seconds)
     chosen = named_rigs(settings) if rig_options.truths else random
     comparison = Comparison(settings, chosen, candidates, trials)
-    _run(comparison, files_out, quiet=as_json)
+    rows = with_progress("comparing", comparison.rows(), comparison.size, quiet=as_json)
+    if table is not None:
+        write_runs(rows, table)
+    deque(rows, maxlen=0)
     count = encoder_resolution(loop(settings))
     report = Report(comparison.table(), count, len(comparison.impossible), tuned)
-    _draw(report, files_out)
+    if pictures:
+        _draw(report, pictures)
     if as_json:
         print_json(report.as_json(by_rig=rig_options.truths))
     else:
@@ -177,23 +182,20 @@ def _check_options(ctx: click.Context) -> None:
         raise ParameterError("--tuning-rigs needs --tune-budget")
 
 
-def _run(comparison: Comparison, files: tuple[Path, ...], quiet: bool) -> None:
-    """Run everything, and write the table if one is given."""
+def _table_and_pictures(files: tuple[Path, ...]) -> tuple[Path | None, list[Path]]:
+    """The file of the rows, if one is given, and those of pictures."""
     tables = [file for file in files if file.suffix in SUFFIXES]
     if len(tables) > 1:
         raise ParameterError(f"--out: one table is enough, given {' and '.join(map(str, tables))}")
-    rows = with_progress("comparing", comparison.rows(), comparison.size, quiet=quiet)
     for table in tables:
         check_table(table)
-        write_runs(rows, table)
-    deque(rows, maxlen=0)
+    return next(iter(tables), None), [file for file in files if file not in tables]
 
 
-def _draw(report: Report, files: tuple[Path, ...]) -> None:
-    """Draw the pictures that are given."""
+def _draw(report: Report, pictures: list[Path]) -> None:
+    """Draw the residuals of the candidates, the best one first."""
     from furuta.figures.comparison import draw_comparison
 
     order = [score.candidate for score in report.scores]
-    for file in files:
-        if file.suffix not in SUFFIXES:
-            draw_comparison(report.table, order, report.encoder_count, file)
+    for picture in pictures:
+        draw_comparison(report.table, order, report.encoder_count, picture)

@@ -94,7 +94,7 @@ def parse_candidates(
 
 def current_values(settings: Settings, names: Iterable[str]) -> list[float]:
     """Values of numeric parameters by full name."""
-    nodes = {node: values(build(each.parameters, settings[node])) for node, each in NODES.items()}
+    nodes = {node: values(build(about.parameters, settings[node])) for node, about in NODES.items()}
     pairs = (name.partition(".")[::2] for name in names)
     return [float(nodes[node][parameter]) for node, parameter in pairs]
 

@@ -34,13 +34,13 @@ class Trials(NamedTuple):
     pushes: tuple[float, ...] = ()
     seconds: float = 30.0
 
-    def of(self, plant: PlantParameters) -> Iterator[PlantParameters]:
-        """The plant of every run."""
+    def of(self, plant: PlantParameters) -> Iterator[tuple[float, PlantParameters]]:
+        """The push [V], 0 for none, and the plant of every run."""
         for k in range(self.seeds):
-            yield plant._replace(seed=plant.seed + k)
+            yield 0.0, plant._replace(seed=plant.seed + k)
         middle = (self.seconds / 2,)
         for push in self.pushes:
-            yield plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
+            yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
 
 
 class Table(NamedTuple):
@@ -73,7 +73,9 @@ class Comparison:
         self.impossible: dict[str, str] = {}
         self._settings = settings
         self._rigs = rigs
-        self._controls = {each.name: loop(each.applied_to(settings)) for each in candidates}
+        self._controls = {
+            candidate.name: loop(candidate.applied_to(settings)) for candidate in candidates
+        }
         self._trials = trials
         self._simulated: list[str] = []
         self._sizes = array("d")
@@ -123,8 +125,7 @@ class Comparison:
             self._simulated.append(rig.name)
             numbers = {k: value for k, value in rig.values.items() if not isinstance(value, list)}
             for candidate, control in self._controls.items():
-                for plant in plants:
-                    push = plant.pushes.arm[0]
+                for push, plant in plants:
                     run = {"rig": rig.name, "candidate": candidate, "seed": plant.seed}
                     waiting.append(run | {"push_v": push} | numbers)
                     yield control._replace(plant=plant)

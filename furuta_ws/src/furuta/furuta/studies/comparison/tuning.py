@@ -7,7 +7,7 @@ is never worse than its start on these rigs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,6 +48,13 @@ class TunedCandidate(NamedTuple):
     def as_candidate(self) -> Candidate:
         """The candidate with what was tuned."""
         return Candidate(self.candidate, self.settings, {})
+
+
+def tune_candidates(
+    candidates: Iterable[Candidate], settings: Settings, budget: TuningBudget
+) -> Iterator[TunedCandidate]:
+    """Tune every candidate with the same budget."""
+    return (tune_candidate(candidate, settings, budget) for candidate in candidates)
 
 
 def tune_candidate(
