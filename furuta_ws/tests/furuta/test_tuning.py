@@ -11,7 +11,6 @@ from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import RIVALS, TuningPlan
 from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
 from furuta.studies.tuning.tuning import tune
-from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
@@ -49,15 +48,7 @@ def amplitude(friction: Friction, true: Friction, seeds: range) -> float:
     return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
 
 
-@pytest.mark.parametrize(
-    "true",
-    [
-        NOMINAL,
-        OTHER,
-        Friction(sigma0=40.0, sigma1=0.7),
-        Friction(sigma0=150.0, sigma1=3.0, viscous=0.05),
-    ],
-)
+@pytest.mark.parametrize("true", [OTHER, Friction(sigma0=150.0, sigma1=3.0, viscous=0.05)])
 def test_friction_is_identified_from_the_limit_cycle(true: Friction) -> None:
     """Twelve seconds without compensation determine the friction from a start 30 % off."""
     simulation = Simulation(Loop(plant(true, 31)))
@@ -172,13 +163,6 @@ def test_initial_parameters_are_restored_after_an_interruption() -> None:
     with pytest.raises(KeyboardInterrupt):
         tune(rig, start, EstimatorParameters(), TuningPlan(), interrupt)
     assert rig.applied[-1] == start
-
-
-def test_a_fallen_pendulum_ends_the_tuning() -> None:
-    """Without control the pendulum leaves the guard."""
-    loop = Loop(PlantParameters(seed=35), controller=ControllerParameters(enabled=False))
-    with pytest.raises(GuardError, match="pendulum"):
-        tune(SimulatedLoop(loop), loop.observer, loop.estimator, TuningPlan(), silent)
 
 
 def test_too_short_a_time_is_rejected() -> None:

@@ -23,6 +23,7 @@ from furuta.studies.comparison.random_rigs import (
     parse_ranges,
 )
 from furuta.studies.comparison.report import Report
+from furuta.studies.comparison.scores import rank
 from furuta.studies.comparison.tuning import TuningBudget, tune_candidates
 from furuta.studies.experiments import encoder_resolution
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
@@ -160,8 +161,9 @@ def command(
     if table is not None:
         write_runs(rows, table)
     deque(rows, maxlen=0)
-    count = encoder_resolution(loop(settings))
-    report = Report(comparison.table(), count, len(comparison.impossible), tuned)
+    outcome, count = comparison.table(), encoder_resolution(loop(settings))
+    scores = rank(outcome, count)
+    report = Report(outcome, scores, count, len(comparison.impossible), tuned)
     if pictures:
         _draw(report, pictures)
     if as_json:

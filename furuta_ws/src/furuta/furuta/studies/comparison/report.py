@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table as Grid
 
 from furuta.studies.comparison.comparison import Table
-from furuta.studies.comparison.scores import Score, rank, recommended
+from furuta.studies.comparison.scores import Score, recommended
 from furuta.studies.comparison.tuning import TunedCandidate
 
 # Columns of the names of rigs, and of a candidate's residuals [characters].
@@ -19,20 +19,16 @@ RIG_WIDTH, CANDIDATE_WIDTH = 28, 13
 
 
 class Report(NamedTuple):
-    """The result of a comparison, and one count of the arm's encoder [rad].
+    """Residuals by rig, scores from the best candidate to the worst, one encoder count [rad].
 
     ``impossible`` is the number of rigs that were left out.
     """
 
     table: Table
+    scores: list[Score]
     encoder_count: float
     impossible: int
     tuned: list[TunedCandidate]
-
-    @property
-    def scores(self) -> list[Score]:
-        """The candidates from the best to the worst."""
-        return rank(self.table, self.encoder_count)
 
     def as_json(self, by_rig: bool) -> dict[str, Any]:
         """The JSON object; with the residuals ``by_rig`` of the named rigs."""
