@@ -270,7 +270,6 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         (["limit-cycle", "--release", "0"], "--release must not be 0"),
         (["tune", "--arm-guard", "0"], "'--arm-guard': 0.0 is not in the range x>0"),
         (["sweep", "alpha0=0.1:0.2", "--points", "0"], "'--points': 0 is not in the range"),
-        (["sensitivity", "--seeds", "0"], "'--seeds': 0 is not in the range 1<=x<=1000"),
         (["identify", "log.csv", "--window", "0"], "'--window': 0.0 is not in the range"),
         (["identify", "log.csv", "--command-scale", "0"], "not a finite number other than 0"),
         (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),

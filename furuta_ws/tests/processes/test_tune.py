@@ -1,4 +1,4 @@
-"""``furuta tune``, ``experiment`` and ``sensitivity`` as a user runs them."""
+"""``furuta tune`` and ``experiment`` as a user runs them."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def test_there_are_commands() -> None:
     assert len(every_command()) > 150
     joined = [text for _, text in every_command() if "shaped=omega1" in text]
     assert len(joined) == 1
-    assert "--rows random" in joined[0]
+    assert "--rigs 100" in joined[0]
 
 
 @pytest.mark.parametrize(
