@@ -133,7 +133,7 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     with AnyReader([bag]) as reader:
         changes = {"/parameter_events", "/active_mode", "/rosout"}
         assert {c.topic for c in reader.connections} == {"/command", *changes}
-        (file,) = bag.glob("*.mcap")
+        (file,) = bag.glob("*.db3")
         assert file.stat().st_size < 2**26  # truncated to its content
 
 

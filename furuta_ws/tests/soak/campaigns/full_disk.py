@@ -73,7 +73,7 @@ def _record_until_full(record: Record, bag: Path, limit: int) -> None:
 
 def unreadable(bag: Path, complete: bool) -> str:
     """Whether the bag can be read; an incomplete one may be missing."""
-    if not any(bag.glob("*.mcap")):
+    if not any(bag.glob("*.db3")):
         return "no bag" if complete else ""
     try:
         with AnyReader([bag]) as reader:

@@ -15,7 +15,7 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.sensors import Sensors
 from furuta_model.state import PHI, THETA
 from furuta_recordings.bags.bag_files import file_in
-from furuta_recordings.bags.damaged_message import DamagedError
+from furuta_recordings.bags.limits import DamagedError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.recording import Recording
 from furuta_ros.yaml_files import read_yaml
