@@ -326,9 +326,9 @@ def test_bad_parameter_file_is_one_line(
         (["-p", "clock:=sundial"], "realtime, lockstep"),
     ],
 )
-def test_node_refuses_bad_start(furuta: Any, arguments: list[str], reason: str) -> None:
+def test_node_refuses_bad_start(processes: Any, arguments: list[str], reason: str) -> None:
     """An executable says why it does not start, without a traceback."""
-    status, _, err = furuta("node", "run", "furuta_sim", "plant", "--ros-args", *arguments)
+    status, _, err = processes.run("node", "run", "furuta_sim", "plant", "--ros-args", *arguments)
     assert status == 1
     assert reason in err.splitlines()[-1]
     assert "Traceback" not in err

@@ -41,7 +41,7 @@ def test_launched_graph_on_another_rig(
 
 @pytest.mark.parametrize("extra", [(), ("--processes",)], ids=["composed", "processes"])
 def test_two_graphs_side_by_side(
-    bench: Bench, processes: Any, furuta: Any, extra: tuple[str, ...]
+    bench: Bench, processes: Any, extra: tuple[str, ...]
 ) -> None:
     """In one ROS domain each namespace has its own pendulum, clients included."""
     seeds = {"left": 1, "right": 2}
@@ -52,8 +52,8 @@ def test_two_graphs_side_by_side(
     for name, seed in seeds.items():
         expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
         np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
-    assert furuta("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
-    assert furuta("param", "get", "/right/plant", "seed")[1].strip() == "2"
+    assert processes.run("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
+    assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"
 
 
 def test_own_controller(bench: Bench, processes: Any) -> None:
