@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from sources import ROOT, SOURCES
 
+pytestmark = pytest.mark.long
+
 # A workspace with one package, whose command line prints where it is installed.
 COMMAND = """
 def main() -> None:

@@ -11,13 +11,11 @@ from typing import Any
 import click
 import numpy as np
 import pytest
-from ament_index_python.packages import get_package_share_directory
 from click.testing import CliRunner
 
 from furuta_bringup import main
 from furuta_bringup.main import VERBS
-from furuta_graph.processes import executable
-from furuta_sim.settings.nodes import NODES, NodeDescription
+from furuta_bringup.verbs import demo
 
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 
@@ -72,8 +70,9 @@ def test_every_command_has_help(path: tuple[str, ...]) -> None:
     assert any(line.startswith("  ") and line.strip().endswith((".", "?")) for line in rest)
 
 
-def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
+def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
+    monkeypatch.setattr(demo, "PLAN", demo.PLAN._replace(seconds=demo.PLAN.min_seconds))
     out_dir = tmp_path / "demo"
     status, out, err = furuta("demo", "--seconds", "8", "--out", out_dir, "--json")
     assert status == 0, err
@@ -94,19 +93,6 @@ def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
     assert status == 1
     assert "thesis.txt" in err
     assert (Path(result["bag"]) / "thesis.txt").exists()
-
-
-def test_earlier_parameter_name(furuta: Any) -> None:
-    """It is accepted, with one line on standard error; standard output stays one JSON object."""
-    runs = [
-        furuta("simulate", "--seconds", "1", "--json", "--set", f"{name}=0.5")
-        for name in ("friction_spread", "friction_process_noise")
-    ]
-    assert [status for status, _, _ in runs] == [0, 0]
-    first, second = (json.loads(out) for _, out, _ in runs)
-    assert first["phi_peak_to_peak_rad"] == second["phi_peak_to_peak_rad"]
-    warning = "estimator: parameter friction_spread is now called friction_process_noise"
-    assert [err.strip() for _, _, err in runs] == [f"WARNING: {warning}", ""]
 
 
 def test_simulate(furuta: Any, tmp_path: Path) -> None:
@@ -318,12 +304,8 @@ def test_bad_parameter_file_is_one_line(
     ("arguments", "reason"),
     [
         (["--params-file", "missing.yaml"], "missing.yaml"),
-        (["-p", "seeed:=1"], "no parameter seeed"),
         (["--bogus"], "unknown arguments ['--bogus']"),
-        (["-p", "friction.sigma0:=-1.0"], "sigma0"),
-        (["-p", "friction.sigma0:=.nan"], "sigma0"),
         (["-p", "model.alpha:=.nan"], "alpha must be finite"),
-        (["-p", "clock:=sundial"], "realtime, lockstep"),
     ],
 )
 def test_node_refuses_bad_start(processes: Any, arguments: list[str], reason: str) -> None:
@@ -332,17 +314,6 @@ def test_node_refuses_bad_start(processes: Any, arguments: list[str], reason: st
     assert status == 1
     assert reason in err.splitlines()[-1]
     assert "Traceback" not in err
-
-
-@pytest.mark.parametrize("node", NODES.values(), ids=list(NODES))
-def test_nodes_load_their_parameter_files(processes: Any, node: NodeDescription) -> None:
-    """ROS accepts the installed parameter file of every node."""
-    share = Path(get_package_share_directory("furuta_bringup"))
-    process = processes.start(
-        executable(node.package, node.executable),
-        *("--ros-args", "--params-file", share / "config" / f"{node.name}.yaml"),
-    )
-    assert "ready" in process.stderr.readline()
 
 
 def test_param_verbs(furuta: Any, processes: Any) -> None:
@@ -354,8 +325,6 @@ def test_param_verbs(furuta: Any, processes: Any) -> None:
     for assignments, reason in (
         (("sigma0=-1", "alpha0=0.3"), "sigma0"),
         (("sigma_0", "90"), "friction_observer has no parameter sigma_0"),
-        (("sigma_0=90", "alpha0=0.3"), "friction_observer has no parameter sigma_0"),
-        (("sigma0", "["), "cannot read the value '['"),
         (("sigma0", "200mV"), "sigma0 must be a number without a unit, given '200mV'"),
     ):
         status, _, err = furuta("param", "set", "friction_observer", *assignments)
