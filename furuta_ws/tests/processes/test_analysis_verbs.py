@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
+from sources import ROOT
+
+from furuta_bringup import main
 
 PNG = b"\x89PNG"
 
@@ -24,6 +29,25 @@ def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:
     ]
     assert "steady rotation: at 0.21 rad/s" in result["cases"]["c"]["note"]
     assert picture.read_bytes().startswith(PNG)
+
+
+def test_verbs_of_the_readme_have_the_options_that_it_names() -> None:
+    """README: all accept these, and all but ``convergence`` a friction law."""
+    readme = (ROOT / "README.md").read_text()
+    table = readme[readme.index("| question | verb |") :].split("\n\n")[0]
+    verbs = set(re.findall(r"`([a-z-]+)[ `]", table))
+    assert {"simulate", "convergence", "limit-cycle", "map", "nyquist"} < verbs
+    assert "All but `convergence` accept a friction law (`--law`)." in readme
+    for verb in verbs:
+        options = {name for each in _verb(verb).params for name in each.opts}
+        assert {"--json", "--set", "--params", "--out", "--feedback"} <= options, verb
+        assert ("--law" in options) == (verb != "convergence"), verb
+
+
+def _verb(name: str) -> click.Command:
+    found = main.furuta.get_command(click.Context(main.furuta), name)
+    assert found is not None
+    return found
 
 
 def test_nyquist_of_the_controller(furuta: Any) -> None:
