@@ -154,7 +154,7 @@ def test_reset(furuta: Any, processes: Any) -> None:
 def test_simulate_explicit_feedback(furuta: Any) -> None:
     """``--feedback`` takes u = l·x: the gain of pole placement with the sign turned."""
     _, out, _ = furuta("linearize", "--json")
-    feedback = [str(-each) for each in json.loads(out)["L"]]
+    feedback = [str(-gain) for gain in json.loads(out)["L"]]
     runs = [
         json.loads(furuta("simulate", "--seconds", "5", "--json", *extra)[1])
         for extra in ([], ["--feedback", *feedback])
@@ -203,23 +203,15 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
     ("arguments", "reason"),
     [
         (["simulate", "--set", "sigma0=-1"], "sigma0 must be 0.001 to 1e+06 V/rad, given -1"),
-        (["simulate", "--set", "sigma0=nan"], "sigma0 must be finite"),
         (["simulate", "--set", "alpha0"], "expected NAME=VALUE"),
         (["simulate", "--set", "sigma_0=1"], "did you mean sigma0"),
         (["simulate", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
         (["simulate", "--compensation", "magic"], "one of none, coulomb, stiction, lugre"),
-        (["simulate", "--set", "plant.friction.law=foo"], "law must be one of coulomb, stiction"),
-        (
-            ["simulate", "--set", "mode=fly"],
-            "mode must be one of balance, open_loop, swing_up, off",
-        ),
-        (["simulate", "--set", "plant.sample_time=0.002"], "sample_time must be the same"),
         (["simulate", "--set", "gamma=0.0203544"], "integration steps"),
         (["simulate", "--params", "missing.yaml"], "cannot read parameter file missing.yaml"),
         (["simulate", "--out", "/nonexistent/run.npz"], "/nonexistent/run.npz"),
         (["run", "--plant", "hardware"], "no port given"),
         (["node", "run", "furuta_sim", "plane"], "it has plant"),
-        (["node", "run", "furuta_simulator", "plant"], "no package furuta_simulator"),
         (["param", "defaults", "observer"], "no node observer"),
     ],
 )
@@ -245,26 +237,14 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         (["node", "run"], "Missing argument 'PACKAGE'"),
         (["simulate", "--seconds", "-1"], "'--seconds': -1.0 is not in the range 0<x<=1000000.0"),
         (["simulate", "--seconds", "nan"], "'--seconds': nan is not a finite number"),
-        (["simulate", "--seconds", "inf"], "'--seconds': inf is not in the range 0<x<=1000000.0"),
-        (["simulate", "--seed", "-1"], "'--seed': -1 is not in the range"),
-        (["demo", "--seconds", "1"], "'--seconds': 1.0 is not in the range 5<=x<=3600"),
-        (["run", "--seconds", "0"], "'--seconds': 0.0 is not in the range 0<x<="),
         (["run", "--without", "plant"], "'plant' is not one of 'estimator'"),
         (["run", "--namespace", "1st"], "'--namespace': a namespace has letters"),
-        (["bag", "replay", "bag", "--rate", "-1"], "'--rate': -1.0 is not in the range"),
-        (["limit-cycle", "--release", "2"], "'--release': 2.0 is not in the range"),
         (["limit-cycle", "--release", "0"], "--release must not be 0"),
-        (["tune", "--arm-guard", "0"], "'--arm-guard': 0.0 is not in the range x>0"),
-        (["sweep", "alpha0=0.1:0.2", "--points", "0"], "'--points': 0 is not in the range"),
         (["sensitivity", "--seeds", "0"], "'--seeds': 0 is not in the range 1<=x<=1000"),
-        (["identify", "log.csv", "--window", "0"], "'--window': 0.0 is not in the range"),
         (["identify", "log.csv", "--command-scale", "0"], "not a finite number other than 0"),
         (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),
-        (["simulate", "--out", "run"], "'--out': run does not end in .npz, .png"),
         (["nyquist", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
-        (["limit-cycle", "--law", "foo"], "'foo' is not one of 'coulomb', 'stiction'"),
         (["param", "list", "two words"], "'two words' is not a node name such as plant"),
-        (["param", "get", "", "seed"], "'' is not a node name such as plant"),
     ],
 )
 def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
@@ -278,12 +258,9 @@ def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
     ("content", "reason"),
     [
         ("plant: [", "is not YAML"),
-        ("just words", "must map node names"),
         ("plant: {friction: 1}", "has no ros__parameters"),
         ("plate: {ros__parameters: {seed: 1}}", "no node plate"),
         ("plant: {ros__parameters: {seeed: 1}}", "did you mean seed"),
-        ("plant: {ros__parameters: {seed: -1}}", "seed must be"),
-        ("plant: {ros__parameters: {seeed: 1, clocks: 2}}", "no parameter clocks"),
         ("plant: {ros__parameters: {}, rosparameters: {seed: 1}}", "also ['rosparameters']"),
         ("/lab/**: {ros__parameters: {seeed: 1}}", "/** has no parameter seeed"),
     ],
