@@ -138,9 +138,12 @@ def furuta(
     def run(*arguments: str | Path | float) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["furuta", *map(str, arguments)])
         monkeypatch.setattr(logging.root, "handlers", [])  # made again, for this standard error
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
         capfd.readouterr()
         with pytest.raises(SystemExit) as ended:
             main.run_command(main.furuta, "furuta")
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         return int(ended.value.code or 0), *capfd.readouterr()
 
     return run
