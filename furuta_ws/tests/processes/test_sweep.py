@@ -6,7 +6,6 @@ import csv
 import json
 import os
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -17,7 +16,7 @@ from distributed import Client, LocalCluster
 PNG = b"\x89PNG"
 TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
-LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
+LONG = ("plant.seed=0:29:30", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
 
 def wait_for_lines(journal: Path, lines: int) -> None:
@@ -34,17 +33,15 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[bytes]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The table of the long sweep without any interruption."""
     from processes.conftest import Processes  # noqa: PLC0415
 
     out = tmp_path_factory.mktemp("whole") / "sweep.csv"
     processes = Processes()
-    process = processes.furuta("sweep", *LONG, "--out", out)
-    _, err = process.communicate(timeout=TIMEOUT)
-    processes.close()
-    assert process.returncode == 0, err
-    yield out.read_bytes()
+    status, _, err = processes.run("sweep", *LONG, "--out", out)
+    assert status == 0, err
+    return out.read_bytes()
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
@@ -72,7 +69,7 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_killed_sweep_is_resumed(processes: Any, tmp_path: Path, whole: bytes) -> None:
+def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, whole: bytes) -> None:
     """After SIGKILL no run is repeated, and the table is that of an undisturbed sweep."""
     out = tmp_path / "sweep.csv"
     journal = tmp_path / "sweep.csv.part"
@@ -84,18 +81,17 @@ def test_killed_sweep_is_resumed(processes: Any, tmp_path: Path, whole: bytes) -
     with journal.open("a") as file:
         file.write('[3, {"phi_peak')  # what a kill can leave behind
     recorded = journal.read_text().count("\n") - 1
-    other = processes.furuta("sweep", *LONG[:2], "--seconds", "5", "--out", out)
-    _, err = other.communicate(timeout=TIMEOUT)
-    assert other.returncode == 1
+    status, _, err = furuta("sweep", *LONG[:2], "--seconds", "5", "--out", out)
+    assert status == 1
     assert "another sweep" in err
-    again = processes.furuta("sweep", *LONG, "--out", out, "--json")
-    text, err = again.communicate(timeout=TIMEOUT)
-    assert again.returncode == 0, err
+    status, text, err = furuta("sweep", *LONG, "--out", out, "--json")
+    assert status == 0, err
     assert json.loads(text)["resumed"] == recorded >= 19
     assert out.read_bytes() == whole
     assert not journal.exists()
 
 
+@pytest.mark.long
 def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
     """The table is the same if two of the workers are killed during the sweep."""
     out = tmp_path / "sweep.csv"

@@ -7,7 +7,7 @@ same. :data:`ORACLES` lists them; the test of the soak shows that each can fail.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite, pi
 from typing import Any
 
@@ -26,7 +26,6 @@ ORACLES = {
     "friction limit": "physics: |F̂| does not exceed the limit of its compensator",
     "hanging": "physics: a hanging pendulum is not driven",
     "unarmed": "physics: a rig that is not armed is not driven",
-    "one command": "specification: one command for each sample",
     "watchdog": "specification: 0 V within the watchdog's time after the host is silent",
     "arming": "specification: a rig is armed on request only",
     "refusal": "specification: invalid input is refused, valid input is not",
@@ -34,7 +33,6 @@ ORACLES = {
     "output": "specification: what a node publishes is finite and within its limit",
     "survival": "specification: a node runs on, or gives one line with the reason",
     "recovery": "specification: the loop continues after an intrusion, and a reset balances it",
-    "named": "specification: a second publisher is named in a warning",
     "graph = simulation": "agreement: lock-step gives the simulation without ROS to the last bit",
     "twin": "agreement: refused messages leave a node as a twin that never received them",
     "rig = simulation": "agreement: the emulated rig moves as the simulated plant, to the last bit",
@@ -130,13 +128,6 @@ def _armings(armed: np.ndarray) -> int:
     return int(np.sum(np.diff(armed.astype(int), prepend=0) > 0))
 
 
-def wrong_command_count(samples: int, measurements: int, commands: int) -> str:
-    """A sample has one command, and another one only if its measurement was sent again."""
-    if samples <= commands <= measurements:
-        return ""
-    return f"{commands} commands for {samples} samples, sent in {measurements} measurements"
-
-
 def late_stop(
     time: np.ndarray, volts: np.ndarray, silent: float, back: float, allowed: float
 ) -> str:
@@ -187,14 +178,6 @@ def unexplained_end(status: int | None, log: str) -> str:
 def not_recovered(happened: bool, what: str, seconds: float) -> str:
     """Whether what the loop must do after an intrusion has happened in time."""
     return "" if happened else f"{what}: not within {seconds:g} s"
-
-
-def not_named(topic: str, log: Iterable[str]) -> str:
-    """The log must name the topic that has a second publisher."""
-    for line in log:
-        if topic in line and re.search(r"publisher", line):
-            return ""
-    return f"no warning names the second publisher on {topic}"
 
 
 def different_run(samples: Sequence[int], got: np.ndarray, expected: np.ndarray) -> str:

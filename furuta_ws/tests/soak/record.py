@@ -35,11 +35,9 @@ class Slice(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """A broken oracle: where it happened and what was found."""
+    """A broken oracle: at which step, and what is wrong."""
 
     oracle: str
-    slice: str
-    seed: int
     step: int
     detail: str
 
@@ -55,7 +53,6 @@ class Record:
         self.refused: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
-        self.largest: dict[str, float] = {}
         self.failures: list[Failure] = []
 
     def next_step(self) -> bool:
@@ -71,26 +68,19 @@ class Record:
         if problem:
             self.broken[oracle] += 1
             if self.broken[oracle] <= KEPT_FAILURES:
-                part = self.part
-                self.failures.append(Failure(oracle, part.name, part.seed, self.step, problem))
+                self.failures.append(Failure(oracle, self.step, problem))
         return not problem
-
-    def measure(self, name: str, value: float) -> None:
-        """Keep the largest value of a measured quantity; its name states the unit."""
-        self.largest[name] = max(value, self.largest.get(name, value))
 
     def as_json(self) -> dict[str, Any]:
         """Everything recorded, for a JSON file."""
         return {
             "slice": self.part.name,
             "seed": self.part.seed,
-            "seconds": self.part.seconds,
             "steps": self.step,
             "tried": _plain(self.tried),
             "refused": _plain(self.refused),
             "checks": _plain(self.checks),
             "broken": _plain(self.broken),
-            "largest": self.largest,
             "failures": [each._asdict() for each in self.failures],
         }
 
