@@ -275,7 +275,7 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         (["identify", "log.csv", "--command-scale", "0"], "not a finite number other than 0"),
         (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),
         (["simulate", "--out", "run"], "'--out': run does not end in .npz, .png"),
-        (["nyquist", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
+        (["linearize", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
         (["limit-cycle", "--law", "foo"], "'foo' is not one of 'coulomb', 'stiction'"),
         (["param", "list", "two words"], "'two words' is not a node name such as plant"),
         (["param", "get", "", "seed"], "'' is not a node name such as plant"),

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.result import TuningResult
-from furuta.studies.tuning.simulated_tuning import PLAN
-from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
-from furuta.studies.tuning.tuning import ProgressCallback
-from furuta.studies.tuning.tuning import tune as run_tuning
+from typing import TYPE_CHECKING
+
 from furuta_model.parameters import ParameterError
 from furuta_sim.simulation.closed_loop import Loop
 
+if TYPE_CHECKING:
+    from furuta.studies.tuning.result import TuningResult
+    from furuta.studies.tuning.tuning import ProgressCallback
+
 
 def tune(
-    loop: Loop | None = None, seconds: float = 240.0, report: ProgressCallback | None = None
+    loop: Loop | None = None,
+    seconds: float = 240.0,
+    report: ProgressCallback | None = None,
 ) -> TuningResult:
     """Find the compensation with the smallest remaining limit cycle, by simulation.
 
@@ -31,8 +33,13 @@ def tune(
     Raises:
         ParameterError: The time is too short, or the loop cannot be tuned.
     """
+    from furuta.studies.tuning.plan import RIVALS
+    from furuta.studies.tuning.simulated_tuning import PLAN
+    from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
+    from furuta.studies.tuning.tuning import tune as run_tuning
+
     loop = loop or Loop()
-    plan: TuningPlan = PLAN._replace(seconds=seconds, rivals=RIVALS)
+    plan = PLAN._replace(seconds=seconds, rivals=RIVALS)
     try:
         return run_tuning(
             SimulatedLoop(loop), loop.observer, loop.estimator, plan, report or _no_report

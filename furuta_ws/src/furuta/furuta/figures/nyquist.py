@@ -20,13 +20,14 @@ LINE, NEGATIVE_AXIS, MARK = "tab:blue", "tab:red", "black"
 
 
 def draw_nyquist(cases: dict[str, IdealLoop], path: Path) -> None:
-    """Draw one panel per case; ``cases`` by letter, or a single one under an empty letter."""
+    """Draw one panel per case by letter; a single one has no letter."""
     rows, columns = (1, 1) if len(cases) == 1 else (2, -(-len(cases) // 2))
     size = (7 if columns == 1 else 5.6 * columns, 5.2 * rows)
     with saved_figure(path, rows, columns, figsize=size, squeeze=False) as (figure, axes):
         for axis, (case, loop) in zip(axes.flat, cases.items(), strict=False):
             _draw_panel(axis, transfer(loop.body, loop.gains))
-            axis.set_title(feedback_title(case, loop.gains))
+            letter = case if len(cases) > 1 else ""
+            axis.set_title(feedback_title(letter, loop.gains))
         handles, labels = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
 
