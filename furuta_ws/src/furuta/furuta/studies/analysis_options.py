@@ -37,8 +37,8 @@ class AnalysisOptions(NamedTuple):
         named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
         configured = loop(load_settings(self.files, [*self.assignments, *named]))
         ideal = ideal_loop_of(configured, self.law, self.feedback, self.linear)
-        gains = {name: value for name, value in values.items() if name in GAINS}
-        return ideal._replace(**gains)
+        l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, ideal.gains, strict=True))
+        return ideal.with_gains((l1, l2, l3, l4))
 
     def checked_loop(self) -> IdealLoop:
         """The ideal loop, if its feedback is finite."""
