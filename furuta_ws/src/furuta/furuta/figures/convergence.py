@@ -9,7 +9,7 @@ import numpy as np
 
 from furuta.convergence.convergence import Convergence, ObserverPassivity
 from furuta.convergence.error_loop import ErrorLoop
-from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 
 # Decades of ω shown below and above the loop's frequencies, and points of a curve.
 DECADES = 1.5
@@ -68,13 +68,8 @@ def _draw_real_parts(
     if np.isfinite(verdict.at_omega_rad_s):
         at = max(verdict.at_omega_rad_s, omega[0])
         axis.plot(at, verdict.smallest_real_part, "o", color=ARM, ms=6)
-        axis.annotate(
-            f"{verdict.smallest_real_part:.3g}\nat ω = {verdict.at_omega_rad_s:.3g} rad/s",
-            (at, verdict.smallest_real_part),
-            xytext=(8, 16),
-            textcoords="offset points",
-            bbox={"boxstyle": "round", "fc": "white", "ec": "0.8", "alpha": 0.9},
-        )
+        text = f"{verdict.smallest_real_part:.3g}\nat ω = {verdict.at_omega_rad_s:.3g} rad/s"
+        annotate(axis, (at, verdict.smallest_real_part), text, xytext=(8, 16))
     axis.axhline(0, color="0.5", lw=0.8)
     axis.set_xlim(omega[0], omega[-1])
     style_axis(axis, "ω [rad/s]", "Re G", FAINT_GRID)

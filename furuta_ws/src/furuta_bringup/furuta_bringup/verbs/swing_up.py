@@ -72,8 +72,8 @@ def command(
 ) -> None:
     """Swing up from random states, on plants up to 10 % off the model, without ROS.
 
-    A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a run
-    of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
+    A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
+    run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
     given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
     nominal = with_friction(loop(given), factor)
