@@ -242,7 +242,9 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         (["limit-cycle", "--release", "0"], "--release must not be 0"),
         (["identify", "log.csv", "--command-scale", "0"], "not a finite number other than 0"),
         (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),
-        (["nyquist", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
+        (["simulate", "--out", "run"], "'--out': run does not end in .npz, .png"),
+        (["linearize", "--out", "plot.xyz"], "'--out': plot.xyz does not end in .png, .pdf"),
+        (["limit-cycle", "--law", "foo"], "'foo' is not one of 'coulomb', 'stiction'"),
         (["param", "list", "two words"], "'two words' is not a node name such as plant"),
     ],
 )

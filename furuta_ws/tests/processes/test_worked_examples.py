@@ -126,7 +126,7 @@ def test_friction_law(extended: Path) -> None:
     simulated = simulate(extended, "--ideal-sensors", *law)["phi_peak_to_peak_rad"]
     exact = json.loads(run(extended, "limit-cycle", "--law", "rational", "--json"))
     assert simulated == pytest.approx(exact["phi_peak_to_peak_rad"], rel=0.02)
-    predicted = json.loads(run(extended, "describing-function", "--law", "rational", "--json"))
+    predicted = json.loads(run(extended, "limit-cycle", "--predict", "--law", "rational", "--json"))
     (cycle,) = predicted["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(0.64, abs=0.05)
 

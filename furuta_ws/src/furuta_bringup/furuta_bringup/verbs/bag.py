@@ -176,13 +176,12 @@ def recompute(
     Uses the recorded parameters, except those given by --params and --set. The measurements stay
     as recorded: the pendulum does not react to the new commands.
     """
-    from furuta.studies.recompute import recompute_bag
-    from furuta.studies.recorded_loop import compare
+    from furuta.studies.recomputation import compare, recompute_bag
 
     recorded, recomputed = recompute_bag(bag, files, assignments)
     result = compare(recorded, recomputed)
     if out is not None:
-        from furuta.figures.recomputation import draw_recomputation
+        from furuta.figures.series import draw_recomputation
 
         draw_recomputation(recorded, recomputed, out)
         result["figure"] = str(out)

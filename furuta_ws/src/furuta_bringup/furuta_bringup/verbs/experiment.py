@@ -81,7 +81,7 @@ def command(
                 name, nominal, seconds, lambda message, _: status.update(escape(message))
             )
         if out is not None:
-            from furuta.figures.experiment import draw_experiment
+            from furuta.figures.run import draw_experiment
 
             draw_experiment(EXPERIMENTS[name].title, result, out / f"{name}.png")
         rows.append(_row(name, result))

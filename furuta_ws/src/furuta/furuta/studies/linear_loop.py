@@ -1,10 +1,14 @@
-"""Explains in words what a Nyquist plot means for the motion of the arm."""
+"""Reports on the linear loop with friction: Nyquist plot, predicted cycles, and what they mean."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.steady_rotation import steady_rotations
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.margins import pairs
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.transfer import Transfer, transfer
@@ -14,6 +18,52 @@ CREEPS_TO_REST = (
     "The slowest pole is real: the sliding arm may creep to l1 φ = F without a reversal and rest "
     "there against friction, instead of oscillating."
 )
+
+
+INCOMPLETE = "The winding number does not match the cycles found; some may be missing."
+
+
+def nyquist_report(cases: Mapping[str, IdealLoop]) -> dict[str, Any]:
+    """Crossings of the negative real axis by G of every loop, and G by the name of the case."""
+    responses = {case: transfer(loop.body, loop.gains) for case, loop in cases.items()}
+    return {
+        "crossings": [
+            {"case": case, **crossing._asdict()}
+            for case, g in responses.items()
+            for crossing in g.crossings
+        ],
+        "nyquist": {case: _response(loop, responses[case]) for case, loop in cases.items()},
+    }
+
+
+def _response(loop: IdealLoop, g: Transfer) -> dict[str, Any]:
+    return {
+        "feedback": loop.gains,
+        "numerator": g.numerator,
+        "denominator": g.denominator,
+        "poles": pairs(g.poles),
+        "stable_without_friction": g.stable,
+        "note": loop_note(loop.body, loop.gains, loop.law),
+    }
+
+
+def prediction_report(loop: IdealLoop, prediction: Prediction) -> dict[str, Any]:
+    """The predicted cycles and rotations of a loop, and what was searched."""
+    note = loop_note(loop.body, loop.gains, loop.law)
+    rotations = steady_rotations(loop.body, loop.gains, loop.law)
+    return {
+        "law": loop.law.name,
+        "feedback": loop.gains,
+        "stable_without_friction": transfer(loop.body, loop.gains).stable,
+        "cycles": [cycle._asdict() for cycle in prediction.cycles],
+        "rotations": [rotation._asdict() for rotation in rotations],
+        "searched": {
+            "omega_rad_s": prediction.omega_range_rad_s,
+            "phi_amplitude_rad": prediction.phi_amplitude_range_rad,
+        },
+        "complete": prediction.complete,
+        "note": note if prediction.complete else f"{INCOMPLETE} {note}",
+    }
 
 
 def loop_note(p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) -> str:

@@ -1,19 +1,18 @@
-"""Recomputation of a recorded session, with the recorded parameters or with others."""
+"""A recorded session of the graph, and its recomputation with recorded or other parameters."""
 
 from __future__ import annotations
 
 from array import array
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.studies.recorded_loop import RecordedLoop
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 from furuta_recordings.bags.bag import Bag, last_part, signals
 from furuta_recordings.bags.bag_files import parameter_file_of
-from furuta_ros.time_stamps import stamp_nanoseconds
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topic_names import (
     COMMAND,
     FRICTION_ESTIMATE,
@@ -32,6 +31,25 @@ from furuta_sim.simulation.recomputation import Recomputed, recompute
 
 # Name of the topic on which parameter changes are recorded.
 CHANGES = PARAMETER_EVENTS.strip("/")
+
+
+class RecordedLoop(NamedTuple):
+    """What a bag holds of the graph, one row per measurement.
+
+    ``stamps`` (n,) [ns], ``measurement`` (n, 5). ``outputs`` are what the nodes computed, NaN where
+    nothing was recorded. ``changes``: (sample, node, {parameter: value}) of parameters set.
+    """
+
+    stamps: np.ndarray
+    measurement: np.ndarray
+    outputs: Recomputed
+    changes: list[tuple[int, str, dict[str, Any]]]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time since the first sample (n,) [s]."""
+        elapsed: np.ndarray = (self.stamps - self.stamps[0]) / NANOSECONDS
+        return elapsed
 
 
 def read_recorded_loop(bag: Path) -> RecordedLoop:
@@ -68,7 +86,7 @@ class _GraphMessages:
         if topic == CHANGES:
             namespace, _, node = message.node.rpartition("/")
             if namespace in self._namespaces:  # not a change of another graph
-                given = {each.name: _value(each.value) for each in message.changed_parameters}
+                given = {p.name: _value(p.value) for p in message.changed_parameters}
                 self._changes.append((len(self.samples), node, given))
         elif topic in self._floats:
             self._floats[topic].append(message.data)
@@ -112,7 +130,7 @@ def _value(value: Any) -> Any:
         return ()
     if value.type in _VALUES:
         return getattr(value, _VALUES[value.type])
-    return tuple(float(each) for each in value.double_array_value)
+    return tuple(map(float, value.double_array_value))
 
 
 def recompute_bag(
@@ -133,4 +151,24 @@ def recompute_bag(
 
 
 def _settings_of(settings: Settings, node: str, changed: dict[str, Any]) -> Settings:
-    return {each: (changed if each == node else {}) for each in settings}
+    return {name: (changed if name == node else {}) for name in settings}
+
+
+def compare(recorded: RecordedLoop, recomputed: Recomputed) -> dict[str, Any]:
+    """Largest and rms difference of each series over the samples that were recorded."""
+    result: dict[str, Any] = {"samples": len(recorded.time), "identical": True}
+    for name in Recomputed._fields:
+        result[name] = _compare_series(getattr(recorded.outputs, name), getattr(recomputed, name))
+        result["identical"] &= result[name]["identical"]
+    return result
+
+
+def _compare_series(old: np.ndarray, new: np.ndarray) -> dict[str, Any]:
+    known = np.isfinite(old)
+    difference = (new - old)[known]
+    return {
+        "identical": bool(np.array_equal(new[known], old[known])),
+        "compared": int(np.sum(known)),
+        "largest_difference": float(np.max(np.abs(difference), initial=0.0)),
+        "rms_difference": float(np.sqrt(np.mean(difference**2))) if len(difference) else 0.0,
+    }
