@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from furuta.studies import series
-from furuta_identification.fitting import identify as fitting
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import summary
-from furuta_identification.preparation.options import Options
+from furuta_identification import identify as identification
+from furuta_identification.model import Model
+from furuta_identification.options import Options
+from furuta_identification.result.report import summary
 from furuta_recordings import readers
 from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import write_columns
@@ -70,7 +70,7 @@ def identify(
         ParameterError: The recordings do not determine a model.
     """
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    return fitting.identify(given, Options(zero, window, angles, command_scale))
+    return identification.identify(given, Options(zero, window, angles, command_scale))
 
 
 def identified_values(model: Model) -> dict[str, Any]:

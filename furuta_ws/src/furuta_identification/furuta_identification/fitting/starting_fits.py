@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.optimisation import (
+from furuta_identification.shooting.optimisation import (
     COARSE,
     Optimum,
     best_of,
     misfit,
     optimise,
     residual_scale,
+    worst_pendulum_fit,
 )
-from furuta_identification.fitting.validation import worst_pendulum_fit
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
@@ -39,24 +39,23 @@ def fit_growing_segments(
 
     The ``excerpts`` of a recording share its zero.
     """
-    reached: list[tuple[float, Optimum]] = []
-    for schedule in SEGMENT_SCHEDULES:
+    optima, sizes = [], []
+    for schedule in _schedules(window):
         values, size = start, scale
         for length in schedule:
-            optimum = optimise(
-                excerpts,
-                names,
-                values,
-                min(length, window),
-                size,
-                robust=True,
-                tolerance=COARSE,
-            )
+            optimum = optimise(excerpts, names, values, length, size, robust=True, tolerance=COARSE)
             values, size = optimum.values, residual_scale(optimum)
-        reached.append((float(np.sum((size / scale) ** 2)), optimum))
+        optima.append(optimum)
+        sizes.append(float(np.sum((size / scale) ** 2)))
         if worst_pendulum_fit(optimum) > GOOD_FIT:
             break
-    return min(reached, key=lambda each: each[0])[1]
+    return optima[int(np.argmin(sizes))]
+
+
+def _schedules(window: float) -> list[tuple[float, ...]]:
+    """The schedules for segments of at most ``window`` [s], none of them twice."""
+    limited = [(min(length, window) for length in schedule) for schedule in SEGMENT_SCHEDULES]
+    return list(dict.fromkeys(tuple(dict.fromkeys(lengths)) for lengths in limited))
 
 
 def fit_together(
@@ -76,18 +75,17 @@ def fit_together(
     own_fits = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
 
     def common_misfit(fit: Optimum) -> float:
-        parts = [cut_into_segments(each, window, scale, fit.values) for each in recordings]
+        parts = [cut_into_segments(r, window, scale, fit.values) for r in recordings]
         return misfit(Shooting(parts, names, fit.values), fit.values.vector(names))
 
-    reached = [
+    return best_of(
         optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
         for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
-    ]
-    return best_of(reached)
+    )
 
 
 def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> Optimum:
     """A recording's own fit with the zeros of all recordings."""
-    zeros = [each.values["zero"] for each in own_fits]
+    zeros = [own.values["zero"] for own in own_fits]
     values = fit.values.changed([name for name in names if is_zero(name)], zeros)
     return fit._replace(values=values)

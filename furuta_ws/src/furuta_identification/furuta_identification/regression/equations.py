@@ -39,23 +39,13 @@ class Regression(NamedTuple):
     misfit: float
 
 
-def ratios(recording: Recording) -> np.ndarray:
-    """(β/δ, γ/δ) [s²/rad…] by the pendulum's equation; their signs show the angles' orientation."""
-    return pendulum_equation(recording, Windows(recording.time)).coefficients[:2]
-
-
-def pendulum_misfit(recording: Recording) -> float:
-    """Part of the pendulum's equation that no coefficients explain, 0 to 1."""
-    return pendulum_equation(recording, Windows(recording.time)).misfit
-
-
 def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
     """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
     windows = Windows(recording.time)
     beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
     x, moving = _arm_columns(recording, windows, beta, gamma)
     delayed = (recording.with_delayed_command(delay) for delay in delays)
-    return np.array([_regress(x, _commanded(each, windows)[moving]).misfit for each in delayed])
+    return np.array([_regress(x, _commanded(r, windows)[moving]).misfit for r in delayed])
 
 
 def pendulum_equation(recording: Recording, windows: Windows) -> Regression:

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_identification.regression.autocorrelation import correlation_length
 from furuta_identification.regression.speeds import REACH, with_speeds
-from furuta_identification.regression.whiteness import correlation_length
 from furuta_identification.regression.windows import WINDOW, Windows
 from furuta_model.state import PHI_DOT, THETA_DOT
 from furuta_recordings.recording import Recording
@@ -84,13 +84,13 @@ def _from_zero(recording: Recording, windows: Windows, zero: float) -> PendulumM
 
     The zero hardly changes the misfit of a slow motion, but gravity is known at the right one only.
     """
-    found = []
+    motions = []
     for _ in range(STEPS):
         step, motion = _regression(recording.reoriented(zero, 1.0, 1.0), windows, zero)
-        found.append(motion)
+        motions.append(motion)
         zero = (zero + step + np.pi) % (2.0 * np.pi) - np.pi
-    best = min(found, key=lambda motion: motion.misfit)
-    return found[-1] if found[-1].misfit <= SAME * best.misfit else best
+    best = min(motions, key=lambda motion: motion.misfit)
+    return motions[-1] if motions[-1].misfit <= SAME * best.misfit else best
 
 
 def _regression(
