@@ -7,7 +7,7 @@ import numpy as np
 from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.regression.first_estimate import MomentumFit
-from furuta_identification.shooting.optimisation import COARSE, Optimum, optimise
+from furuta_identification.shooting.optimisation import FINE, Optimum, optimise
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import BODY, LUGRE
 from furuta_identification.uncertainty.covariance import covariance_and_information
@@ -44,18 +44,18 @@ def fit_balanced(
     scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     names, values = _first_unknowns(recordings, start)
     options.report("fitting segments of a balanced pendulum")
-    values = optimise(recordings, names, values, 0.2 * window, scale, tolerance=COARSE).values
+    values = optimise(recordings, names, values, 0.2 * window, scale, False).values
     names += LUGRE
-    values = optimise(recordings, names, values, 0.5 * window, scale, tolerance=COARSE).values
+    values = optimise(recordings, names, values, 0.5 * window, scale, False).values
     names.append("delay")
-    optimum = optimise(recordings, names, values, window, scale, tolerance=COARSE)
+    optimum = optimise(recordings, names, values, window, scale, False)
     values = optimum.values
     if _delay_is_negligible(optimum, recordings[0].interval):
         milliseconds = values["delay"] * 1e3
         findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
         names.remove("delay")
         values = values.changed(["delay"], [0.0])
-    optimum = optimise(recordings, names, values, window, scale)
+    optimum = optimise(recordings, names, values, window, scale, False, FINE)
     certainty = covariance_and_information(optimum, {})
     return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
 

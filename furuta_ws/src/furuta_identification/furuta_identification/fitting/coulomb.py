@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_identification.regression.speeds import turns_one_way, with_speeds
-from furuta_identification.shooting.optimisation import COARSE, Optimum, best_of, optimise
+from furuta_identification.shooting.optimisation import Optimum, best_of
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import BY_NAME
 from furuta_model.state import PHI_DOT
@@ -47,18 +47,15 @@ def assume_if_one_way(
     return Setting(rest, start, {"coulomb": level}, [finding])
 
 
-def with_second_start(
-    optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
-) -> Optimum:
+def with_second_start(optimum: Optimum) -> Optimum:
     """The better of a fit without Coulomb friction and one that starts with some.
 
     A fit without Coulomb friction is often a local optimum.
     """
-    names, level = optimum.shooting.names, BY_NAME["coulomb"].spread
-    if "coulomb" not in names or optimum.values["coulomb"] >= NEGLIGIBLE_PART * level:
+    level = BY_NAME["coulomb"].spread
+    if "coulomb" not in optimum.names or optimum.values["coulomb"] >= NEGLIGIBLE_PART * level:
         return optimum
-    speeds = np.concatenate([with_speeds(r, 0.0).measured[:, PHI_DOT] for r in recordings])
+    speeds = np.concatenate([with_speeds(r, 0.0).measured[:, PHI_DOT] for r in optimum.recordings])
     viscous = optimum.values["viscous"] - level / float(np.sqrt(np.mean(speeds**2)))
     start = optimum.values.changed(["coulomb", "viscous"], [level, max(viscous, 0.0)])
-    other = optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
-    return best_of((optimum, other))
+    return best_of((optimum, optimum.refitted(optimum.names, start)))

@@ -21,7 +21,7 @@ from furuta_identification.preparation.orientation import oriented
 from furuta_identification.preparation.prepare import named
 from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
 from furuta_identification.regression.pendulum_motion import pendulum_motion
-from furuta_identification.shooting.optimisation import COARSE, Optimum, optimise, residual_scale
+from furuta_identification.shooting.optimisation import FINE, Optimum, optimise, residual_scale
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_identification.uncertainty.sensor_errors import noise_of, quantisation_step
@@ -74,9 +74,9 @@ def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSw
     half = 0.5 * min(recording.duration for recording in ready)
     for window in (*FIRST_LENGTHS, half):
         length = min(window, half)
-        optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True, tolerance=COARSE)
+        optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True)
         values, scale = optimum.values, residual_scale(optimum)
-    optimum = optimise(ready, UNKNOWNS, values, half, scale, robust=True)
+    optimum = optimise(ready, UNKNOWNS, values, half, scale, robust=True, tolerance=FINE)
     predictions = optimum.shooting.predictions(optimum.vector)
     fits = {
         recording.name: Prediction(recording, predicted).fits()["pendulum angle"]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from furuta_identification.shooting.optimisation import (
-    COARSE,
     Optimum,
     best_of,
-    misfit,
     optimise,
     residual_scale,
     worst_pendulum_fit,
@@ -43,7 +41,7 @@ def fit_growing_segments(
     for schedule in _schedules(window):
         values, size = start, scale
         for length in schedule:
-            optimum = optimise(excerpts, names, values, length, size, robust=True, tolerance=COARSE)
+            optimum = optimise(excerpts, names, values, length, size, robust=True)
             values, size = optimum.values, residual_scale(optimum)
         optima.append(optimum)
         sizes.append(float(np.sum((size / scale) ** 2)))
@@ -72,20 +70,19 @@ def fit_together(
     """
     if len(own_fits) == 1:
         return own_fits[0]
-    own_fits = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
+    starts = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
 
-    def common_misfit(fit: Optimum) -> float:
-        parts = [cut_into_segments(r, window, scale, fit.values) for r in recordings]
-        return misfit(Shooting(parts, names, fit.values), fit.values.vector(names))
+    def common_misfit(start: ParameterValues) -> float:
+        parts = [cut_into_segments(r, window, scale, start) for r in recordings]
+        return Optimum(start, Shooting(parts, names, start), start.vector(names), window).misfit
 
     return best_of(
-        optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
-        for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
+        optimise(recordings, names, start, window, scale, robust=True)
+        for start in sorted(starts, key=common_misfit)[:MOST_STARTS]
     )
 
 
-def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> Optimum:
-    """A recording's own fit with the zeros of all recordings."""
+def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> ParameterValues:
+    """The values of a recording's own fit with the zeros of all recordings."""
     zeros = [own.values["zero"] for own in own_fits]
-    values = fit.values.changed([name for name in names if is_zero(name)], zeros)
-    return fit._replace(values=values)
+    return fit.values.changed([name for name in names if is_zero(name)], zeros)

@@ -11,7 +11,7 @@ from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.regression.first_estimate import MomentumFit
 from furuta_identification.shooting.optimisation import (
-    COARSE,
+    FINE,
     Optimum,
     optimise,
     residual_scale,
@@ -64,24 +64,26 @@ def fit_swinging(
     numbers = [run[0].number for run in by_run(recordings)]
     zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
-    optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
+    optimum = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
     options.report("looking for waves of the torque, then the final fit")
-    optimum = _final_fit(optimum, recordings, window, scale)
+    optimum = _final_fit(optimum)
     why = _against_free_runs(optimum) if options.window is None else ""
     if why:
         findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, findings, options)
     options.report("computing standard errors")
-    bristle = [name for name in LUGRE if name not in optimum.shooting.names]
+    bristle = [name for name in LUGRE if name not in optimum.names]
     assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
     covariance, information = covariance_and_information(optimum, assumed, swinging=True)
     covariance = covariance + difference_covariance(optimum, own_fits, assumed)
-    names, certainty = [*optimum.shooting.names, *assumed], (covariance, information)
+    names, certainty = [*optimum.names, *assumed], (covariance, information)
     orders = [order for order in optimum.values.wave_orders if order > 1]
     ripple = [f"torque ripple with {order} waves per turn" for order in orders]
     findings = [*findings, *setting.findings, *ripple]
-    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
+    return Model(
+        optimum.values, names, *certainty, window, optimum.scale, regression, recordings, findings
+    )
 
 
 def _against_free_runs(optimum: Optimum) -> str:
@@ -104,40 +106,24 @@ def _own_fits(
 
 def _common_fit(
     recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
-) -> tuple[Optimum, np.ndarray]:
-    """A coarse fit of all recordings together, and the scale of its residuals (4,)."""
+) -> Optimum:
+    """A coarse fit of all recordings together."""
     scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
     optimum = fit_together(recordings, names, own_fits, window, scale)
     scale = residual_scale(optimum)
-    optimum = optimise(
-        recordings, names, optimum.values, window, scale, robust=True, tolerance=COARSE
-    )
-    return with_second_start(optimum, recordings, window, scale), scale
+    optimum = optimise(recordings, names, optimum.values, window, scale, robust=True)
+    return with_second_start(optimum)
 
 
-def _final_fit(
-    optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
-) -> Optimum:
+def _final_fit(optimum: Optimum) -> Optimum:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
     for _ in range(ROUNDS_OF_WAVES):
-        orders = significant_orders(optimum, recordings, scale)
+        orders = significant_orders(optimum)
         if not orders:
             break
-        optimum = _with_waves(optimum, orders, recordings, window, scale)
-    names = optimum.shooting.names
-    names = [*names, *identifiable(optimum, [name for name in LUGRE if name not in names])]
-    return optimise(recordings, names, optimum.values, window, scale, robust=True)
-
-
-def _with_waves(
-    optimum: Optimum,
-    orders: list[int],
-    recordings: list[Recording],
-    window: float,
-    scale: np.ndarray,
-) -> Optimum:
-    """A coarse fit with more waves of the torque."""
-    added = [name for order in orders for name in wave_names(order)]
-    start = optimum.values.changed(added, np.zeros(len(added)))
-    names = [*optimum.shooting.names, *added]
-    return optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
+        added = [name for order in orders for name in wave_names(order)]
+        start = optimum.values.changed(added, np.zeros(len(added)))
+        optimum = optimum.refitted([*optimum.names, *added], start)
+    bristle = [name for name in LUGRE if name not in optimum.names]
+    names = [*optimum.names, *identifiable(optimum, bristle)]
+    return optimum.refitted(names, optimum.values, FINE)

@@ -25,7 +25,6 @@ from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES
-from furuta_recordings.recording import Recording
 
 # Waves per turn that are tried, and most waves.
 HIGHEST_ORDER, MOST_WAVES = 60, 6
@@ -47,17 +46,15 @@ class _Problem(NamedTuple):
     samples: float
 
 
-def significant_orders(
-    optimum: Optimum, recordings: list[Recording], scale: np.ndarray
-) -> list[int]:
+def significant_orders(optimum: Optimum) -> list[int]:
     """Orders of the waves that the data contain beyond those of the model."""
+    recordings, values = optimum.recordings, optimum.values
     turns = max(float(np.ptp(r.measured[:, PHI])) for r in recordings) / (2.0 * np.pi)
     if turns < FEWEST_TURNS:
         return []
-    parts = [cut_into_segments(r, SEGMENT, scale, optimum.values) for r in recordings]
-    shooting = Shooting(parts, optimum.shooting.names, optimum.values)
-    known = optimum.values.wave_orders
-    orders = [order for order in range(2, HIGHEST_ORDER + 1) if order not in known]
+    parts = [cut_into_segments(r, SEGMENT, optimum.scale, values) for r in recordings]
+    shooting = Shooting(parts, optimum.names, values)
+    orders = [n for n in range(2, HIGHEST_ORDER + 1) if n not in values.wave_orders]
     problem = _problem(shooting, optimum.vector, orders)
     return sorted(orders[k] for k in _selected(problem))
 

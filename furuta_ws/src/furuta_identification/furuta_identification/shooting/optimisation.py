@@ -27,11 +27,43 @@ CORRELATED_SAMPLES = 100.0
 
 
 class Optimum(NamedTuple):
-    """The result of an optimisation: ``values`` and their ``vector`` of the fitted unknowns."""
+    """The result of an optimisation: ``values`` and their ``vector`` of the fitted unknowns.
+
+    ``window`` [s] is the length of the segments.
+    """
 
     values: ParameterValues
     shooting: Shooting
     vector: np.ndarray
+    window: float
+
+    @property
+    def names(self) -> list[str]:
+        """The fitted unknowns."""
+        return self.shooting.names
+
+    @property
+    def recordings(self) -> list[Recording]:
+        """The fitted recordings."""
+        return [part.recording for part in self.shooting.parts]
+
+    @property
+    def scale(self) -> np.ndarray:
+        """The residual of each channel that counts as one (4,)."""
+        return self.shooting.parts[0].scale
+
+    def refitted(
+        self, names: list[str], start: ParameterValues, tolerance: float = COARSE
+    ) -> Optimum:
+        """A fit of the same recordings with other unknowns or from another start."""
+        return optimise(
+            self.recordings, names, start, self.window, self.scale, True, tolerance=tolerance
+        )
+
+    @property
+    def misfit(self) -> float:
+        """Robust sum of the weighted residuals."""
+        return float(np.sum(np.log1p(self.shooting.residuals(self.vector) ** 2)))
 
 
 def optimise(
@@ -40,8 +72,8 @@ def optimise(
     start: ParameterValues,
     window: float,
     scale: np.ndarray,
-    robust: bool = False,
-    tolerance: float = FINE,
+    robust: bool,
+    tolerance: float = COARSE,
 ) -> Optimum:
     """Fit the unknowns ``names``; ``robust`` limits the influence of large residuals."""
     parts = [cut_into_segments(r, window, scale, start) for r in recordings]
@@ -61,7 +93,7 @@ def optimise(
         xtol=0.1 * tolerance,
         max_nfev=MOST_EVALUATIONS,
     )
-    return Optimum(start.changed(names, best.x), shooting, best.x)
+    return Optimum(start.changed(names, best.x), shooting, best.x, window)
 
 
 def residual_scale(optimum: Optimum) -> np.ndarray:
@@ -83,12 +115,7 @@ def residual_scale(optimum: Optimum) -> np.ndarray:
 
 def best_of(optima: Iterable[Optimum]) -> Optimum:
     """The one with the smallest misfit, the first of several."""
-    return min(optima, key=lambda optimum: misfit(optimum.shooting, optimum.vector))
-
-
-def misfit(shooting: Shooting, vector: np.ndarray) -> float:
-    """Robust sum of the weighted residuals."""
-    return float(np.sum(np.log1p(shooting.residuals(vector) ** 2)))
+    return min(optima, key=lambda optimum: optimum.misfit)
 
 
 def fit_percent(measured: np.ndarray, predicted: np.ndarray) -> float:
