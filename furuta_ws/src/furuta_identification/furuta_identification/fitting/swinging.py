@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.coulomb import assume_if_one_way, with_second_start
+from furuta_identification.fitting.coulomb import assume_if_one_way
 from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
 from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.model import Model
@@ -111,8 +111,7 @@ def _common_fit(
     scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
     optimum = fit_together(recordings, names, own_fits, window, scale)
     scale = residual_scale(optimum)
-    optimum = optimise(recordings, names, optimum.values, window, scale, robust=True)
-    return with_second_start(optimum)
+    return optimise(recordings, names, optimum.values, window, scale, robust=True)
 
 
 def _final_fit(optimum: Optimum) -> Optimum:

@@ -85,9 +85,9 @@ def momentum_fit(recording: Recording) -> MomentumFit:
     """Fit a recording that has all speeds, with θ = 0 upright."""
     windows = Windows(recording.time)
     pendulum = pendulum_equation(recording, windows).coefficients
-    arm, arm_errors, _ = arm_equation(recording, windows, *pendulum[:2])
-    alpha, delta, viscous, forward, backward = arm
-    one_way = not np.all(np.isfinite(arm_errors[3:]))
+    arm = arm_equation(recording, windows, *pendulum[:2])
+    alpha, delta, viscous, forward, backward = arm.coefficients
+    one_way = not np.all(np.isfinite(arm.errors[3:]))
     coulomb = forward + backward if one_way else 0.5 * (forward + backward)
     asymmetry = 0.0 if one_way or coulomb == 0.0 else 0.5 * (forward - backward) / coulomb
     beta, gamma, joint_viscous, joint_coulomb = pendulum[:4] * delta
@@ -101,5 +101,5 @@ def momentum_fit(recording: Recording) -> MomentumFit:
         coulomb_asymmetry=asymmetry,
         pendulum_viscous=joint_viscous,
         pendulum_coulomb=joint_coulomb,
-        alpha_error=arm_errors[0],
+        alpha_error=arm.errors[0],
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -60,11 +59,6 @@ class Optimum(NamedTuple):
             self.recordings, names, start, self.window, self.scale, True, tolerance=tolerance
         )
 
-    @property
-    def misfit(self) -> float:
-        """Robust sum of the weighted residuals."""
-        return float(np.sum(np.log1p(self.shooting.residuals(self.vector) ** 2)))
-
 
 def optimise(
     recordings: list[Recording],
@@ -111,11 +105,6 @@ def residual_scale(optimum: Optimum) -> np.ndarray:
     size = np.where(count > 0, size, 1.0)
     widened: np.ndarray = np.maximum(np.sqrt(CORRELATED_SAMPLES) * size, 1e-4)
     return widened
-
-
-def best_of(optima: Iterable[Optimum]) -> Optimum:
-    """The one with the smallest misfit, the first of several."""
-    return min(optima, key=lambda optimum: optimum.misfit)
 
 
 def fit_percent(measured: np.ndarray, predicted: np.ndarray) -> float:
