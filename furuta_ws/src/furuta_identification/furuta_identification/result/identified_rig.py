@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from math import isfinite, pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from furuta_control.pole_choice import quadratic_poles
 from furuta_hw.rigs.rig import Rig, SafetyLimits
+from furuta_hw.rigs.rig_file_text import rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
-from furuta_identification.fitting.identifiability import undetermined
-from furuta_identification.fitting.model import Model
+from furuta_identification.model import Model
+from furuta_identification.result.base_rig import base_rig
 from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
+from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
@@ -81,11 +84,12 @@ def _friction(model: Model) -> Friction:
 
 
 def _waves(model: Model) -> TorqueWaves:
-    waves = model.values.model.ripple
-    if not len(waves):
-        return TorqueWaves()
-    orders, cosine, sine = (tuple(float(each) for each in column) for column in waves.T)
-    return TorqueWaves(orders, cosine, sine)
+    waves = model.values.waves
+    return (
+        TorqueWaves(*(tuple(map(float, column)) for column in waves.T))
+        if len(waves)
+        else TorqueWaves()
+    )
 
 
 def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
@@ -99,8 +103,8 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     covariance = model.covariance[np.ix_(chosen, chosen)]
     others = [
         (RIG_NAMES.get(name, name), assumed_spread(name))
-        for name, each in BY_NAME.items()
-        if name not in model.names and isfinite(each.spread)
+        for name, about in BY_NAME.items()
+        if name not in model.names and isfinite(about.spread)
     ]
     friction = [(name, spread) for name, spread in others if name in Friction._fields]
     size = len(names)
@@ -108,3 +112,19 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     whole[:size, :size] = covariance
     whole[range(size, len(whole)), range(size, len(whole))] = [spread**2 for _, spread in friction]
     return Uncertainty((*names, *(name for name, _ in friction)), whole)
+
+
+def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list[str]:
+    """Write the rig file with sensors, line and limits of the ``given`` rig.
+
+    Without one they are those of the recording at ``source``. Returns where they come from.
+    """
+    base, findings = (given, []) if given is not None else base_rig(source, model.recordings[0])
+    rig, uncertainty = identified_rig(model, base)
+    comments = [
+        "Identified from recordings; load with --rig.",
+        *findings,
+        *(f"{name}: not determined: {reason}" for name, reason in undetermined(model).items()),
+    ]
+    file.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
+    return findings

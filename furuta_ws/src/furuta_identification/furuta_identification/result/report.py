@@ -1,4 +1,4 @@
-"""Reports a model: values with standard errors, reasons for those withheld."""
+"""Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
 
 from __future__ import annotations
 
@@ -6,12 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from furuta_identification.fitting.identifiability import undetermined
-from furuta_identification.fitting.model import Model
+from furuta_identification.identify_files import Identified
+from furuta_identification.model import Model, Prediction
+from furuta_identification.result.verdict import verdict
 from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
+from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+
+# Duration [s] at the start over which the fit is given too.
+FIRST_SECONDS = 3.0
 
 
 def reported_values(model: Model) -> dict[str, float]:
@@ -28,7 +33,7 @@ def reported_values(model: Model) -> dict[str, float]:
 
 def _zeros(model: Model) -> list[float]:
     """The pendulum's zero in each recording [rad]."""
-    return [model.values.zero(each.number) for each in model.recordings]
+    return [model.values.zero(recording.number) for recording in model.recordings]
 
 
 def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
@@ -98,3 +103,21 @@ def summary(model: Model) -> dict[str, Any]:
         "findings": model.findings,
         "window_s": None if np.isinf(model.window) else model.window,
     }
+
+
+def full_report(identified: Identified) -> dict[str, Any]:
+    """The :func:`summary` of a model with fits, verdict and what was found in the files."""
+    result = summary(identified.model)
+    result["findings"] = identified.findings + result["findings"]
+    result["fit"] = {p.recording.name: _fits(p) for p in identified.fitted}
+    result["held_out"] = {p.recording.name: _fits(p) for p in identified.held_out}
+    result["verdict"] = verdict(identified.fitted)
+    regression = identified.model.regression._asdict()
+    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
+    return result
+
+
+def _fits(prediction: Prediction) -> dict[str, float]:
+    fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
+    first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
+    return {**fits, "pendulum_angle_first_3_s": first}

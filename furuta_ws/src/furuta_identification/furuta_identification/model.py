@@ -1,4 +1,4 @@
-"""The result of a fit."""
+"""The result of a fit, and what it predicts."""
 
 from __future__ import annotations
 
@@ -6,9 +6,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.momentum import MomentumFit
+from furuta_identification.regression.first_estimate import MomentumFit
+from furuta_identification.shooting.optimisation import fit_percent
 from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_recordings.recording import Recording
+from furuta_identification.shooting.segments import cut_into_segments
+from furuta_identification.shooting.shooting import Shooting
+from furuta_recordings.recording import CHANNELS, Recording
+
+
+class Prediction(NamedTuple):
+    """A recording and what a model predicts for it: ``predicted`` (n, 4)."""
+
+    recording: Recording
+    predicted: np.ndarray
+
+    def fits(self, seconds: float = np.inf) -> dict[str, float]:
+        """Fit [%] of each channel over the first ``seconds``."""
+        chosen = self.recording.time - self.recording.time[0] < seconds
+        return {
+            name: fit_percent(self.recording.measured[chosen, k], self.predicted[chosen, k])
+            for k, name in enumerate(CHANNELS)
+        }
 
 
 class Model(NamedTuple):
@@ -47,4 +65,13 @@ class Model(NamedTuple):
     @property
     def largest_command(self) -> float:
         """The largest command of the fitted recordings [V]."""
-        return max(float(np.max(np.abs(each.command))) for each in self.recordings)
+        return max(recording.largest_command for recording in self.recordings)
+
+    def predict(self, recording: Recording) -> Prediction:
+        """Simulate along a prepared recording, as the model was fitted: freely or in segments.
+
+        The initial states of segments are fitted, and so is that of a free run that starts in
+        motion. A free run from rest starts from the measured state.
+        """
+        part = cut_into_segments(recording, self.window, self.scale, self.values)
+        return Prediction(recording, Shooting([part], [], self.values).predictions(np.zeros(0))[0])

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.coulomb import turns_one_way
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import Optimum
+from furuta_identification.model import Model
+from furuta_identification.regression.speeds import turns_one_way
+from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
     LOGARITHMIC,
@@ -79,7 +79,7 @@ def _reason(model: Model, name: str) -> str | None:
     if model.information[index, index] == 0.0 and name in REASONS:
         return REASONS[name]
     if model.information[index, index] == 0.0:
-        return ASSUMED if all(turns_one_way(each) for each in model.recordings) else NO_EFFECT
+        return ASSUMED if all(turns_one_way(r) for r in model.recordings) else NO_EFFECT
     about = unknown(name)
     value = model.values.coordinates[name]
     if _is_at_end(value, about):

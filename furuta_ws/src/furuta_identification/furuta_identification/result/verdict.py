@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta_identification.fitting.validation import Prediction
-from furuta_identification.regression.whiteness import coloured_part
+from furuta_identification.model import Prediction
+from furuta_identification.regression.autocorrelation import coloured_part
 from furuta_recordings.recording import CHANNELS
 
 # Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
@@ -34,11 +34,11 @@ def verdict(predictions: list[Prediction]) -> dict[str, Any]:
     return {
         "usable": usable,
         "reasons": reasons,
-        "coloured_percent": {each.recording.name: colours(each) for each in predictions},
+        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
     }
 
 
-def colours(prediction: Prediction) -> dict[str, float]:
+def _colours(prediction: Prediction) -> dict[str, float]:
     """Part [%] of the residuals' first autocorrelations outside the band of white noise."""
     residuals = prediction.recording.measured - prediction.predicted
     return {

@@ -44,7 +44,7 @@ def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig | None, str]:
     """The rig of the parameters that are stored in our own bags."""
     try:
         content = read_yaml(file_in(path, PARAMETERS_FILE), "parameter file")
-        sections = {node: each["ros__parameters"] for node, each in content.items()}
+        sections = {node: section["ros__parameters"] for node, section in content.items()}
         file = sections["hardware_bridge"]["rig"]
         if file:
             return load_rig(
