@@ -16,7 +16,7 @@ from furuta_control.estimation import (
 )
 from furuta_control.estimators import kalman, whole_circle
 from furuta_control.estimators.kalman import KalmanParameters
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import NominalRig
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
