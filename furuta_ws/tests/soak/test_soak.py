@@ -15,7 +15,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.emulator.emulated_rig import plant_of
-from furuta_sim.plant import design_plant, initial_state, move
+from furuta_sim.plant import design_plant, initial_plant, move
 from soak import oracles
 from soak.campaigns import full_disk
 from soak.oracles import ORACLES
@@ -27,10 +27,10 @@ from soak.scheduler import LANES, plan, run_slice
 def fall(grows: bool) -> tuple[np.ndarray, np.ndarray, FurutaPendulum, Friction]:
     """States of a pendulum that falls and, if its energy ``grows``, is faster than it can be."""
     plant = plant_of(Rig())
-    x, states = initial_state(plant), []
+    memory, states = initial_plant(plant)[0], []
     for _ in range(800):
-        states.append(x[:4].copy())
-        move(x, 0.0, design_plant(plant))
+        states.append(memory["x"][:4].copy())
+        move(memory, 0.0, design_plant(plant))
     states[-1][3] *= 1.2 if grows else 1.0
     return np.array(states), np.zeros(800), plant.model, plant.friction.parameters
 
@@ -38,10 +38,10 @@ def fall(grows: bool) -> tuple[np.ndarray, np.ndarray, FurutaPendulum, Friction]
 def rig_log(wrong: float) -> str:
     """The problem in the log of a rig whose last angle is ``wrong`` by so much."""
     plant = plant_of(Rig())
-    x, states = initial_state(plant), []
+    memory, states = initial_plant(plant)[0], []
     for _ in range(50):
-        states.append(x[:4].copy())
-        move(x, 1.0, design_plant(plant))
+        states.append(memory["x"][:4].copy())
+        move(memory, 1.0, design_plant(plant))
     states[-1][2] += wrong
     return oracles.different_motion(np.array(states), np.ones(50), design_plant(plant), plant)
 
