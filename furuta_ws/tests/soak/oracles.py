@@ -18,7 +18,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum, energy
 from furuta_model.state import PHI
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import Plant, initial_state, move
+from furuta_sim.plant import Plant, initial_plant, move
 
 ORACLES = {
     "energy": "physics: the energy of pendulum and arm does not grow without drive",
@@ -202,19 +202,19 @@ def different_motion(
 
     ``volts`` (n,) were applied up to each of the states (n, 4).
     """
-    start = initial_state(given)
-    x: np.ndarray | None = None
+    start = initial_plant(given)
+    memory: np.ndarray | None = None
     for k in range(len(states)):
-        if np.array_equal(states[k], start[:4]):
-            x = start.copy()
+        if np.array_equal(states[k], start["x"][0, :4]):
+            memory = start.copy()
             continue
-        if x is not None:
-            move(x, volts[k], plant)
-        if x is None or not np.array_equal(states[k], x[:4]):
+        if memory is not None:
+            move(memory[0], volts[k], plant)
+        if memory is None or not np.array_equal(states[k], memory["x"][0, :4]):
             # A rig that is driven while it is put upright moves at once.
-            x = start.copy()
-            move(x, volts[k], plant)
-            if not np.array_equal(states[k], x[:4]):
+            memory = start.copy()
+            move(memory[0], volts[k], plant)
+            if not np.array_equal(states[k], memory["x"][0, :4]):
                 return f"row {k}: {states[k]}, neither continued nor begun anew"
     return ""
 

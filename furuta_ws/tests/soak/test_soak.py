@@ -10,7 +10,7 @@ import pytest
 
 from furuta_hw.rigs.rig import Rig
 from furuta_sim.emulator.emulated_rig import plant_of
-from furuta_sim.plant import design_plant, initial_state, move
+from furuta_sim.plant import design_plant, initial_plant, move
 from soak import oracles
 from soak.__main__ import run_slice
 from soak.campaigns import full_disk
@@ -23,10 +23,10 @@ TIME = np.arange(100) * 1e6
 def moved(volts: float, samples: int) -> np.ndarray:
     """States (n, 4) of the rig's plant under a constant voltage."""
     plant = plant_of(Rig())
-    x, states = initial_state(plant), []
+    memory, states = initial_plant(plant)[0], []
     for _ in range(samples):
-        states.append(x[:4].copy())
-        move(x, volts, design_plant(plant))
+        states.append(memory["x"][:4].copy())
+        move(memory, volts, design_plant(plant))
     return np.array(states)
 
 
