@@ -16,7 +16,7 @@ from distributed import Client, LocalCluster
 PNG = b"\x89PNG"
 TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
-LONG = ("plant.seed=0:29:30", "sigma1=1.0,1.5,1e9", "--seconds", "60")
+LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
 
 def wait_for_lines(journal: Path, lines: int) -> None:

@@ -1,4 +1,4 @@
-"""Records what a slice of a campaign tried, what was refused and what its oracles found."""
+"""Records what a slice of a campaign did, and what its oracles found."""
 
 from __future__ import annotations
 
@@ -50,7 +50,6 @@ class Record:
         self.step = 0
         self._end = monotonic() + part.seconds
         self.tried: Counter[str] = Counter()
-        self.refused: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
         self.failures: list[Failure] = []
@@ -62,14 +61,13 @@ class Record:
         self.step += 1
         return True
 
-    def check(self, oracle: str, problem: str) -> bool:
-        """Count a check of an oracle; ``problem`` is empty if it holds. Returns whether it does."""
+    def check(self, oracle: str, problem: str) -> None:
+        """Count a check of an oracle; ``problem`` is empty if it holds."""
         self.checks[oracle] += 1
         if problem:
             self.broken[oracle] += 1
             if self.broken[oracle] <= KEPT_FAILURES:
                 self.failures.append(Failure(oracle, self.step, problem))
-        return not problem
 
     def as_json(self) -> dict[str, Any]:
         """Everything recorded, for a JSON file."""
@@ -78,7 +76,6 @@ class Record:
             "seed": self.part.seed,
             "steps": self.step,
             "tried": _plain(self.tried),
-            "refused": _plain(self.refused),
             "checks": _plain(self.checks),
             "broken": _plain(self.broken),
             "failures": [each._asdict() for each in self.failures],

@@ -129,9 +129,7 @@ class RigGraph:
         before = self._observer.requests
         answer = self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=True))
         self.requests += self._observer.requests - before
-        self._record.tried["arm"] += 1
         if answer is None or not answer.success:
-            self._record.refused["arm"] += 1
             return False
         deadline = monotonic() + 2.0
         while monotonic() < deadline:
@@ -143,7 +141,6 @@ class RigGraph:
 
     def _kill(self) -> None:
         name = str(pick(self._random, NAMES))
-        self._record.tried[f"kill {name}"] += 1
         dead = self._nodes[name].kill()
         sleep(3 * ALLOWED / 1e9)
         self._silences.append((dead, monotonic_ns()))
@@ -151,14 +148,11 @@ class RigGraph:
 
     def _pause(self) -> None:
         node = self._nodes[str(pick(self._random, NAMES))]
-        self._record.tried[f"pause {node.name}"] += 1
         self._silences.append(node.pause(float(self._random.uniform(0.01, 0.5))))
 
     def _fault(self) -> None:
         """A fault that the emulated rig has by itself."""
         fault = pick(self._random, FAULTS)
-        for name in fault:
-            self._record.tried[f"line: {name}"] += 1
         ask(self._monitor, "faults", **fault)
         sleep(float(self._random.uniform(0.05, 0.4)))
         ask(self._monitor, "faults", **{name: type(value)() for name, value in fault.items()})
@@ -167,13 +161,11 @@ class RigGraph:
         """Commands of a second publisher: they must not arm the rig."""
         for _ in range(50):
             given = random_float(self._random)
-            self._record.tried[f"command: {given.kind}"] += 1
             self._intruder.publish(given.message)
         self._observer.spin_for(0.1)
 
     def _services(self) -> None:
         """Disarm, or leave the active state and return."""
-        self._record.tried["disarm"] += 1
         self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=False))
         if self._random.random() < 0.5:
             return
@@ -183,7 +175,6 @@ class RigGraph:
             Transition.TRANSITION_CONFIGURE,
             Transition.TRANSITION_ACTIVATE,
         ):
-            self._record.tried["transition"] += 1
             request = ChangeState.Request(transition=Transition(id=number))
             self._observer.call(ChangeState, "hardware_bridge/change_state", request)
 
