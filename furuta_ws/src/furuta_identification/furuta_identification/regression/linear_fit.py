@@ -38,7 +38,7 @@ def regress(x: np.ndarray, y: np.ndarray) -> LinearFit:
     solution = np.linalg.lstsq(x, y, rcond=ROUNDING)[0]
     residual = y - x @ solution
     correlated = max(OVERLAP, correlation_length(residual))
-    variance = correlated * float(residual @ residual) / max(1, len(y) - len(scale))
+    variance = correlated * float(residual @ residual) / len(y)
     coefficients[used] = solution / scale
     variances = variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))
     errors[used] = np.sqrt(np.maximum(variances, 0.0)) / scale
