@@ -10,12 +10,13 @@ quantisation and noise, which separates the effect of the friction from that of 
 from __future__ import annotations
 
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.loops import ideal_loop_of
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.studies.tuning.plan import SIMULATED
+from furuta.studies.tuning.result import observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
@@ -57,6 +58,18 @@ class ExperimentResult(NamedTuple):
     measured: Oscillation
     predicted_phi_peak_to_peak_rad: float
     describing_function_phi_peak_to_peak_rad: float
+
+    def report(self) -> dict[str, Any]:
+        """Compensation, motion of the rig, predictions, and parameters of the compensation."""
+        return {
+            "compensation": self.loop.observer.compensation,
+            **self.measured._asdict(),
+            "predicted_phi_peak_to_peak_rad": self.predicted_phi_peak_to_peak_rad,
+            "describing_function_phi_peak_to_peak_rad": (
+                self.describing_function_phi_peak_to_peak_rad
+            ),
+            "parameters": observer_parameters(self.loop.observer),
+        }
 
 
 def run_experiment(
