@@ -96,19 +96,6 @@ def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
     assert (Path(result["bag"]) / "thesis.txt").exists()
 
 
-def test_earlier_parameter_name(furuta: Any) -> None:
-    """It is accepted, with one line on standard error; standard output stays one JSON object."""
-    runs = [
-        furuta("simulate", "--seconds", "1", "--json", "--set", f"{name}=0.5")
-        for name in ("friction_spread", "friction_process_noise")
-    ]
-    assert [status for status, _, _ in runs] == [0, 0]
-    first, second = (json.loads(out) for _, out, _ in runs)
-    assert first["phi_peak_to_peak_rad"] == second["phi_peak_to_peak_rad"]
-    warning = "estimator: parameter friction_spread is now called friction_process_noise"
-    assert [err.strip() for _, _, err in runs] == [f"WARNING: {warning}", ""]
-
-
 def test_simulate(furuta: Any, tmp_path: Path) -> None:
     """Numbers as JSON, series as file."""
     series = tmp_path / "run.npz"

@@ -83,7 +83,7 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
     [
         (["hw", "rig", "nobody"], "no rig nobody; rigs are"),
         (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-        (["hw", "friction", "--port", "mock", "--travel", "0.2"], "arm range must be at least"),
+        (["hw", "friction", "--port", "mock", "--arm-range", "0.2"], "arm range must be at least"),
         (["hw", "emulate", "--fault", "gremlin=1"], "no fault gremlin"),
         (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "has its own clock"),
         (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
@@ -107,7 +107,7 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
         ["signs", "--voltage", "0"],
         ["signs", "--arm-range", "nan"],
         ["friction", "--rate", "11"],
-        ["friction", "--travel", "0"],
+        ["friction", "--arm-range", "0"],
     ],
     ids=" ".join,
 )

@@ -27,7 +27,7 @@ from furuta_control.modes.balance import Balance
 from furuta_control.modes.swing_up import SwingUp, SwingUpParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.parameters import INLINE, About, EarlierName, ParameterError, shortened
+from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 
 # Name and meaning.
@@ -63,13 +63,7 @@ class ControllerParameters(NamedTuple):
     enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
     mode: Annotated[
         str,
-        About(
-            _MEANINGS,
-            choices=tuple(MODES),
-            earlier_names=(
-                EarlierName("excitation.open_loop", ((True, "open_loop"), (False, "balance"))),
-            ),
-        ),
+        About(_MEANINGS, choices=tuple(MODES)),
     ] = "balance"
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[

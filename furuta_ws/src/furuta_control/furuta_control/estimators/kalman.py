@@ -30,7 +30,7 @@ from scipy.linalg import expm, solve_discrete_are
 from furuta_control.estimators.rig import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
-from furuta_model.parameters import About, EarlierName
+from furuta_model.parameters import About
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -59,7 +59,6 @@ class KalmanParameters(NamedTuple):
             "V/√s",
             1e-3,
             1e3,
-            earlier_names=(EarlierName("friction_spread"),),
         ),
     ] = 0.3
     pendulum_process_noise: Annotated[
@@ -69,7 +68,6 @@ class KalmanParameters(NamedTuple):
             "rad/s/√s",
             1e-3,
             1e3,
-            earlier_names=(EarlierName("pendulum_spread"),),
         ),
     ] = 0.1
 

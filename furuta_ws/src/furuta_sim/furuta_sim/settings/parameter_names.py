@@ -1,40 +1,26 @@
-"""Finding parameters of the graph by name, today's or earlier ones."""
+"""Finding parameters of the graph by name."""
 
 from __future__ import annotations
 
 import difflib
-import logging
 from collections.abc import Iterator
-from functools import cache
 from typing import Any, NamedTuple
 
 from furuta_model.parameters import Declared, ParameterError, declared
-from furuta_ros.renamed_parameters import Renamed, renamed
 from furuta_sim.settings.nodes import NODES
 
 EVERY_NODE = "/**"
-_LOG = logging.getLogger(__name__)
 
 
 class Match(NamedTuple):
-    """A parameter of a node; ``renamed`` if it was found by an earlier name."""
+    """A parameter of a node."""
 
     node: str
     parameter: Declared
-    renamed: Renamed | None = None
 
     def parsed(self, value: Any) -> Any:
-        """The value as the parameter has it; warns about an earlier name."""
-        if self.renamed is not None:
-            warn_once(f"{self.node}: {self.renamed.warning(value)}")
-            value = self.renamed.current_value(value)
+        """The value as the parameter has it."""
         return self.parameter.parsed(value)
-
-
-@cache
-def warn_once(message: str) -> None:
-    """Log a warning; the same one only once, since studies read the same settings many times."""
-    _LOG.warning(message)
 
 
 def find_parameters(name: str) -> list[Match]:
@@ -70,12 +56,9 @@ def find_in_node(node: str, name: str) -> list[Match]:
 
 
 def _names(node: str) -> Iterator[tuple[str, Match]]:
-    """Full names of a node's parameters, earlier ones included."""
-    group = NODES[node].parameters
-    for each in declared(group):
-        yield each.name, Match(node, each)
-    for name, found in renamed(group).items():
-        yield name, Match(node, found.parameter, found)
+    """A node's parameters by full name."""
+    for parameter in declared(NODES[node].parameters):
+        yield parameter.name, Match(node, parameter)
 
 
 def _last_part(name: str) -> str:

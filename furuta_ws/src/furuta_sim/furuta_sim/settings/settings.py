@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, shortened
-from furuta_ros.renamed_parameters import with_current_names
 from furuta_ros.ros_parameters import by_full_name, is_of_ros
 from furuta_ros.yaml_files import parse_yaml, read_yaml
 from furuta_sim.settings.nodes import NODES, check_graph
-from furuta_sim.settings.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
+from furuta_sim.settings.parameter_names import EVERY_NODE, find_in_node, find_parameters
 from furuta_sim.settings.rig_parameters import rig_parameters
 from furuta_sim.simulation.closed_loop import Loop
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
 MOST_REPORTED = 10
+_LOG = logging.getLogger(__name__)
 
 # Values that differ from the defaults, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
@@ -61,14 +63,6 @@ def collect_settings(
         for match in find_parameters(name.strip()):
             settings[match.node][match.parameter.name] = match.parsed(_value(text, name))
     return settings
-
-
-def with_current_parameter_names(node: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """A node's values by today's parameter names; warns about earlier names."""
-    current, warnings = with_current_names(NODES[node].parameters, given)
-    for warning in warnings:
-        warn_once(f"{node}: {warning}")
-    return current
 
 
 def merge_settings(under: Settings, over: Settings) -> Settings:
@@ -161,6 +155,12 @@ def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Pat
             settings[match.node][match.parameter.name] = match.parsed(value)
     if unknown:
         raise ParameterError(f"{file}: {'; '.join(unknown)}")
+
+
+@cache
+def warn_once(message: str) -> None:
+    """Log a warning; the same one only once, since studies read the same settings many times."""
+    _LOG.warning(message)
 
 
 def _value(text: str, name: str) -> Any:
