@@ -37,7 +37,11 @@ def test_nodes_are_those_of_the_description(
     """Names, packages, executables and every parameter; the controlled system ends the launch."""
     nodes = launched_nodes(monkeypatch, port=port)
     for node, about in zip(nodes, graph_nodes(controlled), strict=True):
-        assert (node.name, node.package, node.executable) == about[:3]
+        assert (node.name, node.package, node.executable) == (
+            about.name,
+            about.package,
+            about.executable,
+        )
         assert bool(node.on_exit) == about.controlled
         wanted = {each.name for each in declared(about.parameters)}
         assert set(parameters(node)) == wanted

@@ -13,7 +13,7 @@ from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import Declared, ParameterError, build, values
 from furuta_ros.yaml_files import parse_yaml
 from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_names import Match, find_parameters
+from furuta_sim.settings.parameter_names import Match, parameters_named
 from furuta_sim.settings.settings import Settings, default_settings, load_settings, merge_settings
 
 # Factor by which tuning may change a parameter of a standard candidate, either way.
@@ -140,12 +140,12 @@ def _set(candidate: Candidate, setting: str) -> None:
         if ":" in value:
             candidate.ranges[full] = checked_range(match.parameter, value)
         else:
-            candidate.settings[full] = match.parsed(parse_yaml(value, name))
+            candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))
 
 
 def _beside_plant(name: str) -> list[Match]:
     """The parameters with this name outside the plant."""
-    matches = [match for match in find_parameters(name) if match.node != "plant"]
+    matches = [match for match in parameters_named(name) if match.node != "plant"]
     if not matches:
         raise ParameterError(f"a candidate cannot set {name}, which only the plant has")
     return matches

@@ -21,7 +21,7 @@ from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, values
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.settings.parameter_names import find_parameters
+from furuta_sim.settings.parameter_names import parameters_named
 from furuta_sim.settings.settings import Settings, loop
 
 # Relative errors of the friction parameters and of each coefficient of the pendulum.
@@ -183,7 +183,7 @@ def parse_ranges(texts: Iterable[str]) -> tuple[tuple[str, Range], ...]:
     ranges: dict[str, Range] = {}
     for text in texts:
         name, _, limits = text.partition("=")
-        matches = find_parameters(name.strip())
+        matches = parameters_named(name.strip())
         parameters = [match.parameter for match in matches if match.node == "plant"]
         if not parameters:
             raise ParameterError(f"rigs can differ in parameters of the plant, given {name}")

@@ -1,22 +1,20 @@
-"""Client of a running bridge: arms and disarms it, and changes its lifecycle state."""
+"""Clients of the controlled system: resets the plant, arms and disarms the bridge."""
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
-from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import Bool
-from std_srvs.srv import SetBool
+from std_srvs.srv import SetBool, Trigger
 
-from furuta_ros.services import ATTEMPTS, ServiceError, WaitsForFutures, call_service
+from furuta_ros.services import ATTEMPTS, ServiceCaller, ServiceError, WaitsForFutures
 from furuta_ros.topics import ARMED, DIAGNOSTICS, LATCHED
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0
@@ -31,13 +29,26 @@ TRANSITIONS = {
 }
 
 
+def reset_plant(services: ServiceCaller) -> str:
+    """Put the pendulum into its initial state; returns the plant's answer.
+
+    Estimator and friction observer start anew when its next measurement arrives.
+
+    Raises:
+        ServiceError: No plant answers, or it rejects the reset.
+    """
+    answer = services.call(PLANT, "reset", Trigger, Trigger.Request())
+    if not answer.success:
+        raise ServiceError(f"{PLANT} rejects the reset: {answer.message}")
+    return str(answer.message)
+
+
 class BridgeClient:
     """Calls the services of the bridge. Raises :class:`ServiceError` if it does not answer."""
 
     def __init__(self, node: Node, executor: WaitsForFutures) -> None:
-        self._node = node
-        self._executor = executor
-        self._clients: dict[str, Client] = {}
+        self._node, self._executor = node, executor
+        self._services = ServiceCaller(node, executor)
 
     def arm(self) -> None:
         """Arm the bridge. Raises :class:`ServiceError` with the reason if it refuses.
@@ -46,7 +57,7 @@ class BridgeClient:
         A harmless request goes first: after its response both sides know each other.
         """
         self.state()
-        answer = self._call(SetBool, "arm", SetBool.Request(data=True), attempts=1)
+        answer = self._call("arm", SetBool, SetBool.Request(data=True), attempts=1)
         if not answer.success:
             raise ServiceError(f"not armed: {answer.message}")
 
@@ -58,34 +69,24 @@ class BridgeClient:
 
     def disarm(self) -> None:
         """Disarm the bridge: the rig goes to 0 V."""
-        self._call(SetBool, "arm", SetBool.Request(data=False))
+        self._call("arm", SetBool, SetBool.Request(data=False))
 
     def state(self) -> str:
         """The state of the managed bridge."""
-        label = self._call(GetState, "get_state", GetState.Request()).current_state.label
-        return str(label)
+        return str(self._call("get_state", GetState, GetState.Request()).current_state.label)
 
     def change_state(self, transition: str) -> None:
         """Make one of :data:`TRANSITIONS`; nothing to do if the bridge is already there."""
         number, goal = TRANSITIONS[transition]
         request = ChangeState.Request(transition=Transition(id=number))
-        if self._call(ChangeState, "change_state", request).success:
+        if self._call("change_state", ChangeState, request).success:
             return
         now = self.state()
         if now != goal:
             raise ServiceError(f"{HARDWARE_BRIDGE} did not {transition}, it is {now}; see its log")
 
-    def _call(self, kind: Any, service: str, request: Any, attempts: int = ATTEMPTS) -> Any:
-        """The response to a request, which is sent up to ``attempts`` times."""
-        if service not in self._clients:
-            name = f"{HARDWARE_BRIDGE}/{service}"
-            self._clients[service] = self._node.create_client(kind, name)
-        client = self._clients[service]
-        send = partial(client.call_async, request)
-        wait = client.wait_for_service
-        return call_service(
-            self._executor, HARDWARE_BRIDGE, wait, send, TIMEOUT, attempts, caller=self._node
-        )
+    def _call(self, service: str, kind: Any, request: Any, attempts: int = ATTEMPTS) -> Any:
+        return self._services.call(HARDWARE_BRIDGE, service, kind, request, TIMEOUT, attempts)
 
 
 class _Stop:
