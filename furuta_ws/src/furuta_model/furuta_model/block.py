@@ -50,7 +50,7 @@ def field_names(value: Any) -> tuple[str, ...]:
 def _layout(value: Any, kind: Any = None) -> np.dtype:
     """Use the declared types: an int given for a float must not cause another compilation."""
     if names := field_names(value):
-        kinds = _types(type(value))
+        kinds = _types(type(value))  # type: ignore[arg-type]
         layouts = [(name, _layout(getattr(value, name), kinds[name])) for name in names]
         return np.dtype(layouts, align=True)
     if isinstance(value, np.ndarray):
