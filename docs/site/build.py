@@ -34,7 +34,7 @@ def collect(folder: Path) -> int:
     for file, name in names.items():
         (folder / f"{name}.md").write_text(site_text(file, take))
     listed = {file for file in names if file.parent == ROOT / "docs"}
-    missing = sorted(each.name for each in set((ROOT / "docs").glob("*.md")) - listed)
+    missing = sorted(page.name for page in set((ROOT / "docs").glob("*.md")) - listed)
     if missing:
         raise BrokenLinkError(f"docs/README.md does not list {', '.join(missing)}")
     return len(names)
@@ -42,14 +42,14 @@ def collect(folder: Path) -> int:
 
 def loaded_from_elsewhere(site: Path) -> list[str]:
     """Addresses on other hosts that a page or style sheet of the site would load."""
-    found = []
+    addresses = []
     for pattern, suffix in ((LOADED, "html"), (LOADED_BY_STYLE, "css")):
         for file in site.rglob(f"*.{suffix}"):
-            found += [
+            addresses += [
                 f"{file.relative_to(site)}: {address}"
                 for address in pattern.findall(file.read_text(errors="replace"))
             ]
-    return found
+    return addresses
 
 
 def main(site: Path) -> int:
@@ -67,8 +67,8 @@ def main(site: Path) -> int:
     if done.returncode:
         return done.returncode
     elsewhere = loaded_from_elsewhere(site)
-    for each in elsewhere:
-        print(f"error: loaded from another host: {each}", file=sys.stderr)
+    for address in elsewhere:
+        print(f"error: loaded from another host: {address}", file=sys.stderr)
     print(f"{pages} pages: {site / 'index.html'}")
     return bool(elsewhere)
 
