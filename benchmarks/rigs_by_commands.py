@@ -130,25 +130,20 @@ def study(seed: int, folder: Path) -> tuple[bool, str]:
 def _identify(commands: Commands, base: Path, identified: Path) -> int:
     """Record, identify and check until a compensation holds; returns the number of recordings.
 
-    The first signal is that of docs/identification.md, the next ones are those that ``rig
-    experiment`` proposes.
+    The signal is that of docs/identification.md.
     """
-    signal = EXCITATION
     recordings: list[Path] = []
     while True:
         recordings.append(identified.with_name(f"hanging_{len(recordings)}"))
         ask(commands.monitor, "hold", theta=3.13)
-        commands.drive("--rig", base, "--record", recordings[-1], *_options(signal | LIMITS))
+        commands.drive("--rig", base, "--record", recordings[-1], *_options(EXCITATION | LIMITS))
         options = ("--command", "effort", "--rig", base, "--window", 1, "--write", identified)
         identified.unlink(missing_ok=True)
         commands.furuta("identify", *recordings, *options)
-        if commands.shown("rig", "check", identified)["recommended"] is not None:
+        if commands.shown("compare", "--rig", identified)["recommended"] is not None:
             return len(recordings)
         if len(recordings) == RECORDINGS:
             raise CommandError(f"no compensation holds after {RECORDINGS} recordings")
-        proposed = commands.shown("rig", "experiment", identified, "--seconds", SECONDS)
-        names = {"kind": "kind", "amplitude": "amplitude_v", "period": "period_s"}
-        signal = {name: proposed[key] for name, key in names.items()}
 
 
 def _options(excitation: dict[str, Any]) -> list[str]:

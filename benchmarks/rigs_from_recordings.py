@@ -18,16 +18,16 @@ from typing import Any
 import numpy as np
 
 from furuta.studies.comparison.candidates import parse_candidates
-from furuta.studies.rig_check import CHOICES
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_hw.rigs.rig_file_text import rig_file_text
-from furuta_identification.fitting.identify import identify
-from furuta_identification.preparation.options import Options
-from furuta_identification.rigs.identified_rig import identified_rig
+from furuta_identification.identify import identify
+from furuta_identification.options import Options
+from furuta_identification.result.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
@@ -48,6 +48,7 @@ KNOWN = Rig(
     limits=SafetyLimits(voltage=12.0, pendulum_angle=6.28, arm_angle=1e6, arm_speed=100.0),
 )
 SECONDS, BALANCED_SECONDS = 12.0, 20.0
+CHOICES = (*COMPENSATIONS, "super_twisting")
 # Excitation: amplitude relative to the gravity torque of the pendulum, and period [s].
 AMPLITUDE, PERIOD = 8.0, 4.0
 

@@ -1,4 +1,4 @@
-"""Builds the documentation site: ``python docs/site/build.py output/site``.
+"""Builds the documentation site: ``python docs/site/build.py output/site output/reference``.
 
 Collects the pages beside the output, runs Sphinx with every warning as an error, and checks that
 the result loads nothing from another host. ``make docs`` calls it.
@@ -12,15 +12,18 @@ import subprocess
 import sys
 from pathlib import Path
 
-from pages import ROOT, BrokenLinkError, page_names, site_text
+from pages import REFERENCE, ROOT, BrokenLinkError, page_names, site_text
 
 # What a browser loads by itself: scripts, pictures, frames, style sheets.
 LOADED = re.compile(r"<(?:script|img|iframe|link)\b[^>]*\b(?:src|href)=\"((?:https?:)?//[^\"]*)\"")
 LOADED_BY_STYLE = re.compile(r"(?:url\(|@import\s+)[\"']?((?:https?:)?//[^\"')]+)")
 
 
-def collect(folder: Path) -> int:
-    """Write the pages and the files that they link to into ``folder``; return their number."""
+def collect(folder: Path, reference: Path) -> int:
+    """Write the pages and the files that they link to into ``folder``; return their number.
+
+    ``reference`` holds the pages that reference_pages.py has generated.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
 
@@ -33,11 +36,14 @@ def collect(folder: Path) -> int:
     names = page_names()
     for file, name in names.items():
         (folder / f"{name}.md").write_text(site_text(file, take))
+    for name in REFERENCE:
+        page = (reference / f"{name}.md").read_text()
+        (folder / f"{name}.md").write_text(site_text(ROOT / "docs" / f"{name}.md", take, page))
     listed = {file for file in names if file.parent == ROOT / "docs"}
     missing = sorted(page.name for page in set((ROOT / "docs").glob("*.md")) - listed)
     if missing:
         raise BrokenLinkError(f"docs/README.md does not list {', '.join(missing)}")
-    return len(names)
+    return len(names) + len(REFERENCE)
 
 
 def loaded_from_elsewhere(site: Path) -> list[str]:
@@ -52,11 +58,11 @@ def loaded_from_elsewhere(site: Path) -> list[str]:
     return addresses
 
 
-def main(site: Path) -> int:
+def main(site: Path, reference: Path) -> int:
     """Build the site; return the exit status."""
     source = site.with_name(site.name + "_source")
     try:
-        pages = collect(source)
+        pages = collect(source, reference)
     except BrokenLinkError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -74,4 +80,4 @@ def main(site: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1])))
+    sys.exit(main(*map(Path, sys.argv[1:])))

@@ -14,6 +14,13 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 START = ROOT / "docs" / "README.md"
+# Pages that reference_pages.py generates from the code: name in the site, and title.
+REFERENCE = {
+    "verbs": "Verbs",
+    "parameters": "Parameters",
+    "rig-files": "Rig files",
+    "library-reference": "Library, name by name",
+}
 # A page that exists only where the lab course does.
 COURSE = ROOT / "course" / "README.md"
 COURSE_ITEM = "- [Lab course](../course/README.md): six notebooks with exercises and solutions."
@@ -73,8 +80,8 @@ def page_names() -> dict[Path, str]:
     return names
 
 
-def site_text(file: Path, take: Callable[[Path], str]) -> str:
-    """The text of a page with the links of the site.
+def site_text(file: Path, take: Callable[[Path], str], text: str = "") -> str:
+    """The text of a page with the links of the site; ``text`` if the page is not a file.
 
     ``take`` receives each file that is linked and is no page; it returns its address in the site.
 
@@ -82,7 +89,7 @@ def site_text(file: Path, take: Callable[[Path], str]) -> str:
         BrokenLinkError: A link leads to no file.
     """
     names = page_names()
-    text = contents() if file == START else file.read_text()
+    text = text or (contents() if file == START else file.read_text())
     lines = [
         line if in_code else LINK.sub(lambda match: _site_link(match, file, names, take), line)
         for line, in_code in _lines(text)
@@ -119,15 +126,16 @@ def _site_link(
 
 def _navigation(names: dict[Path, str]) -> str:
     """The lists of the first page once more, as the navigation of the site."""
-    return "".join(
-        f"\n```{{toctree}}\n:hidden:\n:caption: {section.title}\n\n"
-        + "\n".join(
-            f"{title} <{names[file]}>"
-            for title, file in zip(section.titles, section.files, strict=True)
-        )
-        + "\n```\n"
-        for section in sections()
-    )
+    parts = []
+    for section in sections():
+        entries = [
+            (names[file], title) for file, title in zip(section.files, section.titles, strict=True)
+        ]
+        if section.title == "Reference":
+            entries += REFERENCE.items()
+        lines = "\n".join(f"{title} <{name}>" for name, title in entries)
+        parts.append(f"\n```{{toctree}}\n:hidden:\n:caption: {section.title}\n\n{lines}\n```\n")
+    return "".join(parts)
 
 
 def _without_mermaid(text: str) -> str:

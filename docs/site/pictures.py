@@ -19,7 +19,7 @@ DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
-    "comparison.png": "compare --rows random --rigs 1000 --seeds 1 --push 0 --out DIR",
+    "comparison.png": "compare --rigs 1000 --out OUT",
     "convergence.png": "linearize --passivity --out OUT",
     "demo.png": "demo --out DIR",
     "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
@@ -31,7 +31,6 @@ COMMANDS = {
     "presliding.png": "limit-cycle --presliding OUT",
     "release.png": "simulate --set enabled=false --set initial.theta=0.01 --ideal-sensors "
     "--seconds 20 --out OUT",
-    "sensitivity.png": "sensitivity --out OUT",
 }
 DRAWING = "pendulum.png"
 

@@ -1,12 +1,14 @@
-"""Writes the pages of the reference from the code: ``python docs/site/reference_pages.py``.
+"""Writes the pages of the reference from the code: ``python docs/site/reference_pages.py FOLDER``.
 
-Verbs, parameters, topics, rig files, and the names of the library. A test compares the pages.
+Verbs, parameters, rig files and the names of the library go into the folder, from which the site
+takes them. docs/topics.md is written in its place; a test compares it.
 """
 
 from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -247,12 +249,14 @@ def _field_table(thing: Any) -> list[str]:
 PAGES = {
     "verbs.md": verbs_page,
     "parameters.md": parameters_page,
-    "topics.md": topics_page,
     "rig-files.md": rig_files_page,
     "library-reference.md": library_page,
 }
 
 
 if __name__ == "__main__":
+    (DOCS / "topics.md").write_text(topics_page())
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
     for file, page in PAGES.items():
-        (DOCS / file).write_text(page())
+        (folder / file).write_text(page())

@@ -11,7 +11,7 @@ import pytest
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
 from furuta_hw.rigs.rig_file_text import rig_file_text
-from furuta_hw.rigs.uncertainty import Uncertainty, drawn_rigs
+from furuta_hw.rigs.uncertainty import Uncertainty, changed_rig
 from furuta_model.parameters import ParameterError
 from furuta_model.parts.tilt import Tilt
 from furuta_model.parts.torque_waves import TorqueWaves
@@ -23,6 +23,12 @@ UNCERTAINTY = Uncertainty(
     ("beta", "alpha0", "delay"),
     np.array([[0.01, 1.8e-3, 0.0], [1.8e-3, 4e-4, 0.0], [0.0, 0.0, 1e-6]]),
 )
+
+
+def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int) -> list[Rig]:
+    """Random rigs that are as likely as the uncertainty says."""
+    changes = uncertainty.draws(count, np.random.default_rng(seed))
+    return [changed_rig(rig, uncertainty.names, change) for change in changes]
 
 
 def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
@@ -41,7 +47,7 @@ def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
 
 def test_draws_have_the_covariance() -> None:
     """β is drawn by its logarithm; no delay is negative; α keeps the arm's own inertia."""
-    rigs = list(drawn_rigs(RIG, UNCERTAINTY, 2000, seed=3))
+    rigs = drawn_rigs(RIG, UNCERTAINTY, 2000, seed=3)
     beta = np.array([log(each.model.beta / RIG.model.beta) for each in rigs])
     level = np.array([each.friction.alpha0 - RIG.friction.alpha0 for each in rigs])
     drawn = np.cov(beta, level)

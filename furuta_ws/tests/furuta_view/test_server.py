@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import http.client
 import socket
 from collections.abc import Iterator
@@ -16,7 +15,6 @@ from websockets.typing import Origin, Subprotocol
 
 from furuta_model.parameters import ParameterError
 from furuta_view.access import COOKIE, Access, Request, is_local
-from furuta_view.page_scripts import SCRIPT
 from furuta_view.server import PageServer
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -78,17 +76,6 @@ def test_page_may_not_be_framed_and_requests_nothing_elsewhere(server: PageServe
     assert answer.status == http.HTTPStatus.OK
     assert "frame-ancestors 'none'" in policy
     assert "default-src 'self'" in policy
-
-
-@pytest.mark.parametrize("encoding", ["gzip", "identity"])
-def test_page_has_the_scripts(server: PageServer, encoding: str) -> None:
-    """Once, in a page that is otherwise whole."""
-    asked = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=30.0)
-    asked.request("GET", "/", headers={"Accept-Encoding": encoding})
-    body = asked.getresponse().read()
-    page = gzip.decompress(body) if encoding == "gzip" else body
-    assert page.count(SCRIPT) == 1
-    assert page.rstrip().endswith(b"</html>")
 
 
 def test_server_listens_on_this_machine_only(server: PageServer) -> None:

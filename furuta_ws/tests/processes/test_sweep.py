@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import sqlite3
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 from time import monotonic, sleep
@@ -47,17 +46,15 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[bytes]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The table of the long sweep without any interruption."""
     from processes.conftest import Processes  # noqa: PLC0415
 
     out = tmp_path_factory.mktemp("whole") / "sweep.csv"
     processes = Processes()
-    process = processes.furuta("sweep", *LONG, "--out", out)
-    _, err = process.communicate(timeout=TIMEOUT)
-    processes.close()
-    assert process.returncode == 0, err
-    yield out.read_bytes()
+    status, _, err = processes.run("sweep", *LONG, "--out", out)
+    assert status == 0, err
+    return out.read_bytes()
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
@@ -85,7 +82,7 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_killed_sweep_is_resumed(processes: Any, tmp_path: Path, whole: bytes) -> None:
+def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, whole: bytes) -> None:
     """After SIGKILL no run is repeated, and the table is that of an undisturbed sweep."""
     out = tmp_path / "sweep.csv"
     journal = tmp_path / "sweep.csv.part"
@@ -107,6 +104,7 @@ def test_killed_sweep_is_resumed(processes: Any, tmp_path: Path, whole: bytes) -
     assert not journal.exists()
 
 
+@pytest.mark.long
 def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
     """The table is the same if two of the workers are killed during the sweep."""
     out = tmp_path / "sweep.csv"

@@ -68,9 +68,9 @@ def make_loop(
 
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)
-    assignments = [f"{name}={_text(value)}" for name, value in (values or {}).items()]
     base = None if rig is None else settings.rig_settings(rig)
-    return settings.loop(settings.load_settings(map(Path, files), assignments, base))
+    given = settings.collect_settings(map(Path, files), [], base)
+    return settings.loop_with(given, {k: _plain(value) for k, value in (values or {}).items()})
 
 
 def ideal_loop(
@@ -129,11 +129,11 @@ def require_stabilising(ideal: IdealLoop) -> None:
         )
 
 
-def _text(value: Any) -> str:
-    """A value as it is written in an assignment."""
+def _plain(value: Any) -> Any:
+    """A value without numpy: text, or a number or list."""
     if isinstance(value, str):
         return value
     plain = np.asarray(value).tolist()
     if plain is None or isinstance(plain, (dict, complex)):
         raise ParameterError(f"a parameter must be a number, text or list, given {value!r}")
-    return str(plain)
+    return plain

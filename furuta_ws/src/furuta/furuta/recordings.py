@@ -12,7 +12,7 @@ from furuta_recordings.recording import Recording
 from furuta_sim.simulation.closed_loop import Record
 
 if TYPE_CHECKING:
-    from furuta_identification.fitting.model import Model
+    from furuta_identification.model import Model
 
 
 def read_recording(
@@ -67,8 +67,8 @@ def identify(
     Raises:
         ParameterError: The recordings do not determine a model.
     """
-    from furuta_identification.fitting.identify import identify as fit
-    from furuta_identification.preparation.options import Options
+    from furuta_identification.identify import identify as fit
+    from furuta_identification.options import Options
 
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
     return fit(given, Options(zero, window, angles, command_scale))
@@ -84,7 +84,7 @@ def identified_values(model: Model) -> dict[str, Any]:
         α, β, γ [V s²/rad], δ [V/rad], friction [V, V s/rad] and ``standard_errors`` by name; None
         where the data do not determine a value, with the reason in ``undetermined``.
     """
-    from furuta_identification.fitting.report import summary
+    from furuta_identification.result.report import summary
 
     return summary(model)
 

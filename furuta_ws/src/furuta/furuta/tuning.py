@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from furuta_model.parameters import ParameterError
 from furuta_sim.simulation.closed_loop import Loop
 
 if TYPE_CHECKING:
@@ -33,20 +32,8 @@ def tune(
     Raises:
         ParameterError: The time is too short, or the loop cannot be tuned.
     """
-    from furuta.studies.tuning.plan import RIVALS
-    from furuta.studies.tuning.simulated_tuning import PLAN
-    from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
-    from furuta.studies.tuning.tuning import tune as run_tuning
+    from furuta.studies.tuning.plan import RIVALS, SIMULATED
+    from furuta.studies.tuning.tuning import tune_simulated
 
-    loop = loop or Loop()
-    plan = PLAN._replace(seconds=seconds, rivals=RIVALS)
-    try:
-        return run_tuning(
-            SimulatedLoop(loop), loop.observer, loop.estimator, plan, report or _no_report
-        )
-    except (GuardError, ValueError) as error:
-        raise ParameterError(f"cannot tune the compensation of this loop: {error}") from None
-
-
-def _no_report(message: str, seconds: float) -> None:
-    """Report nothing."""
+    plan = SIMULATED._replace(seconds=seconds, rivals=RIVALS)
+    return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))

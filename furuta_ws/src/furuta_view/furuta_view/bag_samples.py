@@ -80,7 +80,7 @@ class BagSamples:
         chosen = np.arange(0, len(states.times), len(states.times) // MOST + 1)
         samples = np.full((len(chosen), COLUMNS), nan)
         for row, index in zip(samples, chosen.tolist(), strict=True):
-            self._fill(row, states[index])
+            self._fill(row, states.data[index])
         samples[:, TIME] = (states.times[chosen] - start) / NANOSECONDS
         for topic, column in self._floats:
             numbers = self._bag.find(topic, first, last)
@@ -101,7 +101,7 @@ def _newest_numbers(numbers: Messages, times: np.ndarray) -> np.ndarray:
     if not len(numbers.times):
         return np.full(len(times), nan)
     rows = np.maximum(np.searchsorted(numbers.times, times, side="right") - 1, 0)
-    return np.array([np.frombuffer(numbers[row], "<f8", 1, 4)[0] for row in rows])
+    return np.array([np.frombuffer(numbers.data[row], "<f8", 1, 4)[0] for row in rows])
 
 
 def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -11,10 +11,10 @@ from typing import Any
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
-from furuta_graph.bridge_client import BridgeClient
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.plant_client import PlantClient
+from furuta_graph.system_client import BridgeClient, reset_plant
 from furuta_ros.ros_parameters import is_of_ros
+from furuta_ros.services import ServiceCaller
 from furuta_ros.spinning_thread import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
@@ -37,7 +37,7 @@ class GraphLink:
         self._executor = SpinningThread([self._node])
         self._client = ParameterClient(self._node, self._executor)
         self._bridge = BridgeClient(self._node, self._executor)
-        self._plant = PlantClient(self._node, self._executor)
+        self._services = ServiceCaller(self._node, self._executor)
         self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
 
     def close(self) -> None:
@@ -79,7 +79,7 @@ class GraphLink:
 
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
-        self._plant.reset()
+        reset_plant(self._services)
 
     def arm(self, armed: bool) -> None:
         """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""

@@ -18,7 +18,6 @@ from websockets.http11 import Response
 
 from furuta_model.parameters import ParameterError
 from furuta_view.access import Access, Request, is_local
-from furuta_view.page_scripts import with_scripts
 
 USUAL_PORT = 8080
 # Ports that are tried from the usual one on, if none was chosen.
@@ -101,19 +100,9 @@ def _process(access: Access, answer: Callable[..., Any]) -> Callable[..., Any]:
         response = answer(connection, request)
         if isinstance(response, Response):
             _protect(response.headers, access.cookie_to_set(asked))
-            _complete(response)
         return response
 
     return process
-
-
-def _complete(response: Response) -> None:
-    """Add the scripts if this is the page itself."""
-    if response.body and response.headers.get("Content-Type", "").startswith("text/html"):
-        is_gzipped = response.headers.get("Content-Encoding") == "gzip"
-        response.body = with_scripts(bytes(response.body), is_gzipped)
-        del response.headers["Content-Length"]
-        response.headers["Content-Length"] = str(len(response.body))
 
 
 def _described(request: Any) -> Request:

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.loops import ideal_loop_of
 from furuta.studies.feedback_map import predicted_peak_to_peak
+from furuta.studies.tuning.plan import SIMULATED
 from furuta.studies.tuning.result import observer_parameters
-from furuta.studies.tuning.simulated_tuning import tuned_observer
-from furuta.studies.tuning.tuning import ProgressCallback
+from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 from furuta_sim.simulation.oscillation import Oscillation, measure_oscillation
@@ -102,7 +102,8 @@ def _configure_loop(experiment: Experiment, loop: Loop, report: ProgressCallback
         plant = _with_asymmetry(plant, ASYMMETRY)
     configured = loop._replace(plant=plant, observer=observer)
     if experiment.tuned:
-        configured = configured._replace(observer=tuned_observer(configured, report))
+        tuned = tune_simulated(configured, SIMULATED, report)
+        configured = configured._replace(observer=tuned.after.observer)
     return configured
 
 

@@ -26,7 +26,6 @@ from furuta_sim.settings.settings import (
     loop,
     merge_settings,
     read_file,
-    with_current_parameter_names,
 )
 from furuta_sim.simulation.recomputation import Recomputed, recompute
 
@@ -146,8 +145,7 @@ def recompute_bag(
     loops = [(0, loop(merge_settings(base, given)))]
     for sample, node, changed in recorded.changes:
         if node in base:
-            current = with_current_parameter_names(node, changed)
-            base = merge_settings(base, _settings_of(base, node, current))
+            base = merge_settings(base, _settings_of(base, node, changed))
             loops.append((sample, loop(merge_settings(base, given))))
     return recorded, recompute(recorded.measurement, loops, recorded.stamps)
 

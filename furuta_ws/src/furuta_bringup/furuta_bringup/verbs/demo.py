@@ -95,7 +95,7 @@ def _clear(bag: Path) -> None:
     if not bag.exists():
         return
     for file in bag.iterdir():
-        if file.suffix not in (".mcap", ".yaml"):
+        if file.suffix not in (".db3", ".yaml"):
             raise click.ClickException(
                 f"{bag} contains {file.name}, which does not belong to a bag"
             )

@@ -9,7 +9,7 @@ import click
 from rclpy.node import Node
 
 from furuta_bringup.options import namespace_option
-from furuta_graph.bridge_client import TRANSITIONS, BridgeClient
+from furuta_graph.system_client import TRANSITIONS, BridgeClient
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of
 

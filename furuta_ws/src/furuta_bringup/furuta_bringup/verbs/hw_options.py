@@ -36,7 +36,6 @@ def drive_options(function: Function) -> Function:
     )(function)
     return click.option(
         "--arm-range",
-        "--travel",  # the earlier name
         "arm_range",
         type=FiniteRange(0.01, 1e6),
         default=3.0,

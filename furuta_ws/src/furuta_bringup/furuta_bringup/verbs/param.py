@@ -97,7 +97,7 @@ def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
 def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
     """The value with the type of the parameter: ROS would reject 80 for a double.
 
-    The node itself rejects a name that it does not know, or translates an earlier name.
+    The node itself rejects a name that it does not know.
     """
     try:
         value = parse_yaml(text, name)

@@ -15,7 +15,7 @@ from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_paramet
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.study_runs import run_study, with_progress
+from furuta_bringup.study_runs import run_sweep, with_progress
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.settings import load_settings
 
@@ -83,7 +83,7 @@ def command(
     journal = Journal(out, sweep)
     resumed, counts = len(journal), Counts()
     try:
-        results = journal.record(run_study(sweep, journal, scheduler))
+        results = journal.record(run_sweep(sweep, journal, scheduler))
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
         rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))

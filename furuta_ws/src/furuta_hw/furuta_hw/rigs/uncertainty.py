@@ -13,7 +13,7 @@ Each wave of the torque has two values, `wave14_cos` and `wave14_sin` [V] for 14
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import exp, isfinite
 from typing import Any, NamedTuple
 
@@ -55,7 +55,7 @@ class Uncertainty(NamedTuple):
     def standard_errors(self) -> dict[str, float]:
         """Standard error of each coordinate by name."""
         errors = np.sqrt(np.diag(self.covariance))
-        return dict(zip(self.names, (float(each) for each in errors), strict=True))
+        return dict(zip(self.names, map(float, errors), strict=True))
 
     def draws(self, count: int, generator: np.random.Generator) -> np.ndarray:
         """Random changes of the coordinates (count, n)."""
@@ -99,7 +99,7 @@ def values_of(rig: Rig) -> dict[str, float]:
 def changed_rig(rig: Rig, names: tuple[str, ...], change: np.ndarray) -> Rig:
     """The rig with its coordinates ``names`` changed by ``change`` (n,), within what is allowed."""
     values = values_of(rig)
-    for name, difference in zip(names, (float(each) for each in change), strict=True):
+    for name, difference in zip(names, map(float, change), strict=True):
         if name in RELATIVE:
             values[name] *= exp(difference)
         else:
@@ -136,12 +136,6 @@ def _with_amplitudes(waves: TorqueWaves, values: dict[str, float]) -> TorqueWave
     return waves._replace(cosine=cosine, sine=sine)
 
 
-def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int = 0) -> Iterator[Rig]:
-    """Random rigs that are as likely as the uncertainty says."""
-    for change in uncertainty.draws(count, np.random.default_rng(seed)):
-        yield changed_rig(rig, uncertainty.names, change)
-
-
 def uncertainty_from(content: Any, waves: TorqueWaves) -> Uncertainty:
     """The uncertainty that the section of a rig file describes; none without a section.
 
@@ -151,14 +145,14 @@ def uncertainty_from(content: Any, waves: TorqueWaves) -> Uncertainty:
         return CERTAIN
     if not isinstance(content, Mapping) or not isinstance(content.get("standard_errors"), Mapping):
         raise ParameterError("uncertainty must have standard_errors, which map names to numbers")
-    unknown = sorted(str(each) for each in content if each not in _SECTION)
+    unknown = sorted(str(key) for key in content if key not in _SECTION)
     if unknown:
         raise ParameterError(f"unknown: uncertainty.{', uncertainty.'.join(unknown)}")
     known = (*NAMES, *wave_values(waves))
-    given = {name: _number(name, each, known) for name, each in content["standard_errors"].items()}
-    correlations = _correlations(content.get("correlations"), len(given))
-    errors = np.array(list(given.values()))
-    return Uncertainty(tuple(given), correlations * np.outer(errors, errors))
+    stated = content["standard_errors"]
+    errors = np.array([_number(name, value, known) for name, value in stated.items()])
+    correlations = _correlations(content.get("correlations"), len(errors))
+    return Uncertainty(tuple(stated), correlations * np.outer(errors, errors))
 
 
 _SECTION = ("standard_errors", "correlations")
@@ -208,9 +202,9 @@ def _correlations(rows: Any, size: int) -> np.ndarray:
 def uncertainty_section(uncertainty: Uncertainty) -> dict[str, Any]:
     """The section of a rig file: the inverse of :func:`uncertainty_from`."""
     errors = uncertainty.standard_errors
-    sizes = np.array([each or 1.0 for each in errors.values()])
+    sizes = np.array([error or 1.0 for error in errors.values()])
     correlations = uncertainty.covariance / np.outer(sizes, sizes)
-    rows = [[round(float(each), 6) for each in row[:i]] for i, row in enumerate(correlations)]
+    rows = [[round(float(value), 6) for value in row[:i]] for i, row in enumerate(correlations)]
     return {
         "standard_errors": {name: float(f"{error:.4g}") for name, error in errors.items()},
         "correlations": [[*row, 1.0] for row in rows],
