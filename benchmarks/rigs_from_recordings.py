@@ -25,9 +25,9 @@ from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSenso
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_hw.rigs.rig_file_text import rig_file_text
-from furuta_identification.fitting.identify import identify
-from furuta_identification.preparation.options import Options
-from furuta_identification.rigs.identified_rig import identified_rig
+from furuta_identification.identify import identify
+from furuta_identification.options import Options
+from furuta_identification.result.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt

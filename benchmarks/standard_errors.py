@@ -18,12 +18,11 @@ from pathlib import Path
 import numpy as np
 from rigs_from_recordings import chosen_seeds
 
-from furuta_identification.fitting.ceiling import has_one_level
-from furuta_identification.fitting.identify import identify
-from furuta_identification.fitting.report import summary
-from furuta_identification.fitting.validation import predict_prepared
-from furuta_identification.fitting.verdict import verdict
-from furuta_identification.preparation.options import Options
+from furuta_identification.identify import identify
+from furuta_identification.options import Options
+from furuta_identification.regression.ceiling import has_one_level
+from furuta_identification.result.report import summary
+from furuta_identification.result.verdict import verdict
 from furuta_model.parameters import ParameterError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "tests"))
@@ -60,7 +59,7 @@ def study(seed: int) -> tuple[str, bool, dict[str, tuple[float, float]]]:
     model = identify([recording], Options())
     found = summary(model)
     errors = found["standard_errors"]
-    usable = verdict([predict_prepared(model, each) for each in model.recordings])["usable"]
+    usable = verdict([model.predict(recording) for recording in model.recordings])["usable"]
     return (
         usable,
         has_one_level(model.recordings),

@@ -89,7 +89,7 @@ def test_example_of_the_docstring() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     printed, loaded = done.stdout.strip().splitlines()
     assert printed == lines[-1].strip()
-    assert not set(loaded.split()) & {"rclpy", "matplotlib", "furuta_ros", "click"}
+    assert not set(loaded.split()) & {"rclpy", "matplotlib", "click"}
 
 
 def test_limit_cycle_agrees_with_a_simulation() -> None:

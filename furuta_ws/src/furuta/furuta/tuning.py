@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from furuta.studies.tuning.plan import RIVALS, SIMULATED
-from furuta.studies.tuning.result import TuningResult
-from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
+from typing import TYPE_CHECKING
+
 from furuta_sim.simulation.closed_loop import Loop
+
+if TYPE_CHECKING:
+    from furuta.studies.tuning.result import TuningResult
+    from furuta.studies.tuning.tuning import ProgressCallback
 
 
 def tune(
-    loop: Loop | None = None, seconds: float = 240.0, report: ProgressCallback | None = None
+    loop: Loop | None = None,
+    seconds: float = 240.0,
+    report: ProgressCallback | None = None,
 ) -> TuningResult:
     """Find the compensation with the smallest remaining limit cycle, by simulation.
 
@@ -27,5 +32,8 @@ def tune(
     Raises:
         ParameterError: The time is too short, or the loop cannot be tuned.
     """
+    from furuta.studies.tuning.plan import RIVALS, SIMULATED
+    from furuta.studies.tuning.tuning import tune_simulated
+
     plan = SIMULATED._replace(seconds=seconds, rivals=RIVALS)
     return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))

@@ -23,11 +23,11 @@ IDEAL = Sensors(ideal=True)
 
 if __name__ == "__main__":
     simulate(Loop(), 0.01)
-    compile_stages(Loop(observer=ObserverParameters(compensation=each)) for each in IN_LANES)
+    compile_stages(Loop(observer=ObserverParameters(compensation=name)) for name in IN_LANES)
     compile_stages([Loop(PlantParameters(sensors=IDEAL), EstimatorParameters(sensors=IDEAL))])
-    loop = AnalysisOptions((), (), "lugre", None).ideal_loop()
+    loop = AnalysisOptions(law="lugre").ideal_loop()
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
-    predict_cycles(transfer(loop.body, (loop.l1, loop.l2, loop.l3, loop.l4)), loop.law)
+    predict_cycles(transfer(loop.body, loop.gains), loop.law)
     with ros_context():
         SimulatedGraph(default_settings()).close()

@@ -31,7 +31,6 @@ def run(record: Record, watch: ResourceMonitor) -> None:
     while record.next_step():
         size = int(random.choice(SIZES) * random.uniform(0.5, 1.5))
         with TemporaryDirectory() as directory, small_disk(Path(directory), size) as mounted:
-            record.tried["disk" if mounted else "file size limit"] += 1
             _record_until_full(record, Path(directory) / "bag", 0 if mounted else size)
         watch.sample({"full_disk": os.getpid()})
 
@@ -67,7 +66,6 @@ def _record_until_full(record: Record, bag: Path, limit: int) -> None:
     record.check("survival", unexplained_end(process.returncode or None, out))
     reported = "recording ended" in out or "error: " in out
     complete = process.returncode == 0 and not reported
-    record.tried["recording complete" if complete else "recording ended"] += 1
     record.check("recording", unreadable(bag, complete))
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from furuta.studies.recompute import read_recorded_loop
-from furuta.studies.recorded_loop import RecordedLoop
+from furuta.studies.recomputation import RecordedLoop, read_recorded_loop
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 from furuta_recordings.bags.bag import Bag, last_part, signals

@@ -28,7 +28,7 @@ def run_on_cluster(sweep: Sweep, done: Container[int], address: str) -> Iterator
 
     A chunk whose worker dies is run again by another worker; finished runs are not repeated.
     """
-    from distributed import Client  # noqa: PLC0415 - slow to load
+    from distributed import Client
 
     try:
         client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
@@ -42,7 +42,7 @@ class _ClusterRun:
     """Keeps enough chunks waiting on the cluster that no thread is idle."""
 
     def __init__(self, client: Any, sweep: Sweep, done: Container[int]) -> None:
-        from distributed import as_completed  # noqa: PLC0415 - slow to load
+        from distributed import as_completed
 
         self._client = client
         self._seconds = sweep.seconds
@@ -77,7 +77,7 @@ class _ClusterRun:
 
     def _next_results(self) -> Iterator[RunResult]:
         """The results of the next chunk; a chunk whose worker died is submitted again."""
-        from distributed import KilledWorker  # noqa: PLC0415 - slow to load
+        from distributed import KilledWorker
 
         future = next(self._completed)
         chunk, attempt = self._waiting.pop(future)

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from furuta.figures.demo import draw_demo
+from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
 from furuta.studies.tuning.plan import TuningPlan
 from furuta.studies.tuning.result import observer_parameters

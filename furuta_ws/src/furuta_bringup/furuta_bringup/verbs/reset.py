@@ -5,7 +5,8 @@ from __future__ import annotations
 import click
 from rclpy.node import Node
 
-from furuta_bringup.options import json_option, namespace_option, print_json
+from furuta_bringup.options import json_option, namespace_option
+from furuta_bringup.printing import show
 from furuta_graph.system_client import reset_plant
 from furuta_ros.context import ros_context
 from furuta_ros.services import ServiceCaller
@@ -20,7 +21,4 @@ def command(namespace: str, as_json: bool) -> None:
     with ros_context(namespace=namespace):
         node = Node("furuta_reset")
         message = reset_plant(ServiceCaller(node, executor_of([node])))
-    if as_json:
-        print_json({"message": message})
-    else:
-        print(f"reset: {message}")
+    show({"message": message}, as_json)
