@@ -1,14 +1,19 @@
-.PHONY: demo test bench docs wheel course soak clean
+.PHONY: demo test test-all bench docs wheel course soak clean
 
 demo:
 	./furuta demo
 
-test:
+# make test is what every push runs; make test-all, before a release, adds the long tests. The fast tests
+# of functions come first. Real-time tests run last and alone.
+test: SHORT = and not long
+PYTEST = tools/in_environment python -m pytest furuta_ws/tests
+test test-all:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
 		--requirement firmware/requirements.lock \
 		--requirement furuta_ws/tests/requirements.lock
-	tools/in_environment python -m pytest furuta_ws/tests -m "not realtime" --numprocesses auto
-	tools/in_environment python -m pytest furuta_ws/tests -m realtime
+	$(PYTEST) -m "not realtime $(SHORT)" \
+		--numprocesses auto --dist loadfile --no-loadscope-reorder
+	$(PYTEST) -m "realtime $(SHORT)"
 
 bench:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \

@@ -18,20 +18,19 @@ from pages import ROOT
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
-    "branch.png": "limit-cycle --branch viscous=0:0.3 --out OUT",
-    "comparison.png": "compare --rows random --rigs 1000 --seeds 1 --push 0 --out DIR",
-    "convergence.png": "convergence --out OUT",
+    "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
+    "comparison.png": "compare --rigs 1000 --out OUT",
+    "convergence.png": "linearize --passivity --out OUT",
     "demo.png": "demo --out DIR",
-    "describing_function.png": "describing-function --law lugre --out OUT",
+    "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
     "fig9.png": "experiment fig9 --out DIR",
-    "friction_curves.png": "describing-function --curves OUT",
+    "friction_curves.png": "limit-cycle --curves OUT",
     "limit_cycle.png": "limit-cycle --out OUT",
-    "map.png": "map omega1=1:15 zeta1=0.05:1.5 --out OUT",
-    "nyquist.png": "nyquist --figure-4 --out OUT",
-    "presliding.png": "describing-function --presliding OUT",
+    "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --out OUT",
+    "nyquist.png": "linearize --figure-4 --out OUT",
+    "presliding.png": "limit-cycle --presliding OUT",
     "release.png": "simulate --set enabled=false --set initial.theta=0.01 --ideal-sensors "
     "--seconds 20 --out OUT",
-    "sensitivity.png": "sensitivity --out OUT",
 }
 DRAWING = "pendulum.png"
 
@@ -52,6 +51,6 @@ def draw(name: str) -> None:
 
 
 if __name__ == "__main__":
-    for each in sys.argv[1:] or [DRAWING, *COMMANDS]:
-        print(each, flush=True)
-        draw(each)
+    for picture in sys.argv[1:] or [DRAWING, *COMMANDS]:
+        print(picture, flush=True)
+        draw(picture)

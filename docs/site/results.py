@@ -23,7 +23,7 @@ MISSING = "Not measured in this version."
 
 def table(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     """A table in Markdown."""
-    lines = [list(heads), *(list(row) for row in rows)]
+    lines: list[list[object]] = [list(heads), *(list(row) for row in rows)]
     lines.insert(1, ["---"] * len(lines[0]))
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 

@@ -17,8 +17,11 @@ import zstandard
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from furuta_recordings.bags.mcap_records import MAGIC, RECORD_HEAD, BagTopic
+from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.writer import BagWriter
+
+MAGIC = b"\x89MCAP0\r\n"
+RECORD_HEAD = struct.Struct("<BQ")
 
 JOINT_STATES = "sensor_msgs/msg/JointState"
 TYPES = get_typestore(Stores.ROS2_JAZZY)
@@ -66,26 +69,26 @@ def sqlite_bag(path: Path) -> Path:
 
 def _renamed_in_metadata(bag: Path, name: str) -> Path:
     metadata = bag / "metadata.yaml"
-    metadata.write_text(metadata.read_text().replace(f"{bag.name}_0.mcap", name))
+    metadata.write_text(metadata.read_text().replace(f"{bag.name}_0.db3", name))
     return bag
 
 
 def parent_path(path: Path) -> Path:
     """metadata.yaml names a file by a path with .."""
     sound_bag(path.parent / SECRET)
-    return _renamed_in_metadata(sound_bag(path), f"../{SECRET}/{SECRET}_0.mcap")
+    return _renamed_in_metadata(sound_bag(path), f"../{SECRET}/{SECRET}_0.db3")
 
 
 def absolute_path(path: Path) -> Path:
     """metadata.yaml names a file by an absolute path."""
-    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.mcap"
+    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.db3"
     return _renamed_in_metadata(sound_bag(path), str(outside))
 
 
 def linked_file(path: Path) -> Path:
     """The data file is a link to one outside."""
-    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.mcap"
-    file = sound_bag(path) / f"{path.name}_0.mcap"
+    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.db3"
+    file = sound_bag(path) / f"{path.name}_0.db3"
     file.unlink()
     file.symlink_to(outside)
     return path
@@ -111,7 +114,7 @@ def escaped_name(path: Path) -> Path:
 
 
 def pipe_as_data(path: Path) -> Path:
-    file = sound_bag(path) / f"{path.name}_0.mcap"
+    file = sound_bag(path) / f"{path.name}_0.db3"
     file.unlink()
     os.mkfifo(file)
     return path
@@ -125,7 +128,7 @@ def pipe_as_metadata(path: Path) -> Path:
 
 
 def device_as_data(path: Path) -> Path:
-    file = sound_bag(path) / f"{path.name}_0.mcap"
+    file = sound_bag(path) / f"{path.name}_0.db3"
     file.unlink()
     file.symlink_to("/dev/zero")
     return path
@@ -260,19 +263,6 @@ def long_quality_of_service() -> bytes:
     channel = struct.pack("<HH", 1, 0) + text("/command") + text("cdr") + text(qos)
     summary = record(4, channel)
     return data + summary + record(2, struct.pack("<QQI", len(data), 0, 0)) + MAGIC
-
-
-def claimed_count(path: Path) -> Path:
-    """The summary claims 10⁹ messages."""
-    bag = sound_bag(path)
-    (file,) = bag.glob("*.mcap")
-    data = file.read_bytes()
-    place = data.rindex(RECORD_HEAD.pack(11, 66)) + RECORD_HEAD.size
-    summary = bytearray(data)
-    summary[place : place + 8] = BILLION.to_bytes(8, "little")
-    summary[place + 48 : place + 56] = BILLION.to_bytes(8, "little")
-    file.write_bytes(summary)
-    return bag
 
 
 def claimed_array(path: Path) -> Path:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from furuta.studies.comparison.candidates import STANDARD, Candidate, parse_candidates
-from furuta.studies.comparison.comparison import Comparison, Rigs
+from furuta.studies.comparison.comparison import Comparison, Trials
+from furuta.studies.comparison.named_rigs import named_rigs, nominal_values
 from furuta.studies.comparison.random_rigs import (
     DISTURBANCES,
     FRICTION_ERROR,
     MODEL_ERROR,
     TUNING,
-    random_rig,
+    RandomRigs,
+    parse_ranges,
 )
-from furuta.studies.comparison.simulated_rigs import named_rigs, nominal_values
 from furuta.studies.comparison.tuning import (
     ARM_GUARD,
     TuningBudget,
@@ -22,31 +25,25 @@ from furuta.studies.comparison.tuning import (
     tune_candidate,
     value_at,
 )
-from furuta.studies.sweep import run_locally
+from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.settings import default_settings, load_settings, loop
-from furuta_sim.simulation.closed_loop import Loop, outcome
+from furuta_sim.simulation.closed_loop import outcome
 
 SETTINGS = default_settings()
 NOMINAL = nominal_values(SETTINGS)
 PLANT = {each.name for each in declared(NODES["plant"].parameters)}
 ALL = tuple(DISTURBANCES)
-
-
-def random_loops(first: int, count: int) -> dict[str, Loop]:
-    """The loop of every random rig with LuGre compensation, by the rig's name."""
-    lugre = parse_candidates(["lugre"], SETTINGS, tuned=False)
-    rigs = Rigs("random", count, first, 7, ALL)
-    comparison = Comparison(SETTINGS, rigs, lugre, 1, (), 30.0)
-    loops = (each for _, each in comparison.remaining_loops(set()))
-    return {run.rig: each for run, each in zip(comparison.runs(), loops, strict=True)}
+# What a rig file states: a level and a stiffness that go together.
+STATED = Uncertainty(("alpha0", "sigma0"), np.array([[0.02**2, 0.004], [0.004, 0.3**2]]))
+LEVEL = "friction.alpha0"
 
 
 def test_named_rigs_change_the_plant() -> None:
     """Each by parameters that exist, to values that differ from the nominal ones."""
-    rigs = list(named_rigs(SETTINGS))
+    rigs = named_rigs(SETTINGS)
     assert len(rigs) == len({rig.name for rig in rigs}) == 15
     for rig in rigs:
         assert rig.values.keys() <= PLANT, rig.name
@@ -57,75 +54,114 @@ def test_named_rigs_change_the_plant() -> None:
 def test_factors_apply_to_the_settings() -> None:
     """Of another rig's friction too."""
     settings = load_settings([], ["plant.friction.alpha0=0.5"])
-    (rig,) = (each for each in named_rigs(settings) if each.name == "levels x 0.7")
-    assert rig.values["friction.alpha0"] == pytest.approx(0.35)
-    assert rig.plant(settings, 0, 0.0, 0.0).friction.parameters.alpha0 == pytest.approx(0.35)
+    (rig,) = (rig for rig in named_rigs(settings) if rig.name == "levels x 0.7")
+    assert rig.plant(settings).friction.parameters.alpha0 == pytest.approx(0.35)
 
 
-def test_random_rig_is_the_same_alone_and_in_a_batch() -> None:
-    """To the last bit, with its plant and its run."""
-    batch, alone = random_loops(0, 12), random_loops(9, 1)
-    assert alone["9"] == batch["9"]
-    assert len({each.plant for each in batch.values()}) == 12
+@pytest.mark.parametrize(
+    "rigs",
+    [
+        RandomRigs(SETTINGS, 12, 7, ALL),
+        RandomRigs(SETTINGS, 12, 7, ALL, ((LEVEL, (0.1, 0.3)),), uncertainty=STATED),
+    ],
+)
+def test_random_rig_is_the_same_in_any_number(rigs: RandomRigs) -> None:
+    """Another seed has others, as have those to tune on."""
+    many = list(rigs)
+    assert len({rig.plant(SETTINGS) for rig in many}) == len(rigs) == 12
+    assert list(replace(rigs, size=4)) == many[:4]
+    for others in (replace(rigs, seed=8), replace(rigs, purpose=TUNING)):
+        assert all(rig not in many for rig in others)
 
 
 def test_disturbances_leave_the_other_choices_as_they_are() -> None:
     """A further disturbance sets its own parameters and no other choice."""
-    plain = random_rig(NOMINAL, 3, 1).values
-    assert random_rig(NOMINAL, 3, 1, ALL).values.items() >= plain.items()
+    (plain,), (every,) = (list(RandomRigs(SETTINGS, 1, 1, names)) for names in ((), ALL))
+    assert every.values.items() >= plain.values.items()
     for name in ALL:
-        one = random_rig(NOMINAL, 3, 1, (name,)).values
-        assert one.items() <= random_rig(NOMINAL, 3, 1, ALL).values.items(), name
-        assert one.keys() > plain.keys(), name
+        (one,) = RandomRigs(SETTINGS, 1, 1, (name,))
+        assert one.values.items() <= every.values.items(), name
+        assert one.values.keys() > plain.values.keys(), name
 
 
 def test_random_rigs_are_in_their_ranges() -> None:
     """Every law occurs, every error reaches most of its range, and every name exists."""
-    rigs = [random_rig(NOMINAL, k, 5, ALL).values for k in range(300)]
+    rigs = [rig.values for rig in RandomRigs(SETTINGS, 300, 5, ALL)]
     assert {rig["friction.law"] for rig in rigs} == set(LAWS)
     assert all(rig.keys() <= PLANT for rig in rigs)
-    for name, error in (("friction.alpha0", FRICTION_ERROR), ("model.delta", MODEL_ERROR)):
+    for name, error in ((LEVEL, FRICTION_ERROR), ("model.delta", MODEL_ERROR)):
         ratios = np.array([rig[name] for rig in rigs]) / NOMINAL[name]
         assert 1 - error <= ratios.min() < 1 - 0.9 * error
         assert 1 + 0.9 * error < ratios.max() <= 1 + error
     assert max(rig["drive.delay"] for rig in rigs) == 5
 
 
-def test_tuning_rigs_are_not_judged() -> None:
-    """They come from another stream of the same seed."""
-    judged = [random_rig(NOMINAL, k, 0).values for k in range(50)]
-    assert all(random_rig(NOMINAL, k, 0, (), TUNING).values not in judged for k in range(50))
+def test_given_ranges_alone_vary() -> None:
+    """Over their whole length, and beyond a block of points."""
+    rigs = list(RandomRigs(SETTINGS, 1500, 4, ranges=parse_ranges(["alpha0=0.15:0.3"])))
+    levels = [rig.values[LEVEL] for rig in rigs]
+    assert 0.15 <= min(levels) < 0.151
+    assert 0.299 < max(levels) <= 0.3
+    assert all(rig.values.keys() == {LEVEL} for rig in rigs)
 
 
-def test_only_the_plant_differs_between_rigs() -> None:
-    """Estimator, friction observer and controller are those of the candidate on every rig."""
-    (candidate,) = parse_candidates(["lugre"], SETTINGS, tuned=False)
-    expected = loop(candidate.applied_to(SETTINGS))
-    for each in random_loops(0, 20).values():
-        assert each[1:] == expected[1:]
+def test_rigs_are_as_uncertain_as_a_rig_file_says() -> None:
+    """About the settings' values, and correlated; a range replaces what the file says."""
+    settings = load_settings([], ["plant.friction.alpha0=0.4"])
+    rigs = RandomRigs(settings, 2000, 1, uncertainty=STATED)
+    drawn = [rig.plant(settings).friction.parameters for rig in rigs]
+    levels = np.array([friction.alpha0 for friction in drawn])
+    stiffness = np.log([friction.sigma0 / NOMINAL["friction.sigma0"] for friction in drawn])
+    assert levels.mean() == pytest.approx(0.4, abs=0.002)
+    assert np.cov(levels, stiffness) == pytest.approx(STATED.covariance, rel=0.15)
+    within = replace(rigs, size=300, ranges=((LEVEL, (0.1, 0.11)),))
+    assert all(0.1 <= rig.values[LEVEL] <= 0.11 for rig in within)
 
 
-def test_runs_are_those_of_their_loops() -> None:
-    """Seeds and pushes are in the rows, and a row has the outcome of its own loop."""
+def test_uncertain_torque_waves_vary() -> None:
+    """Their amplitudes are parameters of the plant."""
+    waves = ["plant.waves.orders=[14]", "plant.waves.cosine=[0.1]", "plant.waves.sine=[0.0]"]
+    settings = load_settings([], waves)
+    uncertain = Uncertainty(("wave14_cos",), np.array([[0.01**2]]))
+    drawn = [rig.plant(settings).waves for rig in RandomRigs(settings, 50, uncertainty=uncertain)]
+    assert np.std([each.cosine[0] for each in drawn]) == pytest.approx(0.01, rel=0.3)
+
+
+def test_rows_are_those_of_single_runs() -> None:
+    """Seeds and pushes are in the rows; only the plant differs from the candidate's loop."""
     candidates = parse_candidates(["none", "coulomb"], SETTINGS, tuned=False)
-    comparison = Comparison(SETTINGS, Rigs("random", 2), candidates, 2, (3.0,), 5.0)
-    runs = list(comparison.runs())
-    assert [(run.seed, run.push_v) for run in runs[:3]] == [(0, 0.0), (1, 0.0), (0, 3.0)]
-    found = dict(run_locally(comparison, {0, 5}))
-    assert sorted(found) == [1, 2, 3, 4, *range(6, len(runs))]
-    loops = dict(comparison.remaining_loops(set()))
-    for number in (2, 7):
-        given = loops[number]
-        assert isinstance(given, Loop)
-        expected = outcome(given, 5.0).phi_peak_to_peak_rad
-        assert found[number]["phi_peak_to_peak_rad"] == expected
-    assert found[1]["phi_peak_to_peak_rad"] != found[2]["phi_peak_to_peak_rad"]
+    rigs = list(RandomRigs(SETTINGS, 2))
+    comparison = Comparison(SETTINGS, rigs, candidates, Trials(2, (3.0,), 5.0))
+    rows = list(comparison.rows())
+    assert len(rows) == comparison.size == 12
+    assert [(row["seed"], row["push_v"]) for row in rows[:3]] == [(0, 0.0), (1, 0.0), (0, 3.0)]
+    assert rows[10]["candidate"] == "coulomb"
+    plant = rigs[1].plant(SETTINGS)._replace(seed=1)
+    alone = outcome(loop(candidates[1].applied_to(SETTINGS))._replace(plant=plant), 5.0)
+    assert rows[10].items() >= alone._asdict().items()
+    table = comparison.table()
+    sizes = [row["phi_peak_to_peak_rad"] for row in rows]
+    assert table.residual.T.ravel().tolist() == [max(sizes[k : k + 2]) for k in (0, 3, 6, 9)]
+    assert table.survived.shape == (2, 2, 1)
+
+
+def test_impossible_rigs_are_left_out() -> None:
+    """With their reason; if there are no others, that is an error."""
+    impossible = {"model.gamma": 0.1}
+    good, bad = named_rigs(SETTINGS)[0], named_rigs(SETTINGS)[1]._replace(values=impossible)
+    candidates = parse_candidates(["none"], SETTINGS, tuned=False)
+    comparison = Comparison(SETTINGS, [bad, good], candidates, Trials(seconds=5.0))
+    assert len(list(comparison.rows())) == 1
+    assert comparison.table().rigs == ["nominal"]
+    assert comparison.impossible.keys() == {"levels x 0.7"}
+    with pytest.raises(ParameterError, match="no rig is possible: alpha"):
+        list(Comparison(SETTINGS, [bad], candidates, Trials(seconds=5.0)).rows())
 
 
 def test_candidates_are_parsed() -> None:
     """Standard ones by name, others by settings that leave the plant alone; lists have commas."""
     every = parse_candidates(STANDARD, SETTINGS, tuned=False)
-    assert [each.name for each in every] == list(STANDARD)
+    assert [candidate.name for candidate in every] == list(STANDARD)
     text = "stiff=compensation=lugre,sigma0=1000,gain=[1, 2, 3, 4]"
     (stiff,) = parse_candidates([text], SETTINGS, tuned=False)
     made = loop(stiff.applied_to(SETTINGS))
@@ -139,7 +175,6 @@ def test_candidates_are_parsed() -> None:
     [
         ("nothing", "one of none"),
         ("a=", "expected NAME="),
-        ("=compensation=lugre", "expected NAME="),
         ("compensation=lugre", "expected PARAMETER=VALUE"),
         ("a=alpho0=1", "no parameter alpho0"),
         ("a=alpha0=-1", "alpha0 must be"),
@@ -152,19 +187,26 @@ def test_bad_candidates_are_rejected(text: str, reason: str) -> None:
     """The error says what is wrong."""
     with pytest.raises(ParameterError, match=reason):
         parse_candidates([text], SETTINGS, tuned=False)
-
-
-@pytest.mark.parametrize("text", ["a=alpha0=0.3:0.1", "a=alpha0=0:b", "a=compensation=0:1"])
-def test_bad_ranges_are_rejected(text: str) -> None:
-    """Wrong order, no number, no number's parameter."""
-    with pytest.raises(ParameterError, match="LOW"):
-        parse_candidates([text], SETTINGS, tuned=True)
-
-
-def test_a_candidate_is_named_once() -> None:
-    """Two candidates of one name could not be told apart in the table."""
     with pytest.raises(ParameterError, match="only once"):
         parse_candidates(["lugre", "lugre=sigma0=1"], SETTINGS, tuned=False)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("alpha0=0.3:0.1", "LOW < HIGH"),
+        ("alpha0=nan:1", "LOW < HIGH"),
+        ("alpha0=0:b", "expected LOW:HIGH"),
+        ("alpha0=1", "expected LOW:HIGH"),
+        ("alpha0=-1:1", "alpha0 must be"),
+        ("friction.law=0:1", "needs a real parameter"),
+        ("omega1=1:2", "parameters of the plant, given omega1"),
+    ],
+)
+def test_bad_ranges_are_rejected(text: str, reason: str) -> None:
+    """Wrong order, no number, no parameter of the plant."""
+    with pytest.raises(ParameterError, match=reason):
+        parse_ranges([text])
 
 
 def test_fraction_and_value_are_inverse() -> None:
@@ -178,7 +220,7 @@ def test_fraction_and_value_are_inverse() -> None:
 
 def test_tuning_improves_within_its_budget() -> None:
     """Coulomb compensation with a level that is 40 % too high finds a better one."""
-    budget = TuningBudget(12, Rigs("random", 1, purpose=TUNING), 20.0)
+    budget = TuningBudget(12, RandomRigs(SETTINGS, 1, purpose=TUNING), 20.0)
     observer = "friction_observer"
     settings = {f"{observer}.compensation": "coulomb", f"{observer}.alpha0": 0.3}
     candidate = Candidate("coulomb", settings, {f"{observer}.alpha0": (0.05, 1.0)})
@@ -191,7 +233,7 @@ def test_tuning_improves_within_its_budget() -> None:
 
 def test_tuning_counts_a_fall_as_the_guard() -> None:
     """And without a range the only evaluation is the start."""
-    budget = TuningBudget(12, Rigs("random", 2, purpose=TUNING), 10.0)
+    budget = TuningBudget(12, RandomRigs(SETTINGS, 2, purpose=TUNING), 10.0)
     off = Candidate("off", {"controller.mode": "off"}, {})
     tuned = tune_candidate(off, SETTINGS, budget)
     assert (tuned.before, tuned.after, tuned.evaluations) == (ARM_GUARD, ARM_GUARD, 1)

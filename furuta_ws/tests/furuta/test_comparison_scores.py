@@ -3,102 +3,86 @@
 from __future__ import annotations
 
 from math import inf, isnan
-from typing import Any
 
 import numpy as np
 import pytest
 
-from furuta.studies.comparison.scores import quantile, rank, tabulate
-from furuta.studies.estimates import fraction
+from furuta.studies.comparison.comparison import Table
+from furuta.studies.comparison.scores import (
+    fraction,
+    probability_below,
+    quantile,
+    rank,
+    recommended,
+)
 
 
-def row(
-    rig: str, candidate: str, size: float, *, fell: bool = False, push: float = 0.0
-) -> dict[str, Any]:
-    """A run as the table has it."""
-    return {
-        "rig": rig,
-        "candidate": candidate,
-        "seed": 0,
-        "push_v": push,
-        "phi_peak_to_peak_rad": size,
-        "command_rms_v": 0.1,
-        "fell": fell,
-        "error": "",
-    }
+def table(sizes: dict[str, list[float]], survived: dict[str, list[bool]] | None = None) -> Table:
+    """The table of candidates with these residuals, and with one push per rig."""
+    residual = np.array(list(sizes.values()))
+    pushes = [[[each] for each in row] for row in (survived or {}).values()]
+    return Table(
+        list(sizes),
+        [str(k) for k in range(residual.shape[1])],
+        residual,
+        np.full(residual.shape, 0.1),
+        np.array(pushes, bool) if pushes else np.empty((*residual.shape, 0), bool),
+    )
 
 
 def test_quantile_intervals_are_order_statistics() -> None:
     """For the median of 100 values the 40th and the 61st, as tables give; few values give none."""
     assert quantile(np.arange(1.0, 101.0), 0.5) == (50.0, 40.0, 61.0)
-    few = quantile(np.arange(1.0, 11.0), 0.95)
-    assert few.value == 10.0
-    assert isnan(few.high)
+    value, _, high = quantile(np.arange(1.0, 11.0), 0.95)
+    assert value == 10.0
+    assert isnan(high)
 
 
 def test_quantiles_with_falls() -> None:
     """A fall is an infinite residual, and leaves the quantiles below it alone."""
     values = np.array([*np.arange(1.0, 100.0), inf])
-    assert quantile(values, 0.5).value == 50.0
-    assert quantile(values, 1.0 - 1e-9).value == inf
+    assert quantile(values, 0.5)[0] == 50.0
+    assert quantile(values, 1.0 - 1e-9)[0] == inf
 
 
 @pytest.mark.parametrize("n", [10, 1000])
 def test_fractions_of_none_and_all(n: int) -> None:
     """The closed forms of Clopper and Pearson: 1 − 0.025^(1/n) for no hit of n."""
     limit = 1.0 - 0.025 ** (1.0 / n)
-    assert fraction(0, n) == pytest.approx((0.0, 0.0, limit))
-    assert fraction(n, n) == pytest.approx((1.0, 1.0 - limit, 1.0))
+    assert fraction(np.zeros(n, bool)) == pytest.approx((0.0, 0.0, limit))
+    assert fraction(np.ones(n, bool)) == pytest.approx((1.0, 1.0 - limit, 1.0))
+    assert probability_below(np.zeros(n, bool)) == pytest.approx(1.0 - 0.05 ** (1.0 / n))
 
 
-def test_residual_is_the_largest_over_the_seeds() -> None:
-    """Runs with a push do not count, and a fall is infinite."""
-    rows = [
-        row("0", "none", 0.5),
-        row("0", "none", 0.6),
-        row("0", "none", 9.0, push=1.0),
-        row("1", "none", 0.4, fell=True),
-        row("1", "none", 0.5),
-        row("1", "none", 0.5, push=1.0, fell=True),
-    ]
-    table = tabulate(rows)
-    assert table.residual.tolist() == [[0.6, inf]]
-    assert table.survived.tolist() == [[[True], [False]]]
-
-
-def test_impossible_runs_are_left_out() -> None:
-    """Their rig does not count."""
-    rows = [row("0", "none", 0.5), {**row("1", "none", 0.0), "error": "no"}]
-    assert tabulate(rows).rigs == ["0"]
+def test_a_fraction_as_tables_give_it() -> None:
+    """3 of 100 is 0.62 % to 8.52 %."""
+    assert fraction(np.arange(100) < 3) == pytest.approx((0.03, 0.0062, 0.0852), abs=1e-4)
 
 
 def test_ranking() -> None:
     """By the largest residuals; harm and lost pushes are counted against no compensation."""
-    rows = []
-    for rig in range(20):
-        name = str(rig)
-        rows += [row(name, "none", 0.5), row(name, "none", 0.0, push=2.0)]
-        rows += [row(name, "good", 0.02), row(name, "good", 0.0, push=2.0, fell=rig == 4)]
-        # Better on most rigs, but it falls on two and is worse than none on one more.
-        bad = {0: inf, 1: inf, 2: 0.7}.get(rig, 0.01)
-        rows += [row(name, "bad", bad, fell=bad == inf), row(name, "bad", 0.0, push=2.0)]
-    good, none, bad = rank(tabulate(rows), 0.025)
-    assert [each.candidate for each in (good, none, bad)] == ["good", "none", "bad"]
+    # Better on most rigs, but it falls on two and is worse than none on one more.
+    bad = [inf, inf, 0.7] + 17 * [0.01]
+    sizes = {"none": 20 * [0.5], "good": 20 * [0.02], "bad": bad}
+    survived = {"none": 20 * [True], "good": [rig != 4 for rig in range(20)], "bad": 20 * [True]}
+    scores = rank(table(sizes, survived), 0.025)
+    good, none, bad_score = scores
+    assert [score.candidate for score in scores] == ["good", "none", "bad"]
     assert (good.falls, good.worse_than_none, good.pushes_lost) == (0, 0, 1)
-    assert (bad.falls, bad.worse_than_none, bad.pushes_lost) == (2, 3, 0)
+    assert (bad_score.falls, bad_score.worse_than_none, bad_score.pushes_lost) == (2, 3, 0)
     assert (good.pushes, good.pushes_survived) == (20, 19)
-    assert good.within_count.value == 1.0
-    assert bad.within_count.value == pytest.approx(17 / 20)
-    assert bad.residual_median_rad.value == 0.01
-    assert good.beats_next is not None
-    assert good.beats_next.value == 1.0
-    assert none.beats_next is not None
-    assert none.beats_next.value == pytest.approx(3 / 20)
-    assert bad.beats_next is None
+    assert good.within_count == 1.0
+    assert bad_score.within_count == pytest.approx(17 / 20)
+    assert bad_score.residual_median_rad == 0.01
+    assert good.beats_next == 1.0
+    assert none.beats_next == pytest.approx(3 / 20)
+    assert bad_score.beats_next is None
+    assert recommended(scores) == good
 
 
-def test_without_the_uncompensated_loop() -> None:
-    """Nothing is counted against it."""
-    (score,) = rank(tabulate([row("0", "lugre", 0.02)]), 0.025)
-    assert score.worse_than_none is None
-    assert score.pushes_lost is None
+def test_nothing_is_recommended_if_all_fall() -> None:
+    """And without the uncompensated loop nothing is counted against it."""
+    scores = rank(table({"lugre": [0.02, inf]}), 0.025)
+    assert recommended(scores) is None
+    assert scores[0].worse_than_none is None
+    assert scores[0].pushes_lost is None

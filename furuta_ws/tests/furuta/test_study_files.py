@@ -1,4 +1,4 @@
-"""Journal and table of a study: kills at any byte, memory, types."""
+"""Journal and table of a study: what continues, what is kept, types."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from furuta.studies.sweep_journal import Journal
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 from furuta_recordings.table_files import parquet
+from furuta_sim.simulation.closed_loop import Outcome
 
 RESULTS = {number: {"size": 0.1 * number, "error": ""} for number in (2, 0, 1)}
 
@@ -24,42 +25,40 @@ class Study(NamedTuple):
     values: np.ndarray = np.array([1.0, 2.0])
 
 
-def recorded(out: Path) -> bytes:
-    """The journal with all results that are not there yet."""
+def recorded(out: Path, stop: int = 9) -> list[int]:
+    """Add results to the journal of ``out``, at most ``stop``; the numbers that were there."""
     journal = Journal(out, Study())
-    rest = [(number, result) for number, result in RESULTS.items() if number not in journal]
+    before = list(journal)
+    rest = [(number, RESULTS[number]) for number in RESULTS if number not in journal][:stop]
     assert list(journal.record(iter(rest))) == rest
-    assert {number: journal[number] for number in journal} == RESULTS
-    assert len(journal) == len(RESULTS)
+    assert len(journal) == len(before) + len(rest)
+    assert all(journal[number] == RESULTS[number] for number in journal)
     journal.close()
-    return out.with_name(out.name + ".part").read_bytes()
+    return before
 
 
-def test_a_journal_continues_from_any_byte(tmp_path: Path) -> None:
-    """A kill can cut it anywhere, in its first line too."""
-    whole = recorded(tmp_path / "a.csv")
-    out = tmp_path / "b.csv"
-    for length in range(len(whole)):
-        out.with_name("b.csv.part").write_bytes(whole[:length])
-        assert recorded(out) == whole
-
-
-def test_a_journal_of_another_study_is_kept(tmp_path: Path) -> None:
-    """One number is enough to be another study."""
+def test_a_journal_continues(tmp_path: Path) -> None:
+    """With the runs that are not there yet."""
     out = tmp_path / "a.csv"
-    whole = recorded(out)
-    with pytest.raises(ParameterError, match="belongs to another study"):
-        Journal(out, Study(values=np.array([1.0, np.nextafter(2.0, 3.0)])))
-    assert out.with_name("a.csv.part").read_bytes() == whole
+    assert recorded(out, stop=2) == []
+    assert recorded(out) == [0, 2]
+    assert recorded(out) == [0, 1, 2]
 
 
-def test_a_journal_of_results_with_other_columns_is_kept(tmp_path: Path) -> None:
-    """An earlier version may have measured less."""
+@pytest.mark.parametrize("other", ["a value", "the columns", "a text"])
+def test_a_journal_of_another_study_is_kept(tmp_path: Path, other: str) -> None:
+    """One number is enough to be another study; an earlier version may have measured less."""
     out = tmp_path / "a.csv"
-    whole = recorded(out)
-    with pytest.raises(ParameterError, match="version of this program"):
-        Journal(out, Study(), ("size",))
-    assert out.with_name("a.csv.part").read_bytes() == whole
+    journal = out.with_name("a.csv.part")
+    recorded(out)
+    if other == "a text":
+        journal.write_text("notes of my own, which are no journal")
+    kept = journal.read_bytes()
+    study = Study(values=np.array([1.0, np.nextafter(2.0, 3.0)])) if "value" in other else Study()
+    columns = ("size",) if "columns" in other else Outcome._fields
+    with pytest.raises(ParameterError, match="belongs to another study or version"):
+        Journal(out, study, columns)
+    assert journal.read_bytes() == kept
 
 
 def rows(count: int) -> Any:

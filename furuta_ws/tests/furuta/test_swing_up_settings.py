@@ -1,17 +1,20 @@
-"""Settings of swing-up: which rigs and estimators are refused, and the arm's travel in turns."""
+"""Swing-up: which rigs and estimators are refused, travel in turns, and what counts as a fall."""
 
 from __future__ import annotations
 
 from math import pi
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from furuta.studies.swing_up.knocks import Knocks, count_knocks
 from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import Record
 
 
 def test_needs_a_full_turn_sensor() -> None:
@@ -39,3 +42,12 @@ def test_arm_travel_in_turns(tmp_path: Path) -> None:
         file.write_text(f"limits: {given}")
         with pytest.raises(ParameterError, match=r"limits\.arm_turns"):
             load_rig(file)
+
+
+def test_knocks_are_counted() -> None:
+    """Down for a second at 20 s, and from 50 s on: two falls, one swing-up, 49 s upright."""
+    state = np.zeros((30_000, 4))
+    state[10_000:10_500, 2] = state[25_000:, 2] = pi
+    empty = np.empty(0)
+    run = Record(0.002, state, empty, empty, empty, empty, empty)
+    assert count_knocks(run) == Knocks(5, 2, 1, pytest.approx(49.0))

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import reference
 from scipy.linalg import expm
 
 from furuta_control.control import (
-    BALANCE_MEMORY,
-    MEMORY,
+    ControllerMemory,
     ControllerParameters,
     control,
     design_controller,
     reset,
 )
 from furuta_control.excitation import ExcitationParameters
-from furuta_control.modes.balance import BALANCING, INTEGRAL
+from furuta_model.block import new_memory
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 
@@ -24,11 +25,11 @@ GAIN = (-1.0, -2.0, -30.0, -4.0)
 RNG = np.random.default_rng(13)
 
 
-def memory_of(balancing: bool = True) -> np.ndarray:
+def memory_of(balancing: bool = True) -> Any:
     """The memory of a controller that balances the pendulum, or does not."""
-    memory = np.zeros(MEMORY)
-    memory[BALANCE_MEMORY + BALANCING] = balancing
-    return memory
+    memory = new_memory(ControllerMemory)
+    memory["balance"]["balancing"] = balancing
+    return memory[0]
 
 
 def command(x: list[float] | np.ndarray, friction: float = 0.0, **parameters: object) -> float:
@@ -105,7 +106,7 @@ CATCHING = ControllerParameters(gain=GAIN, voltage_limit=100.0, catch_time=0.005
 
 
 def driven(
-    memory: np.ndarray, states: list[list[float]], p: ControllerParameters = CATCHING
+    memory: Any, states: list[list[float]], p: ControllerParameters = CATCHING
 ) -> list[bool]:
     """Whether the controller drives the arm in each state."""
     feedback = design_controller(p)
@@ -258,7 +259,7 @@ def test_integral_action() -> None:
     assert series[249] == pytest.approx(0.2 + 0.2 * 0.25 / 0.5)
     assert series[-1] == pytest.approx(0.2 + 0.7)
     control(memory, np.array([0.2, 0, 1.0, 0]), 0.0, design)
-    assert memory[BALANCE_MEMORY + INTEGRAL] == 0.0
+    assert memory["balance"]["integral"] == 0.0
 
 
 @pytest.mark.parametrize("friction", [0.3, -0.2])

@@ -6,14 +6,20 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_control.estimation import (
+    EstimatorMemory,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+)
 from furuta_control.estimators.lowpass import LowpassParameters
+from furuta_model.block import new_memory
 from furuta_model.sensors import Sensors
 
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
     """Estimates (n, 5) for measurements (n, 5), from a new filter."""
-    memory, design = np.zeros(MEMORY), design_estimator(p)
+    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
     result = np.full_like(measurements, 99.0)
     for measurement, estimate in zip(measurements.copy(), result, strict=True):
         estimate_state(memory, measurement, design, estimate)
@@ -83,7 +89,7 @@ def test_new_method_starts_from_the_last_estimate(methods: tuple[str, str]) -> N
     time = np.arange(400) * 1e-3
     theta = 0.1 * np.sin(5.0 * time)
     before, after = (design_estimator(EstimatorParameters(each)) for each in methods)
-    memory, found = np.zeros(MEMORY), np.zeros((400, 5))
+    memory, found = new_memory(EstimatorMemory)[0], np.zeros((400, 5))
     for k, measurement in enumerate(of_theta(theta)):
         estimate_state(memory, measurement, before if k < 200 else after, found[k])
     jump = np.abs(found[200, 2:4] - found[199, 2:4])

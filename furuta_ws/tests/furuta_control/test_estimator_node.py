@@ -9,8 +9,14 @@ import numpy as np
 from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
-from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_control.estimation import (
+    EstimatorMemory,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+)
 from furuta_control.estimator_node import EstimatorNode
+from furuta_model.block import new_memory
 from furuta_ros.message_age import MAX_AGE
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
@@ -22,7 +28,7 @@ def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
     bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
-    memory, estimate = np.zeros(MEMORY), np.zeros(5)
+    memory, estimate = new_memory(EstimatorMemory)[0], np.zeros(5)
     design = design_estimator(EstimatorParameters())
     for k in range(5):
         x = (0.1 * k, 0.2, 0.01 * k**2, nan)

@@ -10,8 +10,7 @@ import reference
 
 from furuta_control.control import (
     ACTIVE_MODES,
-    MEMORY,
-    SWING_UP_MEMORY,
+    ControllerMemory,
     ControllerParameters,
     active_mode,
     control,
@@ -19,7 +18,8 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.modes import arm_limits, energy_shaping, tracking
-from furuta_control.modes.swing_up import BEYOND, CAUGHT, SwingUpParameters
+from furuta_control.modes.swing_up import SwingUpParameters
+from furuta_model.block import new_memory
 from furuta_model.inverse_dynamics import arm_dynamics
 from furuta_model.pendulum import FurutaPendulum
 
@@ -33,7 +33,8 @@ class Rig:
     """The frictionless rig with its controller, by the reference equations of motion."""
 
     def __init__(self, x: list[float], p: ControllerParameters = PARAMETERS) -> None:
-        self.x, self.memory, self._design = np.array(x), np.zeros(MEMORY), design_controller(p)
+        self.x, self._design = np.array(x), design_controller(p)
+        self.memory = new_memory(ControllerMemory)[0]
         self.largest = np.zeros(3)
         self.modes: list[str] = []
 
@@ -94,9 +95,9 @@ def test_energy_shaping_drives_the_energy_to_its_target() -> None:
     limits = arm_limits.design(MODEL, 10.0, 0.0, 6.0, 9.9, DT)
     p = energy_shaping.design(MODEL, 10.0, limits)
     for theta, w in ((2.5, 1.0), (-2.5, 1.0), (2.5, -1.0), (0.3, 20.0), (0.3, -20.0)):
-        memory = np.zeros(energy_shaping.MEMORY)
+        memory = new_memory(energy_shaping.EnergyShapingMemory)[0]
         state = np.array((0.0, 0.0, theta, w))
-        power = -np.cos(theta) * w * energy_shaping.acceleration(memory, 0, state, p)
+        power = -np.cos(theta) * w * energy_shaping.acceleration(memory, state, p)
         energy = 0.25 * w * w / p.squared_frequency + 0.5 * (np.cos(theta) - 1.0)
         assert power * (energy_shaping.FIRST_TARGET - energy) > 0.0
 
@@ -138,8 +139,8 @@ def test_an_arm_beyond_its_travel_ends_the_swing_up() -> None:
     """It is braked and left at 0 V, also with ``recover``."""
     rig = Rig([6.5, 0.0, -pi, 0.0], PARAMETERS._replace(swing_up=SwingUpParameters(True)))
     rig.run(1.0)
-    assert rig.memory[SWING_UP_MEMORY + BEYOND] == 1.0
-    assert rig.memory[SWING_UP_MEMORY + CAUGHT] == 0.0
+    assert rig.memory["swing_up"]["beyond"]
+    assert not rig.memory["swing_up"]["caught"]
     assert rig.modes[-1] == "off"
 
 
@@ -160,8 +161,8 @@ def test_tracks_a_trajectory() -> None:
     p = tracking.design(MODEL, torques, duration, 10.0, limits, 100.0 * np.eye(4), DT)
     x = np.array((0.05, 0.0, -pi + 0.03, 0.0))
     assert tracking.can_start(x, p)
-    first = abs(tracking.deviation(x, 0.0, 2, p))
+    first = abs(tracking.deviation(x, 0, 2, p))
     for k in range(p.samples):
-        x = reference_step(x, tracking.command(x, float(k), 0.0, p))
-    assert abs(tracking.deviation(x, float(p.samples), 2, p)) < 0.3 * first
-    assert tracking.lost(x, float(p.samples), p)
+        x = reference_step(x, tracking.command(x, k, 0.0, p))
+    assert abs(tracking.deviation(x, p.samples, 2, p)) < 0.3 * first
+    assert tracking.lost(x, p.samples, p)

@@ -9,14 +9,13 @@ import pytest
 import reference
 
 from furuta_control.estimation import (
-    MEMORY,
+    EstimatorMemory,
     EstimatorParameters,
     design_estimator,
     estimate_state,
 )
 from furuta_control.estimators import kalman, whole_circle
-from furuta_control.estimators.kalman import KalmanParameters
-from furuta_control.estimators.rig import NominalRig
+from furuta_model.block import new_memory
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -40,13 +39,14 @@ def test_hanging_model_is_the_linear_model_about_hanging() -> None:
 
 def test_upright_it_is_the_stationary_filter() -> None:
     """For small motions one step is that of the Kalman filter for the linear model."""
-    rig, noise = NominalRig(MODEL, SENSORS, DT), KalmanParameters()
-    filters = kalman.design(rig, noise), whole_circle.design(rig, noise)
-    state = 1e-4 * np.array((0.3, 1.0, -0.4, 0.8, 2.0))
-    reading = 1e-4 * np.array((0.3, 1.2, -0.5, np.nan, 3.0))
-    linear, nonlinear = state.copy(), state.copy()
-    kalman.update(linear, reading, filters[0])
-    whole_circle.update(nonlinear, reading, filters[1])
+    p = EstimatorParameters(method="whole_circle", sensors=SENSORS)
+    reading, estimates = 1e-4 * np.array((0.3, 1.2, -0.5, np.nan, 3.0)), []
+    for method in (kalman, whole_circle):
+        memory = new_memory(EstimatorMemory)[0]
+        memory["estimate"] = 1e-4 * np.array((0.3, 1.0, -0.4, 0.8, 2.0))
+        method.update(memory, reading, design_estimator(p))
+        estimates.append(memory["estimate"])
+    linear, nonlinear = estimates
     np.testing.assert_allclose(nonlinear, linear, rtol=1e-3, atol=1e-9)
 
 
@@ -58,7 +58,7 @@ def test_follows_a_turning_pendulum_through_the_seam(viscous: float) -> None:
         sensors=SENSORS,
         model_viscous=viscous,
     )
-    design, memory, estimate = design_estimator(p), np.zeros(MEMORY), np.zeros(5)
+    design, memory, estimate = design_estimator(p), new_memory(EstimatorMemory)[0], np.zeros(5)
     x, level = np.array((0.0, 0.0, -2.0, 14.0)), 0.2
     generator = np.random.default_rng(3)
     errors = []

@@ -80,52 +80,6 @@ def test_bad_start_values_are_rejected(ros: None, overrides: list[Any], reason: 
     )
 
 
-def test_earlier_names_on_a_running_node(bench: Bench) -> None:
-    """The parameter services accept them and change the current parameter."""
-    node = bench.add(EstimatorNode())
-    client = ParameterClient(bench.probe, bench.executor)
-    client.set("estimator", friction_spread=0.7, filter_damping=0.8)
-    assert node.parameters.kalman.friction_process_noise == 0.7
-    assert node.parameters.lowpass.filter_damping == 0.8
-    assert client.get("estimator", ["friction_process_noise"]) == {"friction_process_noise": 0.7}
-    with pytest.raises(ServiceError, match="friction_process_noise"):
-        client.set("estimator", friction_spread=-1.0, filter_damping=0.9)
-    assert node.parameters.lowpass.filter_damping == 0.8
-    assert not node.has_parameter("friction_spread")
-
-
-def test_earlier_names_from_the_node_itself(ros: None) -> None:
-    """Both functions of the node that set parameters accept them."""
-    node = EstimatorNode()
-    (result,) = node.set_parameters([Parameter("pendulum_spread", value=0.2)])
-    assert result.successful
-    assert node.parameters.kalman.pendulum_process_noise == 0.2
-    assert node.set_parameters_atomically([Parameter("pendulum_spread", value=1)]).successful
-    assert node.parameters.kalman.pendulum_process_noise == 1.0
-    node.destroy_node()
-
-
-@pytest.mark.parametrize(
-    ("overrides", "expected"),
-    [
-        ([Parameter("friction_spread", value=0.7)], 0.7),
-        ([Parameter("friction_spread", value=2)], 2.0),
-        (
-            [
-                Parameter("friction_spread", value=0.7),
-                Parameter("friction_process_noise", value=0.9),
-            ],
-            0.9,
-        ),
-    ],
-)
-def test_earlier_names_at_the_start(ros: None, overrides: list[Any], expected: float) -> None:
-    """A node starts with a parameter by its earlier name; the current name takes precedence."""
-    node = EstimatorNode(overrides)
-    assert node.parameters.kalman.friction_process_noise == expected
-    node.destroy_node()
-
-
 def test_parameter_without_a_name_is_rejected(ros: None) -> None:
     """It would otherwise be declared."""
     node = EstimatorNode()

@@ -24,9 +24,9 @@ UNCERTAINTY = Uncertainty(
 )
 
 
-def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int) -> list[Rig]:
-    """Rigs that are as likely as the uncertainty says."""
-    changes = uncertainty.draws(count, np.random.default_rng(3))
+def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int) -> list[Rig]:
+    """Random rigs that are as likely as the uncertainty says."""
+    changes = uncertainty.draws(count, np.random.default_rng(seed))
     return [changed_rig(rig, uncertainty.names, change) for change in changes]
 
 
@@ -46,12 +46,12 @@ def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
 
 def test_draws_have_the_covariance() -> None:
     """β is drawn by its logarithm; no delay is negative; α keeps the arm's own inertia."""
-    rigs = drawn_rigs(RIG, UNCERTAINTY, 2000)
-    beta = np.array([log(rig.model.beta / RIG.model.beta) for rig in rigs])
-    level = np.array([rig.friction.alpha0 - RIG.friction.alpha0 for rig in rigs])
+    rigs = drawn_rigs(RIG, UNCERTAINTY, 2000, seed=3)
+    beta = np.array([log(each.model.beta / RIG.model.beta) for each in rigs])
+    level = np.array([each.friction.alpha0 - RIG.friction.alpha0 for each in rigs])
     drawn = np.cov(beta, level)
     assert drawn == pytest.approx(UNCERTAINTY.covariance[:2, :2], rel=0.15, abs=0.0)
-    assert all(rig.model.determinant > 0.0 and rig.drive.delay >= 0.0 for rig in rigs)
+    assert all(each.model.determinant > 0.0 and each.drive.delay >= 0.0 for each in rigs)
     inertia = {round(r.model.alpha - r.model.gamma**2 / r.model.beta, 12) for r in rigs}
     assert len(inertia) == 1
 
@@ -62,9 +62,9 @@ def test_waves_are_uncertain(tmp_path: Path) -> None:
     given = Uncertainty(("wave14_sin", "wave1_cos"), np.diag([1e-4, 0.0]))
     file.write_text(rig_file_text(RIG, given, "a rig"))
     rig, uncertainty = load_uncertain_rig(file)
-    waves = [drawn.waves for drawn in drawn_rigs(rig, uncertainty, 500)]
-    assert np.std([wave.sine[1] for wave in waves]) == pytest.approx(0.01, rel=0.1)
-    assert {(wave.orders, wave.cosine, wave.sine[0]) for wave in waves} == {
+    waves = [each.waves for each in drawn_rigs(rig, uncertainty, 500, seed=1)]
+    assert np.std([each.sine[1] for each in waves]) == pytest.approx(0.01, rel=0.1)
+    assert {(each.orders, each.cosine, each.sine[0]) for each in waves} == {
         ((1.0, 14.0), (0.01, 0.02), 0.0)
     }
     file.write_text(file.read_text().replace("wave14_sin", "wave15_sin"))
@@ -78,6 +78,7 @@ def test_waves_are_uncertain(tmp_path: Path) -> None:
         ("uncertainty: 3", "must have standard_errors"),
         ("uncertainty: {standard_errors: {mass: 1}}", "uncertainty of unknown mass"),
         ("uncertainty: {standard_errors: {beta: -1}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: x}}", "of beta must be a number of at least 0"),
         ("uncertainty: {standard_errors: {beta: 1}, spread: 2}", "unknown: uncertainty.spread"),
         (
             "uncertainty: {standard_errors: {beta: 1}, correlations: [[1, 0]]}",

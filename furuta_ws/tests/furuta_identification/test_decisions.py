@@ -8,19 +8,19 @@ from random_rigs import Readings, Rig, record
 
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs import rig
-from furuta_identification.fitting.ceiling import fitted_ceiling, what_hides_a_ceiling
-from furuta_identification.fitting.identifiability import undetermined
-from furuta_identification.fitting.identify import identify
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import summary
-from furuta_identification.fitting.validation import Prediction, predict_prepared, validate
-from furuta_identification.fitting.verdict import verdict
-from furuta_identification.preparation.options import Options
+from furuta_identification.identify import identify
+from furuta_identification.model import Model, Prediction
+from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
+from furuta_identification.regression.autocorrelation import coloured_part
+from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.regression.speeds import speed_lag, with_speeds
-from furuta_identification.regression.whiteness import coloured_part
-from furuta_identification.rigs.identified_rig import identified_rig
+from furuta_identification.result.identified_rig import identified_rig
+from furuta_identification.result.report import summary
+from furuta_identification.result.validation import validate
+from furuta_identification.result.verdict import verdict
 from furuta_identification.shooting.unknowns import wave_names
+from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
@@ -156,7 +156,7 @@ def test_a_balanced_recording_stays_upright(model: Model) -> None:
 
 def test_the_verdict_looks_at_the_arm(model: Model) -> None:
     """A model whose arm does not follow is not usable, however well the pendulum does."""
-    good = [predict_prepared(model, each) for each in model.recordings]
+    good = [model.predict(recording) for recording in model.recordings]
     assert verdict(good)["usable"] == "yes"
     wrong = good[0].predicted.copy()
     wrong[:, :2] = 0.0

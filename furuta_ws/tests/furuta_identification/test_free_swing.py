@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from furuta_identification.fitting.free_swing import identify_free_swing
-from furuta_identification.preparation.options import Options
+from furuta_identification.options import Options
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 

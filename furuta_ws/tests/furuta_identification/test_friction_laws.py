@@ -1,4 +1,4 @@
-"""Comparison of friction laws: those that an arm does not have are not carried by the data."""
+"""Comparison of friction laws: the data support no law that the arm does not have."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from furuta_identification.fitting.friction_laws import (
     compare_laws,
     simplest_adequate_law,
 )
-from furuta_identification.fitting.model import Model
+from furuta_identification.model import Model
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.rig_model import move
 from furuta_identification.shooting.unknowns import BODY
@@ -87,7 +87,7 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     ],
 )
 def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:
-    """More parameters are not carried by themselves."""
+    """More parameters alone are not supported."""
     results = compared(paper_arm(**friction), "asymmetric", "load-dependent", "lugre")
     assert simplest_adequate_law(results).law == law
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta_identification.fitting.linearity import is_linear
 from furuta_identification.shooting.unknowns import BODY
+from furuta_identification.uncertainty.jackknife import is_linear
 
 ROWS = 400
 

@@ -13,9 +13,9 @@ import os
 import numpy as np
 from random_rigs import Readings, sampled
 
-from furuta_identification.fitting.first_estimate import first_estimate
-from furuta_identification.preparation.options import Options
+from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare_all
+from furuta_identification.regression.first_estimate import first_estimate
 from furuta_identification.regression.speeds import speed_lag
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording

@@ -15,7 +15,7 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.bags import background_writer
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.metadata import BagTopic
 
 TOPICS = [BagTopic("/a", "std_msgs/msg/Float64", "float64 data\n", "")]
 MEGABYTE = bytes(2**20)

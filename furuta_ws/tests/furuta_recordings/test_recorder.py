@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from mcap.reader import make_reader
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
 from testbench import joint_state
@@ -167,11 +168,9 @@ def test_type_hashes_are_those_of_the_installed_messages(
     in_metadata = {each["topic_metadata"]["name"]: each["topic_metadata"] for each in topics}
     full_name = "/" + kind.name.strip("/")
     assert in_metadata[full_name]["type_description_hash"] == expected
-    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
-        channels = make_reader(stream).get_summary().channels.values()
-    assert {each.topic: each.metadata["topic_type_hash"] for each in channels}[
-        full_name
-    ] == expected
+    with closing(sqlite3.connect(tmp_path / "bag" / "bag_0.db3")) as database:
+        rows = database.execute("SELECT name, type_description_hash FROM topics")
+        assert dict(rows)[full_name] == expected
 
 
 def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> None:
@@ -199,7 +198,7 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
         "liveliness_lease_duration": {"sec": 9223372036, "nsec": 854775807},
         "avoid_ros_namespace_conventions": False,
     }
-    with Reader(tmp_path / "bag") as bag, Reader(tmp_path / "bag" / "bag_0.mcap") as file:
+    with Reader(tmp_path / "bag") as bag, Reader(tmp_path / "bag" / "bag_0.db3") as file:
         assert bag.ros_distro == "jazzy"
         assert {c.topic: c.ext for c in bag.connections} == {
             c.topic: c.ext for c in file.connections
@@ -212,11 +211,11 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
 
 
 def test_a_file_holds_the_metadata_too(ros: None, tmp_path: Path) -> None:
-    """In a record named rosbag2: a file without metadata.yaml is read as version 9 too."""
+    """A file without metadata.yaml is read as version 9 too."""
     recorder = RecorderNode(tmp_path / "bag")
     recorder.destroy_node()
-    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream:
-        (record,) = (r for r in make_reader(stream).iter_metadata() if r.name == "rosbag2")
-    about = yaml.safe_load(record.metadata["serialized_metadata"])
+    with closing(sqlite3.connect(tmp_path / "bag" / "bag_0.db3")) as database:
+        ((text,),) = database.execute("SELECT metadata FROM metadata").fetchall()
+    about = yaml.safe_load(text)
     assert (about["version"], about["ros_distro"]) == (9, "jazzy")
     assert (about["relative_file_paths"], about["files"]) == ([], [])

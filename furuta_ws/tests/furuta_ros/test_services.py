@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from rclpy.task import Future
 
-from furuta_ros.services import ServiceError, call_service
+from furuta_ros.services import ServiceCaller, ServiceError
 
 
 class SlowNode:
-    """Answers each request after ``delay`` further requests."""
+    """A node, its client and its executor; answers each request after ``delay`` further ones."""
 
-    def __init__(self, delay: int, failure: Exception | None = None) -> None:
-        self.delay, self.failure = delay, failure
+    def __init__(self, delay: int, failure: Exception | None = None, present: bool = True) -> None:
+        self.delay, self.failure, self.present = delay, failure, present
         self.sent: list[Future] = []
 
-    def send(self) -> Future:
+    def create_client(self, kind: Any, name: str) -> SlowNode:
+        """A client of a service."""
+        return self
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """All nodes."""
+        return [("slow", "/left")]
+
+    def wait_for_service(self, timeout: float) -> bool:
+        """Whether the service is there."""
+        return self.present
+
+    def call_async(self, request: Any) -> Future:
         """Send a request."""
         self.sent.append(Future())
         return self.sent[-1]
@@ -30,29 +44,25 @@ class SlowNode:
 
     def call(self, **options: int) -> object:
         """Call the service."""
-        return call_service(self, "slow", lambda timeout: True, self.send, **options)
+        node: Any = self
+        return ServiceCaller(node, node).call("slow", "service", None, None, **options)
 
 
-@pytest.mark.parametrize("delay", [0, 1, 9])
+@pytest.mark.parametrize("delay", [0, 9])
 def test_late_response_counts(delay: int) -> None:
     """A node that takes longer than the time between two requests is not a node that is silent."""
     assert SlowNode(delay).call() == "to request 0"
 
 
 def test_silent_node() -> None:
-    """After all attempts."""
+    """After all attempts, or after one if the request must not be repeated."""
     node = SlowNode(delay=10)
     with pytest.raises(ServiceError, match="slow did not answer within 10 s"):
         node.call()
     assert len(node.sent) == 10
-
-
-def test_request_that_must_not_be_repeated() -> None:
-    """It is sent once, even if nobody answers."""
-    node = SlowNode(delay=1)
     with pytest.raises(ServiceError, match="did not answer"):
         node.call(attempts=1)
-    assert len(node.sent) == 1
+    assert len(node.sent) == 11
 
 
 def test_failed_call() -> None:
@@ -62,8 +72,9 @@ def test_failed_call() -> None:
 
 
 def test_missing_node() -> None:
-    """Nothing is sent to a service that is not there."""
-    node = SlowNode(0)
-    with pytest.raises(ServiceError, match="no node slow answers"):
-        call_service(node, "slow", lambda timeout: False, node.send)
+    """Nothing is sent to a service that is not there; nodes of that name elsewhere are named."""
+    node = SlowNode(0, present=False)
+    reason = r"no node slow answers .* in other namespaces: /left/sl"
+    with pytest.raises(ServiceError, match=reason):
+        node.call()
     assert not node.sent

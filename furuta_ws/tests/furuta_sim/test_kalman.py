@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from furuta_control.estimation import MEMORY, EstimatorParameters, design_estimator, estimate_state
+from furuta_control.estimation import (
+    EstimatorMemory,
+    EstimatorParameters,
+    design_estimator,
+    estimate_state,
+)
 from furuta_control.estimators.kalman import KalmanParameters
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.block import new_memory
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -31,7 +37,7 @@ TORQUE = np.array([0, 45, 0, -29, 0], dtype=float)
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
     """Estimates (n, 5) for measurements (n, 5)."""
-    memory, design = np.zeros(MEMORY), design_estimator(p)
+    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
     result = np.zeros_like(measurements)
     for measurement, estimate in zip(measurements.copy(), result, strict=True):
         estimate_state(memory, measurement, design, estimate)

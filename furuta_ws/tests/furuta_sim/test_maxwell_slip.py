@@ -5,23 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.converter import Actuator
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.plant_memory import PLANT_MEMORY
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import design_plant, initial_state, move
+from furuta_sim.plant import design_plant, initial_plant, move
 
 P = Friction(alpha1=0.0)
 REACH = P.alpha0 / P.sigma0
 
 
 @compiled
-def _follow(x: np.ndarray, path: np.ndarray, springs: int, law: FrictionLaw) -> np.ndarray:
+def _follow(x: PlantMemory, path: np.ndarray, springs: int, law: FrictionLaw) -> np.ndarray:
     force = np.empty(len(path))
     before = 0.0
     for k in range(len(path)):
@@ -39,7 +40,7 @@ def follow(corners: list[float], springs: int, steps: int = 200) -> np.ndarray:
         [np.linspace(a, b, steps + 1)[1:] for a, b in zip([0.0, *corners], corners, strict=False)]
     )
     law = friction_law("maxwell_slip", P)
-    return _follow(np.zeros(PLANT_MEMORY), path * REACH, springs, law)[steps - 1 :: steps]
+    return _follow(new_memory(PlantMemory)[0], path * REACH, springs, law)[steps - 1 :: steps]
 
 
 @pytest.mark.parametrize("springs", range(1, MAX_SPRINGS + 1))
@@ -70,11 +71,12 @@ def arm_under(law: str, torque: np.ndarray) -> np.ndarray:
         actuator=Actuator(bits=0),
         pendulum_friction=PendulumFriction(damping=0.02),
     )
-    design, x = design_plant(plant), initial_state(plant)
+    design, memory = design_plant(plant), initial_plant(plant)[0]
+    x = memory["x"]
     x[2] = np.pi
     angle = np.empty(len(torque))
     for k, u in enumerate(torque):
-        move(x, float(u), design)
+        move(memory, float(u), design)
         angle[k] = x[0]
     return angle
 

@@ -11,11 +11,10 @@ from scipy.integrate import solve_ivp
 
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
-from furuta_model.parts.plant_memory import HEAT, TORQUE
 from furuta_model.parts.sensor_faults import uniform
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import design_plant, initial_state, move, read, true_friction
+from furuta_sim.plant import design_plant, initial_plant, move, read, true_friction
 
 # Pendulum hanging at rest, so that nothing moves unless it is pushed.
 HANGING = {"initial.theta": np.pi}
@@ -31,32 +30,32 @@ def rig(**given: Any) -> PlantParameters:
 def run(
     parameters: PlantParameters, commands: np.ndarray, start: np.ndarray | None = None
 ) -> np.ndarray:
-    """The plant's memory after every sample (n, m)."""
-    plant, x = design_plant(parameters), initial_state(parameters)
+    """The plant's memory after every sample (n,)."""
+    plant, memory = design_plant(parameters), initial_plant(parameters)
     if start is not None:
-        x[: len(start)] = start
+        memory["x"][0, : len(start)] = start
     rows = []
     for u in commands:
-        move(x, float(u), plant)
-        rows.append(x.copy())
-    return np.array(rows)
+        move(memory[0], float(u), plant)
+        rows.append(memory.copy())
+    return np.concatenate(rows)
 
 
 def readings(parameters: PlantParameters, samples: int) -> np.ndarray:
     """Readings (n, 5) while the rig moves freely, with the same noise for any parameters."""
-    plant, x = design_plant(parameters), initial_state(parameters)
+    plant, memory = design_plant(parameters), initial_plant(parameters)[0]
     noise, measurement, rows = np.random.default_rng(1), np.zeros(5), []
     for _ in range(samples):
-        read(x, noise.standard_normal(2), plant, measurement)
+        read(memory, noise.standard_normal(2), plant, measurement)
         rows.append(measurement.copy())
-        move(x, 0.1, plant)
+        move(memory, 0.1, plant)
     return np.array(rows)
 
 
 def test_drive_delay_and_dead_band() -> None:
     """A voltage acts some samples later, without the dead band; 0 V before."""
     commands = np.array([1.0, -2.0, 0.05, -0.05, 3.0, 0.0, 0.0])
-    torque = run(rig(drive__delay=2, drive__dead_band=0.1, **FINE_DRIVE), commands)[:, TORQUE]
+    torque = run(rig(drive__delay=2, drive__dead_band=0.1, **FINE_DRIVE), commands)["torque"]
     assert torque == pytest.approx([0.0, 0.0, 0.9, -1.9, 0.0, 0.0, 2.9])
 
 
@@ -66,8 +65,8 @@ def test_drive_lag_is_exact() -> None:
     parameters = rig(drive__lag=lag, **FINE_DRIVE, **NO_FRICTION)
     memory = run(parameters, np.ones(5), np.array([0.0, 0.0, 0.0, 0.0]))
     time = dt * np.arange(1, 6)
-    assert memory[:, TORQUE] == pytest.approx(1.0 - np.exp(-time / lag), rel=1e-12)
-    speed = memory[:, PHI_DOT] * (parameters.model.determinant / parameters.model.beta)
+    assert memory["torque"] == pytest.approx(1.0 - np.exp(-time / lag), rel=1e-12)
+    speed = memory["x"][:, PHI_DOT] * (parameters.model.determinant / parameters.model.beta)
     assert speed == pytest.approx(time - lag * (1.0 - np.exp(-time / lag)), rel=2e-3)
 
 
@@ -78,8 +77,8 @@ def test_pendulum_friction_truly_sticks() -> None:
     held, released = 0.9 * 0.01 / delta, 1.1 * 0.01 / delta
     for angle, moves in ((held, False), (released, True)):
         states = run(given, np.zeros(500), np.array([0.3, 0.0, np.pi - angle, 0.0]))
-        assert (abs(states[-1, THETA] - (np.pi - angle)) > 1e-6) == moves
-        assert states[-1, PHI] == pytest.approx(0.3, abs=1e-12)
+        assert (abs(states["x"][-1, THETA] - (np.pi - angle)) > 1e-6) == moves
+        assert states["x"][-1, PHI] == pytest.approx(0.3, abs=1e-12)
 
 
 def test_pendulum_damping_and_base_motion() -> None:
@@ -112,7 +111,7 @@ def test_pendulum_damping_and_base_motion() -> None:
 
     start = np.array([0.4, 0.0, 2.0, 0.0])
     expected = solve_ivp(rate, (0, 1.0), start, rtol=1e-10, atol=1e-12).y[:, -1]
-    assert run(given, np.zeros(10_000), start)[-1, :4] == pytest.approx(expected, abs=1e-5)
+    assert run(given, np.zeros(10_000), start)["x"][-1, :4] == pytest.approx(expected, abs=1e-5)
 
 
 def test_push_is_exact_to_a_sample() -> None:
@@ -124,7 +123,7 @@ def test_push_is_exact_to_a_sample() -> None:
         **NO_FRICTION,
         **HANGING,
     )
-    speed = run(given, np.zeros(8))[:, PHI_DOT]
+    speed = run(given, np.zeros(8))["x"][:, PHI_DOT]
     pushed = np.diff(speed, prepend=0.0) * given.model.determinant / given.model.beta / 1e-3
     assert pushed == pytest.approx([0, 0, 0, 1.0, 1.5, 0.5, 0, 0], abs=0.01)
 
@@ -160,14 +159,15 @@ def test_level_over_angle_time_and_load(law: str) -> None:
         friction__viscous=0.3,
         **FINE_DRIVE,
     )
-    plant, x = design_plant(given), initial_state(given)
+    plant, memory = design_plant(given), initial_plant(given)[0]
+    x = memory["x"]
     x[THETA] = np.pi
     for _ in range(2000):
-        move(x, 0.6, plant)
+        move(memory, 0.6, plant)
     factor = 1.0 + 0.3 * np.sin(3 * x[PHI] + 0.5) + 0.2 * (1.0 - np.exp(-1.999 / 0.5)) + 0.06
     expected = friction.alpha0 * factor + 0.3 * x[PHI_DOT]
     assert x[PHI_DOT] > 0.1
-    assert true_friction(x, plant) == pytest.approx(expected, rel=5e-3)
+    assert true_friction(memory, plant) == pytest.approx(expected, rel=5e-3)
 
 
 def test_heat_is_the_work_of_the_friction() -> None:
@@ -177,9 +177,9 @@ def test_heat_is_the_work_of_the_friction() -> None:
     )
     start = np.array([0.0, 8.0, np.pi, 0.0])
     states = run(given, np.zeros(300), start)
-    before, after = (reference_energy(x, given) for x in (start, states[-1]))
+    before, after = (reference_energy(x, given) for x in (start, states["x"][-1]))
     assert before - after > 0.1
-    assert states[-1, HEAT] == pytest.approx(before - after, rel=2e-2)
+    assert states["heat"][-1] == pytest.approx(before - after, rel=2e-2)
 
 
 def reference_energy(x: np.ndarray, given: PlantParameters) -> float:
@@ -197,7 +197,7 @@ def test_cogging_has_its_torque() -> None:
     start = np.array([0.3, 0.0, np.pi, 0.0])
     states = run(given, np.zeros(1), start)
     expected = reference.accelerations(0.0, np.pi, 0.0, -0.5 * np.sin(2.3), given.model)[0]
-    assert states[0, PHI_DOT] / 1e-3 == pytest.approx(expected, rel=1e-2)
+    assert states["x"][0, PHI_DOT] / 1e-3 == pytest.approx(expected, rel=1e-2)
 
 
 def test_late_readings() -> None:
@@ -260,7 +260,7 @@ def test_a_tilt_is_a_constant_acceleration_of_the_base() -> None:
         start | {"pushes.durations": (1e6,), "pushes.base_x": (0.03,), "pushes.base_y": (-0.02,)},
     )
     commands = np.full(200, 0.5)
-    np.testing.assert_array_equal(run(tilted, commands)[:, :5], run(pushed, commands)[:, :5])
+    np.testing.assert_array_equal(run(tilted, commands)["x"], run(pushed, commands)["x"])
 
 
 def test_waves_of_torque_are_cogging() -> None:
@@ -272,7 +272,7 @@ def test_waves_of_torque_are_cogging() -> None:
     wave = {"waves.orders": (7.0, 7.0), "waves.cosine": (0.0, 0.0), "waves.sine": (-0.15, -0.05)}
     commands = np.full(200, 0.5)
     np.testing.assert_allclose(
-        run(build(PlantParameters, start | wave), commands)[:, :5],
-        run(cogged, commands)[:, :5],
+        run(build(PlantParameters, start | wave), commands)["x"],
+        run(cogged, commands)["x"],
         atol=1e-12,
     )

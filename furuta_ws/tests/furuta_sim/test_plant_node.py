@@ -16,7 +16,7 @@ from furuta_model.parameters import build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
 from furuta_sim.parameters import PlantNodeParameters
-from furuta_sim.plant import design_plant, initial_state, move
+from furuta_sim.plant import design_plant, initial_plant, move
 from furuta_sim.plant_node import PlantNode
 
 
@@ -31,14 +31,15 @@ def test_lockstep_moves_once_per_command(bench: Bench) -> None:
     measurements, truths = bench.collect(MEASUREMENT), bench.collect(GROUND_TRUTH)
     commands = bench.publisher(COMMAND)
     rig = node.parameters.plant
-    x = initial_state(rig)
+    memory = initial_plant(rig)
+    x = memory["x"][0]
     bench.spin(lambda: len(measurements) == 1)
     bench.settle()
     assert len(measurements) == 1
     for k in range(1, 4):
         commands.publish(Float64(data=0.5 * k))
         bench.spin(lambda k=k: len(truths) == k + 1 == len(measurements))
-        torque = move(x, 0.5 * k, design_plant(rig))
+        torque = move(memory[0], 0.5 * k, design_plant(rig))
         assert measurements[-1].effort[0] == torque == pytest.approx(0.5 * k, abs=20 / 4096)
         assert truths[-1].header.stamp.nanosec == k * 1_000_000
         assert [*truths[-1].position, *truths[-1].velocity] == x[[0, 2, 1, 3]].tolist()

@@ -14,7 +14,7 @@ import pytest
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import (
     LOST,
-    MEMORY,
+    EstimatorMemory,
     EstimatorParameters,
     design_estimator,
     estimate_state,
@@ -23,6 +23,7 @@ from furuta_control.estimation import (
     unusable_readings,
 )
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.block import new_memory
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, Simulation, simulate
@@ -44,7 +45,7 @@ def swinging() -> np.ndarray:
 
 def estimates(measurements: np.ndarray, p: EstimatorParameters) -> tuple[np.ndarray, np.ndarray]:
     """Estimates (n, 5) and the unusable readings (n,) of every sample."""
-    memory, design = np.zeros(MEMORY), design_estimator(p)
+    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
     result = np.zeros_like(measurements)
     unusable = np.zeros(len(result), dtype=int)
     for k, measurement in enumerate(measurements.copy()):
@@ -206,7 +207,7 @@ def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
     simulation.loop = loop._replace(controller=ControllerParameters(enabled=False))
     simulation.run(10.0)
     simulation.loop = loop
-    state = simulation._state
+    state = simulation.state
     assert cos(state[2]) < 0.0
     for angle in np.linspace(2.0, 0.0, 1000):
         state[:5] = [0.0, 0.0, angle, -2.0, 0.0]
@@ -221,7 +222,7 @@ def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
 def test_skipped_samples_are_bridged(method: str) -> None:
     """With every fifth measurement the speed is as good as with all, not five times too large."""
     measurements, design = swinging(), design_estimator(EstimatorParameters(method))
-    memory, estimate = np.zeros(MEMORY), np.zeros(5)
+    memory, estimate = new_memory(EstimatorMemory)[0], np.zeros(5)
     expected, _ = estimates(measurements, EstimatorParameters(method))
     for k in range(0, 400, 5):
         pass_skipped(

@@ -10,8 +10,8 @@ import reference
 
 from furuta_model.parts.converter import Actuator, convert, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_sim.parameters import InitialState, PlantParameters, Sensors
-from furuta_sim.plant import Noise, design_plant, initial_state, measure, move
+from furuta_sim.parameters import PlantParameters, Sensors
+from furuta_sim.plant import Noise, design_plant, initial_plant, measure, move
 
 QUIET = np.zeros(2)
 
@@ -124,20 +124,14 @@ def test_noise_is_one_seeded_stream() -> None:
     assert rows.std(0) == pytest.approx([1, 1], abs=0.06)
 
 
-def test_initial_state() -> None:
-    """The rig starts where it is held, its bristle slack and its memory empty."""
-    plant = PlantParameters(initial=InitialState(1.0, 2.0, 3.0, 4.0))
-    state = list(initial_state(plant))
-    assert state[:5] == [1, 2, 3, 4, 0]
-    assert not any(state[5:])
-
-
 def test_one_sample_of_the_rig() -> None:
     """A sample moves the plant under the drive's clipped and rounded voltage, held."""
     plant = PlantParameters(sample_time=0.005)
     for command, torque in ((50.0, 10 - 20 / 4096), (0.006, 20 / 4096)):
-        x = np.array([0.1, 0.5, 0.05, -0.2, 0.001])
+        memory = initial_plant(plant)[0]
+        x = memory["x"]
+        x[:] = [0.1, 0.5, 0.05, -0.2, 0.001]
         expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction.parameters)
         made = design_plant(plant)
-        move(x, command, made._replace(substeps=8 * made.substeps))
+        move(memory, command, made._replace(substeps=8 * made.substeps))
         assert x == pytest.approx(expected, abs=2e-5)

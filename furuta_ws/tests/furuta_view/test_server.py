@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import http.client
 import socket
 from collections.abc import Iterator
@@ -15,8 +14,6 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from furuta_model.parameters import ParameterError
-from furuta_view.access import COOKIE, Access, Request, is_local
-from furuta_view.page_scripts import SCRIPT
 from furuta_view.server import PageServer
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -80,17 +77,6 @@ def test_page_may_not_be_framed_and_requests_nothing_elsewhere(server: PageServe
     assert "default-src 'self'" in policy
 
 
-@pytest.mark.parametrize("encoding", ["gzip", "identity"])
-def test_page_has_the_scripts(server: PageServer, encoding: str) -> None:
-    """Once, in a page that is otherwise whole."""
-    asked = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=30.0)
-    asked.request("GET", "/", headers={"Accept-Encoding": encoding})
-    body = asked.getresponse().read()
-    page = gzip.decompress(body) if encoding == "gzip" else body
-    assert page.count(SCRIPT) == 1
-    assert page.rstrip().endswith(b"</html>")
-
-
 def test_server_listens_on_this_machine_only(server: PageServer) -> None:
     """Not on all addresses, as viser does by default."""
     with pytest.raises(OSError, match="refused"):
@@ -106,30 +92,3 @@ def test_port_in_use_is_an_error(server: PageServer) -> None:
     """The user named it, so no other one is taken."""
     with pytest.raises(ParameterError, match=f"port {server.get_port()}: Address already in use"):
         PageServer(port=server.get_port())
-
-
-def asked(path: str = "/", cookie: str = "", origin: str = "") -> Request:
-    """A request from the network."""
-    return Request(path, "pc:8080", origin, cookie, bool(origin))
-
-
-def test_token_is_needed_on_the_network() -> None:
-    """For the page in its address, for the web socket as a cookie that the page has set."""
-    access = Access(8080, "secret")
-    assert access.refusal(asked("/?token=secret")) == ""
-    assert COOKIE in access.cookie_to_set(asked("/?token=secret"))
-    assert access.refusal(asked(cookie=f"{COOKIE}=secret", origin="http://pc:8080")) == ""
-    assert "token" in access.refusal(asked())
-    assert "token" in access.refusal(asked("/?token=guess"))
-    assert access.refusal(asked("/?token=secret", origin="http://pc:8080"))
-    assert access.refusal(asked(cookie=f"{COOKIE}=secret", origin="http://evil.example"))
-    assert access.cookie_to_set(asked("/?token=guess")) == ""
-
-
-@pytest.mark.parametrize(
-    ("address", "local"),
-    [("127.0.0.1", True), ("::1", True), ("localhost", True), ("0.0.0.0", False)],
-)
-def test_local_addresses(address: str, local: bool) -> None:
-    """Without a token only what this machine alone reaches."""
-    assert is_local(address) == local

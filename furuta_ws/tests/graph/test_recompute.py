@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from furuta.figures.recomputation import draw_recomputation
-from furuta.studies.recompute import recompute_bag
-from furuta.studies.recorded_loop import compare
+from furuta.figures.series import draw_recomputation
+from furuta.studies.recomputation import compare, recompute_bag
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_recordings.recorder_node import RecorderNode

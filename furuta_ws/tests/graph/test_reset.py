@@ -13,8 +13,7 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from furuta.studies.recompute import recompute_bag
-from furuta.studies.recorded_loop import compare
+from furuta.studies.recomputation import compare, recompute_bag
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_recordings.recorder_node import RecorderNode

@@ -16,6 +16,7 @@ from furuta_model.parameters import ParameterError, declared
 from furuta_ros.context import ros_context
 from furuta_sim.plant_node import PlantNode
 from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.rigs import config_directory
 
 
 def start(node: Any, file: Path, namespace: str = "") -> Any:
@@ -80,6 +81,13 @@ def test_a_dump_loads_again(tmp_path: Path, name: str, change: bool) -> None:
         bench.close()
     assert start(node, write(tmp_path, text)) == before
     assert (before != NODES[name].parameters()) == bool(changes)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_the_installed_file_loads(name: str) -> None:
+    """ROS accepts the installed parameter file of every node."""
+    file = config_directory() / f"{name}.yaml"
+    assert start(NODES[name].load_class(), file) == NODES[name].parameters()
 
 
 @pytest.mark.parametrize("text", ["[]", "[0.0]", "[0]"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from furuta.studies.tuning.plan import TuningPlan
 from furuta.studies.tuning.tunable_loop import SimulatedLoop
 from furuta.studies.tuning.tuning import tune
@@ -13,6 +15,7 @@ def silent(message: str, seconds: float) -> None:
     """Ignore progress."""
 
 
+@pytest.mark.long
 def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
     settings = load_settings([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])

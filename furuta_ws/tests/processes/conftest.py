@@ -1,10 +1,12 @@
-"""Running the product as a user does: executables of the install space, as processes."""
+"""Running the product as a user does: executables of the install space, and verbs."""
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from math import inf
@@ -15,11 +17,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from furuta_bringup import main
 from furuta_graph.processes import executable
 from furuta_sim.emulator.monitor import ask
 from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 240.0
+WIDTH = "200"  # of the terminal [characters]
 GRACE = 10.0
 STATUS_AGE = 0.05
 
@@ -41,6 +45,12 @@ class Processes:
         """Start a verb of the command line."""
         return self.start(executable("furuta_bringup", "furuta"), *arguments)
 
+    def run(self, *arguments: str | Path) -> tuple[int, str, str]:
+        """Run a verb to its end: exit status, standard output, standard error."""
+        process = self.furuta(*arguments)
+        out, err = process.communicate(timeout=TIMEOUT)
+        return process.returncode, out, err
+
     def start(self, *command: str | Path) -> subprocess.Popen[str]:
         """Start a command."""
         process = subprocess.Popen(
@@ -48,7 +58,7 @@ class Processes:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            env=os.environ | {"COLUMNS": "200"},
+            env=os.environ | {"COLUMNS": WIDTH},
         )
         self._all.append(process)
         return process
@@ -116,12 +126,24 @@ def processes() -> Iterator[Processes]:
 
 
 @pytest.fixture
-def furuta(processes: Processes) -> Callable[..., Any]:
-    """Run a verb to its end: exit status, standard output, standard error."""
+def furuta(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., tuple[int, str, str]]:
+    """Run a verb in this process: exit status, standard output, standard error.
 
-    def run(*arguments: str | Path) -> tuple[int, str, str]:
-        process = processes.furuta(*arguments)
-        out, err = process.communicate(timeout=TIMEOUT)
-        return process.returncode, out, err
+    A test that has started ROS itself, or that sends signals, uses ``processes.run``.
+    """
+    monkeypatch.setenv("COLUMNS", WIDTH)
+
+    def run(*arguments: str | Path | float) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["furuta", *map(str, arguments)])
+        monkeypatch.setattr(logging.root, "handlers", [])  # made again, for this standard error
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main.run_command(main.furuta, "furuta")
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        return int(ended.value.code or 0), *capfd.readouterr()
 
     return run

@@ -1,7 +1,8 @@
-"""The verbs on transfer functions as a user meets them."""
+"""The verbs ``linearize`` and ``limit-cycle`` as a user meets them."""
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -16,163 +17,180 @@ from furuta_bringup import main
 PNG = b"\x89PNG"
 
 
+def answer(result: tuple[int, str, str]) -> dict[str, Any]:
+    """The JSON of a verb that succeeds."""
+    status, out, err = result
+    assert status == 0, err
+    parsed: dict[str, Any] = json.loads(out)
+    return parsed
+
+
+def test_verbs_of_the_readme_have_the_options_that_it_names() -> None:
+    """README: all verbs of its table on the loop's motion accept these."""
+    readme = (ROOT / "README.md").read_text()
+    table = readme[readme.index("| question | verb |") :].split("\n\n")[0]
+    verbs = set(re.findall(r"`([a-z-]+)[ `]", table))
+    assert verbs == {"simulate", "linearize", "limit-cycle"}
+    for verb in verbs:
+        command = main.furuta.get_command(click.Context(main.furuta), verb)
+        assert command is not None
+        options = {name for parameter in command.params for name in parameter.opts}
+        assert {"--json", "--set", "--params", "--out", "--feedback", "--law"} <= options, verb
+
+
 def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:
     """Case a crosses, b does not, c and d start on the negative real axis; and a picture."""
     picture = tmp_path / "new" / "figure4.png"
-    status, out, err = furuta("nyquist", "--figure-4", "--out", picture, "--json")
-    assert status == 0, err
-    result = json.loads(out)
-    assert [(each["case"], each["omega_rad_s"]) for each in result["crossings"]] == [
+    result = answer(furuta("linearize", "--figure-4", "--out", picture, "--json"))
+    assert [(crossing["case"], crossing["omega_rad_s"]) for crossing in result["crossings"]] == [
         ("a", pytest.approx(3.057, abs=1e-3)),
         ("c", 0.0),
         ("d", 0.0),
     ]
-    assert "steady rotation: at 0.21 rad/s" in result["cases"]["c"]["note"]
+    assert "steady rotation: at 0.21 rad/s" in result["nyquist"]["c"]["note"]
     assert picture.read_bytes().startswith(PNG)
 
 
-def test_verbs_of_the_readme_have_the_options_that_it_names() -> None:
-    """README: all accept these, and all but ``convergence`` a friction law."""
-    readme = (ROOT / "README.md").read_text()
-    table = readme[readme.index("| question | verb |") :].split("\n\n")[0]
-    verbs = set(re.findall(r"`([a-z-]+)[ `]", table))
-    assert {"simulate", "convergence", "limit-cycle", "map", "nyquist"} < verbs
-    assert "All but `convergence` accept a friction law (`--law`)." in readme
-    for verb in verbs:
-        options = {name for each in _verb(verb).params for name in each.opts}
-        assert {"--json", "--set", "--params", "--out", "--feedback"} <= options, verb
-        assert ("--law" in options) == (verb != "convergence"), verb
-
-
-def _verb(name: str) -> click.Command:
-    found = main.furuta.get_command(click.Context(main.furuta), name)
-    assert found is not None
-    return found
-
-
 def test_nyquist_of_the_controller(furuta: Any) -> None:
-    """The default feedback is the controller's own gain."""
-    result = json.loads(furuta("nyquist", "--json")[1])
-    placed = json.loads(furuta("linearize", "--json")[1])
-    assert result["feedback"] == pytest.approx([-each for each in placed["L"]])
-    assert result["stable_without_friction"] is True
+    """The default feedback is the controller's own gain; --feedback replaces it everywhere."""
+    result = answer(furuta("linearize", "--nyquist", "--json"))
+    assert result["nyquist"]["given"]["feedback"] == [-gain for gain in result["L"]]
     (crossing,) = result["crossings"]
     assert crossing["omega_rad_s"] == pytest.approx(3.0301, abs=1e-4)
+    result = answer(furuta("linearize", "--nyquist", "--feedback", "10", "4", "60", "20", "--json"))
+    assert result["L"] == [-10, -4, -60, -20]
+    assert result["crossings"][0]["omega_rad_s"] == pytest.approx(3.057, abs=1e-3)
+
+
+def test_passivity(furuta: Any, tmp_path: Path) -> None:
+    """The paper's K does not satisfy the condition, and the reason is given."""
+    picture = tmp_path / "g.png"
+    result = answer(furuta("linearize", "--passivity", "--json", "--out", picture))
+    assert picture.read_bytes().startswith(PNG)
+    assert result["passive"] is False
+    about = result["passivity"]
+    assert "5.09 1/s in the right half plane" in about["reason"]
+    assert about["K"] == 0.01
+    assert about["static_gain"] == pytest.approx(80 / result["L"][0])
+    assert about["violated_rad_s"][1][1] is None
+    assert about["largest_stable_gain"] == {
+        "positive": 0.0,
+        "negative": pytest.approx(0.03228, abs=1e-5),
+    }
+    assert about["passive_error"]["smallest_real_part"] > 0.0
+    assert about["exact_model"] is True
+
+
+def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
+    """The verb uses gain, friction and feedback, and reports a model mismatch."""
+    settings = ("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2")
+    given = ("--passivity", "--feedback", "10", "4", "60", "20", *settings)
+    about = answer(furuta("linearize", "--json", *given))["passivity"]
+    assert about["K"] == -0.5
+    assert about["static_gain"] == pytest.approx(-8.0)
+    assert about["exact_model"] is False
 
 
 @pytest.mark.parametrize(
     ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
 )
-def test_describing_function(
-    furuta: Any, tmp_path: Path, law: str, width: float, period: float
-) -> None:
+def test_prediction(furuta: Any, tmp_path: Path, law: str, width: float, period: float) -> None:
     """The predicted limit cycle of the rig, with pictures."""
-    out_file, curves = tmp_path / "n.png", tmp_path / "laws.png"
-    presliding = tmp_path / "presliding.png"
-    status, out, err = furuta(
-        "describing-function",
-        "--law",
-        law,
-        "--json",
-        "--out",
-        out_file,
-        "--curves",
-        curves,
-        "--presliding",
-        presliding,
-    )
-    assert status == 0, err
-    (cycle,) = json.loads(out)["cycles"]
+    pictures = [tmp_path / f"{name}.png" for name in ("out", "curves", "presliding")]
+    drawn = (word for picture in pictures for word in (f"--{picture.stem}", picture))
+    result = answer(furuta("limit-cycle", "--predict", "--law", law, "--json", *drawn))
+    (cycle,) = result["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(width, abs=1e-4)
     assert cycle["period_s"] == pytest.approx(period, abs=1e-4)
     assert cycle["stable"] is True
-    assert out_file.read_bytes().startswith(PNG)
-    assert curves.read_bytes().startswith(PNG)
-    assert presliding.read_bytes().startswith(PNG)
+    assert all(picture.read_bytes().startswith(PNG) for picture in pictures)
 
 
-def test_parameters_and_feedback_reach_it(furuta: Any) -> None:
+def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
     """Friction twice as strong, cycle twice as wide; without φ no cycle but rotations."""
-    result = json.loads(
-        furuta("describing-function", "--law", "coulomb", "--set", "alpha0=0.42", "--json")[1]
-    )
+    predict = ("limit-cycle", "--predict", "--json")
+    result = answer(furuta(*predict, "--law", "coulomb", "--set", "alpha0=0.42"))
     assert result["cycles"][0]["phi_peak_to_peak_rad"] == pytest.approx(2 * 0.6425, abs=2e-4)
-    result = json.loads(
-        furuta("describing-function", "--feedback", "0", "7", "60", "20", "--json")[1]
-    )
+    result = answer(furuta(*predict, "--feedback", "0", "7", "60", "20"))
     assert result["cycles"] == []
-    assert [each["rate_rad_s"] for each in result["rotations"]] == pytest.approx(
-        [0.03208, -0.03208], abs=1e-5
-    )
+    rates = [rotation["rate_rad_s"] for rotation in result["rotations"]]
+    assert rates == pytest.approx([0.03208, -0.03208], abs=1e-5)
     assert "steady rotation" in result["note"]
 
 
-def test_convergence(furuta: Any, tmp_path: Path) -> None:
-    """The paper's K does not satisfy the condition, and the reason is given."""
-    picture = tmp_path / "new" / "g.png"
-    status, out, err = furuta("convergence", "--json", "--out", picture)
-    assert status == 0, err
-    result = json.loads(out)
-    assert picture.read_bytes().startswith(PNG)
-    assert result["satisfied"] is False
-    assert "5.09 1/s in the right half plane" in result["reason"]
-    assert result["K"] == 0.01
-    assert result["L"] == pytest.approx(json.loads(furuta("linearize", "--json")[1])["L"])
-    assert [5.0903, 0.0] in [[round(each, 4) for each in zero] for zero in result["zeros"]]
-    assert result["static_gain"] == pytest.approx(80 / result["L"][0])
-    assert result["smallest_real_part"] == pytest.approx(result["static_gain"])
-    assert result["at_omega_rad_s"] == 0.0
-    assert result["violated_rad_s"][1][1] is None
-    assert result["largest_stable_gain"] == {
-        "positive": 0.0,
-        "negative": pytest.approx(0.03228, abs=1e-5),
-    }
-    assert result["friction_passive"] is False
-    assert result["passive_error"]["smallest_real_part"] > 0.0
-    assert result["exact_model"] is True
-
-
-def test_convergence_takes_feedback_and_parameters(furuta: Any) -> None:
-    """The verb uses gain, friction and feedback, and reports a model mismatch."""
-    status, out, err = furuta(
-        "convergence",
-        "--json",
-        "--feedback",
-        *("10", "4", "60", "20"),
-        *("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2"),
+def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
+    """All keys of the answer, and a picture."""
+    picture = tmp_path / "cycle.png"
+    result = answer(furuta("limit-cycle", "--json", "--out", picture))
+    assert result["kind"] == "oscillation"
+    assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
+    assert result["stable"]
+    assert len(result["floquet_multipliers"]) == 4
+    assert {"theta_peak_to_peak_rad", "period_s", "rotation_rate_rad_s", "stuck_fraction"} <= set(
+        result
     )
-    assert status == 0, err
-    result = json.loads(out)
-    assert (result["K"], result["L"]) == (-0.5, [-10, -4, -60, -20])
-    assert result["static_gain"] == pytest.approx(-8.0)
-    assert result["friction_passive"] is True
-    assert result["exact_model"] is False
-    assert "differs from the plant's" in result["reason"]
+    assert picture.read_bytes().startswith(PNG)
 
 
-@pytest.mark.parametrize("verb", ["nyquist", "describing-function"])
-def test_for_people(furuta: Any, verb: str) -> None:
+def test_branch(furuta: Any, tmp_path: Path) -> None:
+    """The branch over a parameter with its fold."""
+    picture = tmp_path / "branch.png"
+    result = answer(furuta("limit-cycle", "--over", "viscous=0:0.3", "--json", "--out", picture))
+    folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
+    assert folds == [pytest.approx(0.2095, abs=1e-3)]
+    assert {point["stable"] for point in result["branch"]} == {True, False}
+    assert picture.read_bytes().startswith(PNG)
+
+
+def test_map(furuta: Any, tmp_path: Path) -> None:
+    """A map as picture and data, predicted beside exact."""
+    picture, data = tmp_path / "map.png", tmp_path / "map.csv"
+    over = ("--over", "omega1=5:9:3", "--over", "l4=1.2:1.5:2")
+    rows = answer(
+        furuta("limit-cycle", *over, "--out", picture, "--data", data, "--json"),
+    )["rows"]
+    assert len(rows) == 6
+    assert rows[0]["predicted_phi_peak_to_peak_rad"] > rows[0]["phi_peak_to_peak_rad"] > 0
+    with data.open() as file:
+        assert [float(row["omega1"]) for row in csv.DictReader(file)] == [5, 5, 7, 7, 9, 9]
+    assert picture.read_bytes().startswith(PNG)
+
+
+def test_map_where_nothing_oscillates(furuta: Any, tmp_path: Path) -> None:
+    """Without friction every loop comes to rest, which can be drawn too."""
+    picture = tmp_path / "map.png"
+    over = ("--over", "omega1=5:7:2", "--over", "zeta1=0.5:0.7:2")
+    frictionless = ("--set", "alpha0=0", "--set", "alpha1=0")
+    result = answer(furuta("limit-cycle", *over, *frictionless, "--out", picture, "--json"))
+    assert {row["kind"] for row in result["rows"]} == {"rest"}
+    assert picture.exists()
+
+
+@pytest.mark.parametrize("view", [("linearize", "--nyquist"), ("limit-cycle", "--predict")])
+def test_for_people(furuta: Any, view: tuple[str, str]) -> None:
     """Without --json the same in words."""
-    status, out, _ = furuta(verb, "--feedback", "10", "4", "60", "20")
+    status, out, _ = furuta(*view, "--feedback", "10", "4", "60", "20")
     assert status == 0
-    assert "60 θ +20 θ̇" in out
+    assert "10, 4, 60, 20" in out
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    "loop",
     [
         ("--feedback", "0", "0", "0", "0"),
         ("--feedback", "0", "-1", "60", "20"),
-        ("--set", "alpha0=0", "--set", "alpha1=0", "--law", "coulomb"),
+        ("--set", "alpha0=0", "--set", "alpha1=0"),
     ],
 )
-def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tuple[str]) -> None:
+def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str]) -> None:
     """Loops without feedback, or without friction, give a picture and no warning."""
-    for verb in ("nyquist", "describing-function", "convergence"):
-        if verb == "convergence":
-            arguments = tuple(each for each in arguments if each not in ("--law", "coulomb"))
-        picture = tmp_path / f"{verb}.png"
-        status, _, err = furuta(verb, *arguments, "--out", picture)
+    for view in (
+        ("linearize", "--nyquist", "--law", "coulomb"),
+        ("limit-cycle", "--predict", "--law", "coulomb"),
+        ("linearize", "--passivity"),
+    ):
+        picture = tmp_path / f"{view[1]}.png"
+        status, _, err = furuta(*view, *loop, "--out", picture)
         assert (status, err) == (0, "")
         assert picture.read_bytes().startswith(PNG)
 
@@ -180,19 +198,33 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, arguments: tupl
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (["nyquist", "--feedback", "nan", "1", "1", "1"], "four finite numbers"),
-        (["describing-function", "--feedback", "1", "inf", "1", "1"], "four finite numbers"),
-        (["nyquist", "--figure-4", "--feedback", "1", "1", "1", "1"], "cannot be combined"),
-        (["describing-function", "--set", "sigma0=-1"], "sigma0 must be"),
-        (["convergence", "--feedback", "1", "1", "1", "nan"], "four finite numbers"),
-        (["convergence", "--set", "observer_gain=1e9"], "observer_gain must be"),
-        (["nyquist", "--set", "gamma=1"], "alpha * beta must exceed gamma²"),
+        ("linearize --nyquist --feedback nan 1 1 1", "four finite numbers"),
+        ("linearize --passivity --feedback 1 1 1 nan", "four finite numbers"),
+        ("linearize --figure-4 --feedback 1 1 1 1", "cannot be combined"),
+        ("linearize --set gamma=1", "alpha * beta must exceed gamma²"),
+        ("linearize --passivity --set observer_gain=1e9", "observer_gain must be"),
+        ("linearize --out x.png", "--out needs one of"),
+        ("limit-cycle --predict --feedback 1 inf 1 1", "four finite numbers"),
+        ("limit-cycle --feedback 0 7 60 20 --out x.png", "no limit cycle"),
+        ("limit-cycle --feedback 0 0 0 0", "does not stabilise"),
+        ("limit-cycle --feedback 1 1 1 nan", "must be finite"),
+        ("limit-cycle --set sigma0=-1", "sigma0 must be"),
+        ("limit-cycle --set gamma=1", "must exceed gamma²"),
+        ("limit-cycle --release 0", "--release must not be 0"),
+        ("limit-cycle --over viscous", "NAME=LOW:HIGH"),
+        ("limit-cycle --over viscous=1:0", "LOW < HIGH"),
+        ("limit-cycle --over viscosity=0:1", "did you mean viscous"),
+        ("limit-cycle --over omega1=1:2 --over omega1=1:2", "two different parameters"),
+        ("limit-cycle --over omega1=-2:-1 --over zeta1=0:1", "omega1 must be"),
+        ("limit-cycle --over omega1=1:2:1 --over zeta1=0:1", "COUNT must be"),
+        ("limit-cycle --over omega1=1:2 --predict", "not with --predict"),
+        ("limit-cycle --over omega1=1:2 --data x.csv", "--data needs a map"),
     ],
 )
-def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
-    """Exit status 1, the reason on standard error, nothing on standard output."""
-    status, out, err = furuta(*arguments)
-    assert status == 1
+def test_bad_input_is_one_line(furuta: Any, arguments: str, reason: str) -> None:
+    """Exit status 1 or 2, the reason on standard error, nothing on standard output."""
+    status, out, err = furuta(*arguments.split())
+    assert status in (1, 2)
     assert out == ""
     assert reason in err
     assert len(err.strip().splitlines()) == 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import sys
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -16,7 +15,6 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup.main import furuta as command_line
-from furuta_bringup.main import main
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
@@ -113,7 +111,7 @@ def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Pa
     bench.spin(lambda: len(kept) == 2000 and len(renamed) == 2000, 60.0)
     out, err = process.communicate(timeout=120.0)
     assert process.returncode == 0, err
-    assert out.startswith("4000 messages")
+    assert out.split()[:2] == ["published", "4000"]
     assert monotonic() - start > 2.0 / 4
     stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in renamed]
     assert stamps == sorted(stamps)
@@ -160,9 +158,7 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     assert status == 0, err
 
 
-def test_bad_recordings_give_one_line(
-    monkeypatch: Any, capsys: Any, tmp_path: Path, bag: Path
-) -> None:
+def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
     """Exit status 1, and one line says what is missing."""
     empty = tmp_path / "empty"
     empty.mkdir()
@@ -185,11 +181,8 @@ def test_bad_recordings_give_one_line(
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
         (["bag", "recompute", states], "nothing to recompute"),
     ):
-        monkeypatch.setattr(sys, "argv", ["furuta", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capsys.readouterr()
-        assert (ended.value.code, out) == (1, ""), arguments
+        status, out, err = furuta(*arguments)
+        assert (status, out) == (1, ""), arguments
         assert reason in err
         assert len(err.strip().splitlines()) == 1
 
@@ -209,11 +202,8 @@ def test_bad_recordings_give_one_line(
         (["bag", "replay", "bag", "--remap", "a="], "--remap"),
     ],
 )
-def test_wrong_usage(monkeypatch: Any, capsys: Any, arguments: list[str], option: str) -> None:
+def test_wrong_usage(furuta: Any, arguments: list[str], option: str) -> None:
     """Exit status 2, and the message names the option."""
-    monkeypatch.setattr(sys, "argv", ["furuta", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    out, err = capsys.readouterr()
-    assert (ended.value.code, out) == (2, "")
+    status, out, err = furuta(*arguments)
+    assert (status, out) == (2, "")
     assert f"'{option}" in err

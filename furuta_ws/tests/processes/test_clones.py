@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from sources import ROOT, SOURCES
 
+pytestmark = pytest.mark.long
+
 # A workspace with one package, whose command line prints where it is installed.
 COMMAND = """
 def main() -> None:
@@ -38,9 +40,8 @@ def clone(tmp_path: Path) -> Path:
     for name in ("package.xml", "setup.cfg", "setup.py", "resource"):
         source = SOURCES / "furuta_bringup" / name
         (shutil.copytree if source.is_dir() else shutil.copy)(source, package / name)
-    for name in ("furuta_bringup", "furuta_bringup"):
-        (package / name).mkdir()
-        (package / name / "__init__.py").touch()
+    (package / "furuta_bringup").mkdir()
+    (package / "furuta_bringup" / "__init__.py").touch()
     (package / "furuta_bringup" / "main.py").write_text(COMMAND)
     (package / "furuta_bringup" / "warm_up.py").touch()
     make_environment(root)

@@ -1,60 +1,24 @@
-"""The verb ``compare``: its results, killed and resumed, on a cluster, and nonsense."""
+"""The verb ``compare``: its results, files, and nonsense."""
 
 from __future__ import annotations
 
 import csv
 import json
-import signal
 from pathlib import Path
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
-from distributed import Client, LocalCluster
+
+from furuta_recordings.table_files import parquet
 
 PNG = b"\x89PNG"
-TIMEOUT = 120.0
-# Long enough to be killed in between, while tuning and while comparing.
-LONG = (
-    *("--rows", "random", "--rigs", "12", "--seeds", "2", "--push", "2", "--seconds", "60"),
-    *("--candidate", "coulomb", "--candidate", "b=compensation=lugre,sigma0=20:500"),
-    *("--tune-budget", "12", "--tuning-rigs", "6"),
-)
-FILES = ("runs.csv", "rigs.csv", "tuning.json", "summary.json")
 
 
-def wait_for_lines(journal: Path, lines: int) -> None:
-    """Return once the journal has this many lines."""
-    deadline = monotonic() + TIMEOUT
-    while not journal.exists() or journal.read_text().count("\n") < lines:
-        assert monotonic() < deadline, "the comparison makes no progress"
-        sleep(0.01)
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The results of the long comparison without any interruption."""
-    from processes.conftest import Processes  # noqa: PLC0415
-
-    out = tmp_path_factory.mktemp("whole")
-    processes = Processes()
-    process = processes.furuta("compare", *LONG, "--out", out)
-    _, err = process.communicate(timeout=TIMEOUT)
-    processes.close()
-    assert process.returncode == 0, err
-    return out
-
-
-def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    """On the nominal rig, with a figure, and with the ranking that the rows give."""
-    out = tmp_path / "new" / "named"
+def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
+    """On the nominal rig, with a table and a picture, and with the ranking that the rows give."""
+    out, picture = tmp_path / "named.csv", tmp_path / "named.png"
     status, text, err = furuta(
-        "compare", "--seeds", "1", "--push", "0", "--seconds", "20", "--out", out, "--json",
+        "compare", "--truths", "--seconds", "20", "--out", out, "--out", picture, "--json",
         "--candidate", "none", "--candidate", "mine=compensation=lugre,sigma0=100",
     )  # fmt: skip
     assert status == 0, err
@@ -64,92 +28,70 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
             "--set", "friction_observer.sigma0=100",
         )[1]
     )  # fmt: skip
-    rows = table(out / "runs.csv")
-    assert len(rows) == 2 * 15
-    (row,) = (r for r in rows if (r["rig"], r["candidate"]) == ("nominal", "mine"))
-    size = simulated["phi_peak_to_peak_rad"]
-    assert float(row["phi_peak_to_peak_rad"]) == size
     result = json.loads(text)
-    assert result == json.loads((out / "summary.json").read_text())
-    assert result["residual_rad"]["mine"]["nominal"] == size
+    assert len(result["rows"]) == 2 * 15
+    size = simulated["phi_peak_to_peak_rad"]
+    mine = {"truth": "nominal", "compensation": "mine", "phi_peak_to_peak_rad": size}
+    assert mine in result["rows"]
+    with out.open() as file:
+        rows = list(csv.DictReader(file))
     worst = {score["candidate"]: score["residual_worst_rad"] for score in result["ranking"]}
     for name in ("none", "mine"):
-        sizes = [float(r["phi_peak_to_peak_rad"]) for r in rows if r["candidate"] == name]
+        sizes = [float(row["phi_peak_to_peak_rad"]) for row in rows if row["candidate"] == name]
         assert worst[name] == max(sizes)
-    assert (out / "comparison.png").read_bytes().startswith(PNG)
-    assert len(table(out / "rigs.csv")) == 15
+    assert picture.read_bytes().startswith(PNG)
 
 
-@pytest.mark.parametrize("journal", ["tuning.json.part", "runs.csv.part"])
-def test_killed_comparison_is_resumed(
-    processes: Any, tmp_path: Path, whole: Path, journal: str
-) -> None:
-    """After SIGKILL, while tuning or comparing, the results are those without a kill."""
-    out = tmp_path / "results"
-    process = processes.furuta("compare", *LONG, "--out", out)
-    wait_for_lines(out / journal, 2)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert not (out / "runs.csv").exists()
-    other = processes.furuta("compare", *LONG, "--seconds", "50", "--out", out)
-    _, err = other.communicate(timeout=TIMEOUT)
-    assert other.returncode == 1
-    assert "another" in err
-    again = processes.furuta("compare", *LONG, "--out", out)
-    _, err = again.communicate(timeout=TIMEOUT)
-    assert again.returncode == 0, err
-    for name in FILES:
-        assert (out / name).read_bytes() == (whole / name).read_bytes(), name
-    assert not list(out.glob("*.part"))
+def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> None:
+    """What ``identify --write`` writes is enough; the table has the rigs' parameters."""
+    file, table = tmp_path / "mine.yaml", tmp_path / "a.parquet"
+    file.write_text("uncertainty: {standard_errors: {alpha0: 0.001, beta: 0.002}}\n")
+    status, out, err = furuta(
+        "compare", "--rig", file, "--rigs", "4", "--seconds", "5", "--push", "2", "--json",
+        "--candidate", "lugre", "--out", table,
+    )  # fmt: skip
+    assert status == 0, err
+    (score,) = json.loads(out)["ranking"]
+    assert (score["rigs"], score["falls"], score["pushes"]) == (4, 0, 4)
+    rows = parquet.read_table(table).to_pylist()
+    assert len(rows) == 8
+    assert len({row["friction.alpha0"] for row in rows}) == 4
+    assert len({row["friction.sigma0"] for row in rows}) == 1
 
 
-def test_cluster_gives_the_same_results(processes: Any, tmp_path: Path, whole: Path) -> None:
-    """To the last byte."""
-    with (
-        LocalCluster(
-            n_workers=1, threads_per_worker=2, processes=True, dashboard_address=None
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        process = processes.furuta(
-            "compare", *LONG, "--out", tmp_path, "--scheduler", client.scheduler.addr
-        )
-        _, err = process.communicate(timeout=TIMEOUT)
-    assert process.returncode == 0, err
-    for name in FILES:
-        assert (tmp_path / name).read_bytes() == (whole / name).read_bytes(), name
+def test_tuned_candidates_are_compared(furuta: Any) -> None:
+    """With the result of the tuning, and a table for readers."""
+    arguments = ("compare", "--rigs", "2", "--seconds", "5", "--tune-budget", "3")
+    status, out, err = furuta(*arguments, "--candidate", "a=compensation=lugre,sigma0=20:500")
+    assert status == 0, err
+    assert "tuned a: " in out
+    assert "friction_observer.sigma0" in out
+    assert "recommended: a" in out
 
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (["--rigs", "5"], "--rigs needs --rows random"),
-        (["--disturb", "lag"], "--disturb needs --rows random"),
+        (["--truths", "--rigs", "5"], "--rigs has no effect on the named rigs"),
         (["--tuning-rigs", "5"], "--tuning-rigs needs --tune-budget"),
-        (["--candidate", "nothing"], "one of none"),
         (["--candidate", "a=alpha0=0.1:0.3"], "needs --tune-budget"),
         (["--candidate", "a=plant.seed=1"], "only the plant"),
         (["--set", "plant.sample_time=0.002"], "sample_time"),
-        (["--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler"),
-        (["--rows", "random", "--rigs", "1", "--set", "plant.friction.sigma0=1e6"], "no run is"),
+        (["--vary", "omega1=1:2"], "parameters of the plant"),
+        (["--vary", "gamma=0.05:0.1"], "alpha * beta must exceed"),
+        (["--out", "a.csv", "--out", "b.csv"], "one table is enough"),
+        (["--out", "mine.csv"], "already exists"),
     ],
 )
 def test_bad_comparisons_are_rejected(
-    furuta: Any, tmp_path: Path, arguments: list[str], reason: str
+    furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: list[str], reason: str
 ) -> None:
     """There is one line that says what is wrong."""
-    status, out, err = furuta("compare", *arguments, "--out", str(tmp_path / "a"))
-    assert status == 1
-    assert out == ""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.csv").write_text("mine")
+    status, out, err = furuta("compare", *arguments)
+    assert (status, out) == (1, "")
     assert err.startswith("error: ")
     assert reason in err
     assert err.count("\n") == 1
-
-
-def test_results_are_not_overwritten(furuta: Any, tmp_path: Path) -> None:
-    """A directory with a complete comparison is left as it is."""
-    (tmp_path / "runs.csv").write_text("mine")
-    status, _, err = furuta("compare", "--out", str(tmp_path))
-    assert status == 1
-    assert "already exists" in err
-    assert (tmp_path / "runs.csv").read_text() == "mine"
+    assert Path("mine.csv").read_text() == "mine"

@@ -66,10 +66,12 @@ def udp_ports(pid: int) -> Iterator[int]:
 
 
 @pytest.mark.parametrize(
-    ("given", "network"), [({}, False), ({RANGE: "SUBNET"}, True)], ids=["default", "chosen"]
-)
-@pytest.mark.parametrize(
-    "command", [("furuta_friction", "friction_observer"), ("furuta_hw", "hardware_bridge")]
+    ("command", "given", "network"),
+    [
+        (("furuta_friction", "friction_observer"), {}, False),
+        (("furuta_hw", "hardware_bridge"), {RANGE: "SUBNET"}, True),
+    ],
+    ids=["default", "chosen"],
 )
 def test_a_node_joins_no_multicast(
     processes: Any, choose: Any, command: tuple[str, str], given: dict[str, str], network: bool

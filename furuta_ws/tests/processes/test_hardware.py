@@ -32,7 +32,7 @@ from furuta_sim.simulation.closed_loop import simulate
 
 # Recovery takes several attempts on a loaded machine.
 PATIENCE = 240.0
-pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.timeout(900)
 
 RIG = Rig()
 PERIOD = 1_000_000
@@ -202,6 +202,7 @@ def test_limit_cycle_is_the_simulated_one(
     assert 0.9 * min(expected) < got < 1.1 * max(expected)
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("options", [(), ("--firmware",)], ids=("reference", "C"))
 def test_real_time_stabilises(bench: Bench, emulate: Any, options: tuple[str, ...]) -> None:
     """At 1 kHz the pendulum is balanced for two seconds, with either firmware."""
@@ -212,6 +213,8 @@ def test_real_time_stabilises(bench: Bench, emulate: Any, options: tuple[str, ..
     assert abs(rig.status["state"][2]) < 0.2
 
 
+@pytest.mark.long
+@pytest.mark.realtime
 def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_path: Path) -> None:
     """Under load: 0 V within the watchdog's time after every kill, and the loop recovers."""
     rig = emulate()
@@ -240,6 +243,7 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
         node.balance(100)
 
 
+@pytest.mark.realtime
 def test_bridge_ends_cleanly(bench: Bench, processes: Any, emulate: Any) -> None:
     """SIGINT, SIGTERM: status 0, no traceback, 0 V by the bridge itself, not by the watchdog."""
     rig = emulate()
@@ -273,6 +277,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
 ]
 
 
+@pytest.mark.realtime
 def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> None:
     """0 V, one stop, the reason on /diagnostics; it runs again when armed again."""
     rig = emulate()
@@ -297,6 +302,7 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
     node.balance(100)
 
 
+@pytest.mark.realtime
 def test_small_faults_are_tolerated(bench: Bench, emulate: Any) -> None:
     """One frame in fifty lost, repeated or corrupt each: counted, and the pendulum is balanced."""
     rig = emulate("--fault", "lost=0.02", "--fault", "repeated=0.02", "--fault", "corrupt=0.02")
@@ -306,6 +312,7 @@ def test_small_faults_are_tolerated(bench: Bench, emulate: Any) -> None:
     assert min(line.lost, line.corrupt, line.repeated, line.discarded_by_rig) > 5
 
 
+@pytest.mark.realtime
 def test_a_failed_line_recovers(bench: Bench, processes: Any, emulate: Any, tmp_path: Path) -> None:
     """The rig reboots, or its line is closed: a stop, then samples again, then arming by hand."""
     rig = emulate()

@@ -14,8 +14,6 @@ from rosbags.highlevel import AnyReader
 
 from furuta_sim.settings.settings import read_file
 
-pytestmark = pytest.mark.realtime
-
 # Limits that a delay of the machine does not reach; the tachometer measures slow motion only.
 PATIENT_RIG = """
 pendulum: {sensor: encoder, counts_per_turn: 8192, sign: -1}
@@ -45,6 +43,7 @@ def test_rig_as_json_and_as_parameter_file(furuta: Any, tmp_path: Path) -> None:
     assert json.loads(out)["alpha"] == qube["alpha"]
 
 
+@pytest.mark.realtime
 def test_line_and_sensors(furuta: Any, emulate: Any) -> None:
     """Check, read and zero on an emulated rig, each as one JSON object; none drives."""
     rig = emulate("--initial", "theta=0.1")
@@ -119,6 +118,7 @@ def test_a_number_out_of_range_is_wrong_usage(furuta: Any, arguments: list[str])
     assert f"'{arguments[1]}'" in err
 
 
+@pytest.mark.realtime
 def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> None:
     """Not armed, it drives nothing; the bag has measurements, commands and parameters."""
     rig, bag = emulate(), tmp_path / "bag"

@@ -44,7 +44,6 @@ BAGS: dict[str, tuple[Make, str]] = {
     "message_bomb": (hostile.compressed_bag("message"), "a message of"),
     "endless_view": (hostile.endless_view, "messages is not a plain table"),
     "generated_column": (hostile.generated_column, "messages is not a plain table"),
-    "claimed_count": (hostile.claimed_count, "claims 1000000000 messages"),
     "claimed_array": (hostile.claimed_array, "Invalid sequence length 1000000000"),
     "fixed_array": (hostile.fixed_array, "1000000000 elements"),
     **{
@@ -58,10 +57,14 @@ BAGS: dict[str, tuple[Make, str]] = {
         )
     },
 }
+# What is wrong with these is noticed only where their chunks are read.
+UNREAD = {"zstd_bomb", "zstd_liar", "lz4_bomb", "lz4_liar", "overlapping_chunks", "repeated_index"}
+UNREAD |= {"long_record", "long_record_in_summary", "long_quality_of_service"}
 # These are read or copied without what makes them hostile.
 HARMLESS = {
-    "info": {"claimed_array", "fixed_array", "zstd_liar", "lz4_liar"} | {"message_bomb"},
+    "info": {"claimed_array", "fixed_array", "message_bomb", *UNREAD},
     "recompute": {"fixed_array"},
+    "0": {"overlapping_chunks"},
 }
 TEXTS = {
     "billion_laughs": "more than 200000 values",
@@ -129,7 +132,8 @@ def check_bags(tmp_path: Path, names: list[str], *verb: str) -> None:
     for name, report in zip(names, reports, strict=True):
         print(name, f"{report['seconds']:.2f} s", report["err"].strip())
         if name in HARMLESS.get(verb[-1], set()):
-            assert report["status"] == 0, report
+            assert report["status"] in (0, 1), report
+            assert len(report["err"].splitlines()) == report["status"], report["err"][-2000:]
             assert_nothing_outside(report)
         else:
             assert_refused(report, BAGS[name][1])
@@ -155,13 +159,13 @@ def test_hostile_bags_are_not_described(tmp_path: Path) -> None:
 
 def test_hostile_bags_are_not_recomputed(tmp_path: Path) -> None:
     """``bag recompute``."""
-    chosen = ["linked_file", "pipe_as_data", "message_bomb", "claimed_count", "claimed_array"]
+    chosen = ["linked_file", "pipe_as_data", "message_bomb", "claimed_array"]
     check_bags(tmp_path, chosen, "bag", "recompute")
 
 
 def test_hostile_bags_are_not_identified(tmp_path: Path) -> None:
     """``identify``."""
-    chosen = ["parent_path", "linked_file", "file_bomb", "claimed_count", "fixed_array"]
+    chosen = ["parent_path", "linked_file", "file_bomb", "fixed_array"]
     check_bags(tmp_path, chosen, "identify")
 
 

@@ -13,9 +13,8 @@ from time import monotonic, sleep, time_ns
 from typing import Any
 
 import pytest
-from mcap.reader import make_reader
-from rosbags.highlevel import AnyReader
 
+from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.writer_process import FLUSH_INTERVAL
 from furuta_sim.settings.nodes import graph_nodes
 
@@ -49,25 +48,16 @@ def is_writer(pid: int) -> bool:
 def wait_for_messages(bag: Path, count: int) -> int:
     """Wait until a growing bag has ``count`` messages; returns how many there are."""
     deadline = monotonic() + 120.0
-    while True:
-        with AnyReader([bag]) as reader:
-            found = int(reader.message_count)
-        if found >= count:
-            return found
+    while (number := len(recorded(bag))) < count:
         assert monotonic() < deadline
         sleep(0.005)
+    return number
 
 
 def recorded(bag: Path) -> list[int]:
-    """Times of the messages [ns], on which rosbags and the mcap library must agree."""
-    with AnyReader([bag]) as reader:
-        by_rosbags = [time for _, time, _ in reader.messages()]
-    by_mcap = []
-    for file in bag.glob("*.mcap"):
-        with file.open("rb") as stream:
-            by_mcap += [message.log_time for _, _, message in make_reader(stream).iter_messages()]
-    assert by_mcap == by_rosbags
-    return by_rosbags
+    """Times of the messages [ns]."""
+    with Bag(bag) as opened:
+        return [time for _, time, _ in opened.messages()]
 
 
 @pytest.mark.timeout(300 + 20 * KILLS)

@@ -39,10 +39,12 @@ def test_launched_graph_on_another_rig(
     np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
 
 
-@pytest.mark.parametrize("extra", [(), ("--processes",)], ids=["composed", "processes"])
-def test_two_graphs_side_by_side(
-    bench: Bench, processes: Any, furuta: Any, extra: tuple[str, ...]
-) -> None:
+@pytest.mark.parametrize(
+    "extra",
+    [(), pytest.param(("--processes",), marks=pytest.mark.long)],
+    ids=["composed", "processes"],
+)
+def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str, ...]) -> None:
     """In one ROS domain each namespace has its own pendulum, clients included."""
     seeds = {"left": 1, "right": 2}
     graphs = {name: PausedGraph(bench, name) for name in seeds}
@@ -52,8 +54,8 @@ def test_two_graphs_side_by_side(
     for name, seed in seeds.items():
         expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
         np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
-    assert furuta("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
-    assert furuta("param", "get", "/right/plant", "seed")[1].strip() == "2"
+    assert processes.run("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
+    assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"
 
 
 def test_own_controller(bench: Bench, processes: Any) -> None:
@@ -61,7 +63,7 @@ def test_own_controller(bench: Bench, processes: Any) -> None:
     graph = PausedGraph(bench)
     processes.furuta("run", "--lockstep", "--without", "controller", "--set", "run_until=0")
     processes.start(sys.executable, EXAMPLE)
-    states = graph.run(4000)
+    states = graph.run(2000)
     assert np.abs(states[:, 2]).max() < 0.1
     assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
     assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held

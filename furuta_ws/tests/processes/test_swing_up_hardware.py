@@ -25,7 +25,7 @@ from furuta_model.state import THETA
 from furuta_ros.topics import ACTIVE_MODE, LATCHED
 from furuta_sim.settings.rigs import find_rig, rig_directory
 
-pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.timeout(900)
 
 NAME = "qube_servo_2"
 # Swing-ups from different angles; more on demand.
@@ -110,6 +110,7 @@ def test_swings_up_over_the_serial_line(
     assert np.cos(rig.status["state"][THETA]) > 0.95
 
 
+@pytest.mark.realtime
 def test_a_kill_in_the_middle_of_a_swing(
     bench: Bench, processes: Any, emulate: Any, tmp_path: Path
 ) -> None:

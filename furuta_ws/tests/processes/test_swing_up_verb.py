@@ -8,21 +8,16 @@ from typing import Any
 import pytest
 
 
-def test_random_starts(furuta: Any) -> None:
-    """All of a few starts on a rig that is chosen by name are upright within its limits."""
-    status, out, err = furuta("swing-up", "--starts", "5", "--rig", "qube_servo_2", "--json")
+def test_random_starts_and_knocks(furuta: Any) -> None:
+    """A few starts are upright within the limits; after every push the pendulum swings up again."""
+    starts = ("--starts", "5", "--rig", "qube_servo_2")
+    status, out, err = furuta("swing-up", *starts, "--knocks", "--json")
     assert status == 0, err
-    found = json.loads(out)
-    assert (found["starts"], found["upright"], found["beyond_limits"]) == (5, 5, 0)
-    assert 0.0 < found["median_s"] <= found["worst_s"] < 10.0
-
-
-def test_benchmark_needs_a_rig_that_can(furuta: Any) -> None:
-    """The benchmark refuses a rig that cannot see the hanging pendulum, with the reason."""
-    status, out, err = furuta("benchmark-swing-up", "--rig", "paper")
-    assert (status, out) == (1, "")
-    assert "potentiometer_range must be at least" in err
-    assert len(err.splitlines()) == 1
+    report = json.loads(out)
+    assert (report["starts"], report["upright"], report["beyond_limits"]) == (5, 5, 0)
+    assert 0.0 < report["median_s"] <= report["worst_s"] < 10.0
+    assert (report["pushes"], report["falls"], report["swing_ups"]) == (5, 5, 5)
+    assert 50.0 < report["upright_s"] < 55.0
 
 
 @pytest.mark.parametrize(

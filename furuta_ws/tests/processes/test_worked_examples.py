@@ -92,6 +92,11 @@ def extended(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     shutil.rmtree(root)
 
 
+def test_every_edit_fits(extended: Path) -> None:
+    """The sources are still as the examples show them."""
+    assert all((extended / edit.path).is_file() for edits in examples().values() for edit in edits)
+
+
 def run(extended: Path, *arguments: object) -> str:
     """Standard output of the command line made from the extended sources."""
     paths = sorted(str(path) for path in (extended / SOURCES).iterdir())
@@ -114,17 +119,19 @@ def simulate(extended: Path, *arguments: object) -> dict[str, float]:
     return result
 
 
+@pytest.mark.long
 def test_friction_law(extended: Path) -> None:
     """The new law is in the plant, in the exact limit cycle and in the describing function."""
     law = ("--set", "plant.friction.law=rational")
     simulated = simulate(extended, "--ideal-sensors", *law)["phi_peak_to_peak_rad"]
     exact = json.loads(run(extended, "limit-cycle", "--law", "rational", "--json"))
     assert simulated == pytest.approx(exact["phi_peak_to_peak_rad"], rel=0.02)
-    predicted = json.loads(run(extended, "describing-function", "--law", "rational", "--json"))
+    predicted = json.loads(run(extended, "limit-cycle", "--predict", "--law", "rational", "--json"))
     (cycle,) = predicted["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(0.64, abs=0.05)
 
 
+@pytest.mark.long
 def test_compensator(extended: Path) -> None:
     """The new compensation works, and its parameter acts."""
     sharp, soft = (
@@ -134,6 +141,7 @@ def test_compensator(extended: Path) -> None:
     assert sharp["phi_peak_to_peak_rad"] < 0.1 < soft["phi_peak_to_peak_rad"]
 
 
+@pytest.mark.long
 def test_estimator(extended: Path) -> None:
     """The new method holds the pendulum; what needs observed friction is refused with it."""
     method = ("--set", "estimator.method=differences")
@@ -142,6 +150,7 @@ def test_estimator(extended: Path) -> None:
         simulate(extended, *method, "--compensation", "adaptive")
 
 
+@pytest.mark.long
 def test_controller_mode(extended: Path) -> None:
     """Without friction the new mode brings the arm to rest, and mode off does not."""
     start = ("--set", "theta=3.0", "--set", "phi_dot=5.0", "--set", "alpha0=0", "--set", "alpha1=0")
@@ -153,6 +162,7 @@ def test_controller_mode(extended: Path) -> None:
     assert free > 5.0
 
 
+@pytest.mark.long
 def test_rig_driver(extended: Path, tmp_path: Path) -> None:
     """The commissioning verbs read the rig through the new driver, found by its name."""
     rig = tmp_path / "ascii.yaml"
@@ -161,6 +171,7 @@ def test_rig_driver(extended: Path, tmp_path: Path) -> None:
     assert json.loads(read)["samples"] == 500
 
 
+@pytest.mark.long
 def test_rig(extended: Path) -> None:
     """The new rig is found and has its own model."""
     rig = extended / "furuta_ws" / "config" / "rigs" / "my_rig.yaml"
@@ -168,6 +179,7 @@ def test_rig(extended: Path) -> None:
     assert (shown["a23"], shown["sample_time"]) == (pytest.approx(-9.5), 0.002)
 
 
+@pytest.mark.long
 def test_verb(extended: Path) -> None:
     """The new verb is in the table and does what it says."""
     assert "The controller's gain L." in run(extended, "--help")

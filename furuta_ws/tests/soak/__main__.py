@@ -1,42 +1,63 @@
-"""``python -m soak``: run a soak for some minutes, or repeat one slice of it."""
+"""``python -m soak``: run a soak for some minutes, or repeat one slice of it.
+
+Lanes of campaigns run side by side: that is the load under which rig and processes are tested. Each
+slice is a process of its own. Prints what was checked and every failure; ``report.json`` holds all
+counts. The exit status is 1 if an oracle is broken.
+"""
 
 from __future__ import annotations
 
 import argparse
 import faulthandler
 import json
+import signal
+import subprocess
 import sys
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from importlib import import_module
+from math import ceil
 from pathlib import Path
+from typing import Any
 
 from ros_domain import take_domain
 
-from soak.record import Slice
-from soak.scheduler import run_slice, run_soak
+from soak.oracles import ORACLES
+from soak.record import Record, Slice
+from soak.resources import ResourceMonitor
 
-# Time [s] beyond its own after which a slice shows where it is; the scheduler waits longer.
-PATIENCE = 30.0
+# Campaigns of a lane run one after the other, with these shares of the time.
+LANES: tuple[dict[str, float], ...] = (
+    {"rig": 1.0},
+    {"lockstep_processes": 1.0},
+    {"messages": 14.0, "wire": 2.0, "plant": 2.0, "full_disk": 1.0},
+)
+# Longest time [s] until every campaign has had its turn.
+ROUND = 300.0
+# Time [s] beyond its own that a slice may take to start and to end, and after which it shows where
+# it is.
+GRACE, PATIENCE = 150.0, 30.0
 
 
 def main() -> int:
-    """Entry point; returns the exit status: 1 if an oracle is broken."""
+    """Entry point; returns the exit status."""
     options = _options()
-    options.out.mkdir(parents=True, exist_ok=True)
+    out: Path = options.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
     if options.slice is None:
-        return run_soak(options.minutes * 60.0, options.seed, options.out.resolve())
+        return _run_soak(options.minutes * 60.0, options.seed, out)
     campaign, _, number = options.slice.partition(":")
     part = Slice(campaign, int(number or 0), options.seed, options.minutes * 60.0, options.steps)
-    # A slice that does not end shows where it is.
     faulthandler.dump_traceback_later(part.seconds + PATIENCE)
     domain = take_domain()
     record = run_slice(part)
     domain.close()
     faulthandler.cancel_dump_traceback_later()
-    file = options.out / f"{part.campaign}-{part.number}.json"
-    file.write_text(json.dumps(record.as_json(), indent=1))
-    for each in record.failures:
-        print(f"{each.oracle}, step {each.step}: {each.detail}")
-    print(file)
-    return int(bool(record.broken))
+    _result_file(part, out).write_text(json.dumps(record.as_json(), indent=1))
+    _print_failures(record.as_json())
+    return int(bool(record.failures))
 
 
 def _options() -> argparse.Namespace:
@@ -47,6 +68,75 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--slice", help="repeat one slice, CAMPAIGN:NUMBER")
     parser.add_argument("--steps", type=int, help="end a slice after so many steps")
     return parser.parse_args()
+
+
+def run_slice(part: Slice) -> Record:
+    """Run a slice in this process."""
+    record, watch = Record(part), ResourceMonitor()
+    import_module(f"soak.campaigns.{part.campaign}").run(record, watch)
+    watch.check(record)
+    return record
+
+
+def _run_soak(seconds: float, seed: int, out: Path) -> int:
+    """Run all lanes for ``seconds``; return the exit status."""
+    with ThreadPoolExecutor(len(LANES)) as pool:
+        lanes = pool.map(partial(_run_lane, seconds=seconds, seed=seed, out=out), LANES)
+        results = [result for lane in lanes for result in lane]
+    (out / "report.json").write_text(json.dumps(results, indent=1))
+    checks, broken = (
+        sum((Counter(result[kind]) for result in results), Counter[str]())
+        for kind in ("checks", "broken")
+    )
+    for oracle, meaning in ORACLES.items():
+        print(f"{oracle:20} {checks[oracle]:10} checks {broken[oracle]:6} broken   {meaning}")
+    for result in results:
+        _print_failures(result)
+    return int(bool(broken))
+
+
+def _run_lane(lane: dict[str, float], seconds: float, seed: int, out: Path) -> list[dict[str, Any]]:
+    return [_run_process(part, out) for part in _plan(lane, seconds, seed)]
+
+
+def _plan(lane: dict[str, float], seconds: float, seed: int) -> Iterator[Slice]:
+    """The slices of a lane: rounds of all its campaigns, however short the soak is."""
+    rounds = ceil(seconds / ROUND)
+    for number in range(rounds):
+        for campaign, share in lane.items():
+            yield Slice(campaign, number, seed, seconds / rounds * share / sum(lane.values()))
+
+
+def _run_process(part: Slice, out: Path) -> dict[str, Any]:
+    """Run a slice in a process with its own log; a slice without a result is a failure."""
+    command = [sys.executable, "-m", "soak", "--slice", part.name, "--seed", str(part.seed)]
+    command += ["--minutes", str(max(part.seconds, 1.0) / 60.0), "--out", str(out)]
+    file = _result_file(part, out)
+    file.unlink(missing_ok=True)
+    with file.with_suffix(".log").open("w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log)
+        try:
+            process.wait(part.seconds + GRACE)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)  # so that it ends its own processes
+            process.wait(GRACE)
+    if file.exists():
+        result: dict[str, Any] = json.loads(file.read_text())
+        return result
+    record = Record(part)
+    record.check("survival", f"the slice ended with status {process.returncode}, see its log")
+    return record.as_json()
+
+
+def _result_file(part: Slice, out: Path) -> Path:
+    return out / f"{part.campaign}-{part.number}.json"
+
+
+def _print_failures(result: dict[str, Any]) -> None:
+    """Print the failures of a slice, each with the command that repeats it."""
+    for failure in result["failures"]:
+        repeat = f"make soak SLICE={result['slice']} SEED={result['seed']} STEPS={failure['step']}"
+        print(f"{failure['oracle']}: {failure['detail']} ({repeat})")
 
 
 if __name__ == "__main__":

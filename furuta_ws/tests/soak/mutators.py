@@ -87,10 +87,9 @@ def random_float(random: Random, valid: float = 1.0) -> Given:
 
 
 class Change(NamedTuple):
-    """Parameters to set, their kind, and whether they must be refused (None: both are correct)."""
+    """Parameters to set, and whether they must be refused (None: both are correct)."""
 
     parameters: list[Parameter]
-    kind: str
     refuse: bool | None
 
 
@@ -101,17 +100,17 @@ def random_change(random: Random, group: Any) -> Change:
     parameters = [Parameter(name, value=_valid_value(random, e)) for name, e in chosen.items()]
     kind = pick(random, ("valid", "range", "not finite", "type", "unknown"))
     if kind == "valid":
-        return Change(parameters, kind, None)  # several values can contradict each other
+        return Change(parameters, None)  # several values can contradict each other
     bad = _bad_parameter(random, kind, known)
     parameters = [*(each for each in parameters if each.name != bad.name), bad]
-    return Change(parameters, kind, True)
+    return Change(parameters, True)
 
 
 def default_values(group: Any) -> Change:
     """A change that sets all parameters of a group to their defaults."""
     known = [each for each in declared(group) if not each.about.read_only]
     parameters = [Parameter(e.name, value=e.default) for e in known if e.kind is not list]
-    return Change(parameters, "defaults", False)
+    return Change(parameters, False)
 
 
 def _valid_value(random: Random, each: Declared) -> Any:
@@ -148,14 +147,14 @@ def _bad_parameter(random: Random, kind: str, known: list[Declared]) -> Paramete
     return Parameter(chosen.name, value=pick(random, ("0.1", True, 7, [0.1], [b"\x01"], ["a"])))
 
 
-def damaged_bytes(random: Random, data: bytes) -> tuple[bytes, str]:
+def damaged_bytes(random: Random, data: bytes) -> bytes:
     """Damage bytes of a line: flipped bits, a loss, a repetition, a cut, garbage, or a burst."""
     kind = pick(random, ("flip", "loss", "repetition", "cut", "garbage", "burst"))
     if kind == "flip":
         changed = bytearray(data)
         for _ in range(int(random.integers(1, 4))):
             changed[int(random.integers(len(changed)))] ^= 1 << int(random.integers(8))
-        return bytes(changed), kind
+        return bytes(changed)
     at = int(random.integers(len(data)))
     noise = random.bytes(int(random.integers(1, 80)))
     return {
@@ -164,4 +163,4 @@ def damaged_bytes(random: Random, data: bytes) -> tuple[bytes, str]:
         "cut": data[:at],
         "garbage": data[:at] + noise + data[at:],
         "burst": noise + b"\0" * int(random.integers(3)),
-    }[kind], kind
+    }[kind]

@@ -13,7 +13,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta_ros.spinning import executor_of
-from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, TOPICS, Topic, deep
+from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, Topic, deep
 
 # Messages of a topic that may wait.
 DEPTH = 10_000
@@ -75,21 +75,6 @@ class Observer:
                 client.remove_pending_request(future)
         return None
 
-    def known_of(self, node: str) -> str:
-        """What is known of a node that does not answer, in words."""
-        service = self.node.resolve_service_name(f"{node}/set_parameters_atomically")
-        endpoints = [
-            f"{len(info)} of {topic.name}"
-            for topic in TOPICS
-            if (info := self._publishers(topic, node))
-        ]
-        return f"{self.node.count_services(service)} servers, publishers: {', '.join(endpoints)}"
-
-    def _publishers(self, topic: Topic, node: str) -> list[Any]:
-        name = self.node.resolve_topic_name(topic.name)
-        found = self.node.get_publishers_info_by_topic(name)
-        return [each for each in found if each.node_name == node]
-
     def clear(self) -> None:
         """Forget the messages so far."""
         self.truths.clear()
@@ -113,20 +98,12 @@ def stamps(messages: list[Any]) -> np.ndarray:
     return np.array(values, dtype=np.int64)
 
 
-def newest_stamp(messages: list[Any]) -> int:
-    """Time stamp of the last message [ns]; 0 without any."""
-    return int(stamps(messages[-1:])[0]) if messages else 0
-
-
-def motion(observer: Observer, since: int = 0) -> np.ndarray:
-    """True pendulum angle [rad] and torque [V] (n, 2) of the samples received on both topics.
-
-    Samples stamped before ``since`` [ns] are left out.
-    """
+def motion(observer: Observer) -> np.ndarray:
+    """True pendulum angle [rad] and torque [V] (n, 2) of the samples received on both topics."""
     sent = [m for m in observer.measurements if len(m.effort) == 2]  # not those of an intruder
     torque = {stamp: m.effort[0] for stamp, m in zip(stamps(sent), sent, strict=True)}
     truths = list(observer.truths)
     rows = zip(stamps(truths), truths, strict=True)
-    common = ((stamp, t) for stamp, t in rows if stamp in torque and stamp >= since)
+    common = ((stamp, t) for stamp, t in rows if stamp in torque)
     kept = [(t.position[1], torque[stamp]) for stamp, t in common]
     return np.array(kept).reshape(-1, 2)

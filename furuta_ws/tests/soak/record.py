@@ -1,4 +1,4 @@
-"""Records what a slice of a campaign tried, what was refused and what its oracles found."""
+"""Records what a slice of a campaign did, and what its oracles found."""
 
 from __future__ import annotations
 
@@ -35,11 +35,9 @@ class Slice(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """A broken oracle: where it happened and what was found."""
+    """A broken oracle: at which step, and what is wrong."""
 
     oracle: str
-    slice: str
-    seed: int
     step: int
     detail: str
 
@@ -52,10 +50,8 @@ class Record:
         self.step = 0
         self._end = monotonic() + part.seconds
         self.tried: Counter[str] = Counter()
-        self.refused: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
-        self.largest: dict[str, float] = {}
         self.failures: list[Failure] = []
 
     def next_step(self) -> bool:
@@ -65,32 +61,23 @@ class Record:
         self.step += 1
         return True
 
-    def check(self, oracle: str, problem: str) -> bool:
-        """Count a check of an oracle; ``problem`` is empty if it holds. Returns whether it does."""
+    def check(self, oracle: str, problem: str) -> None:
+        """Count a check of an oracle; ``problem`` is empty if it holds."""
         self.checks[oracle] += 1
         if problem:
             self.broken[oracle] += 1
             if self.broken[oracle] <= KEPT_FAILURES:
-                part = self.part
-                self.failures.append(Failure(oracle, part.name, part.seed, self.step, problem))
-        return not problem
-
-    def measure(self, name: str, value: float) -> None:
-        """Keep the largest value of a measured quantity; its name states the unit."""
-        self.largest[name] = max(value, self.largest.get(name, value))
+                self.failures.append(Failure(oracle, self.step, problem))
 
     def as_json(self) -> dict[str, Any]:
         """Everything recorded, for a JSON file."""
         return {
             "slice": self.part.name,
             "seed": self.part.seed,
-            "seconds": self.part.seconds,
             "steps": self.step,
             "tried": _plain(self.tried),
-            "refused": _plain(self.refused),
             "checks": _plain(self.checks),
             "broken": _plain(self.broken),
-            "largest": self.largest,
             "failures": [each._asdict() for each in self.failures],
         }
 

@@ -45,12 +45,8 @@ class ResourceMonitor:
                 continue  # it has ended, or is a zombie
 
     def check(self, record: Record) -> None:
-        """Check each process that lived long enough, and keep the largest values."""
+        """Check each process that lived long enough."""
         for (name, _), series in self._series.items():
-            for resource in ("memory", "files", "threads"):
-                unit = " [MB]" if resource == "memory" else ""
-                largest = max((each[resource] for each in series), default=0.0)
-                record.measure(f"{resource} of {name}{unit}", largest)
             if len(series) >= SHORTEST:
                 problem = growth(series)
                 record.check("flat", f"{name}: {problem}" if problem else "")

@@ -86,33 +86,6 @@ def test_code_uses_what_the_library_has(name: str) -> None:
             assert used <= set(furuta.__all__), used
 
 
-def test_code_has_the_style_of_the_project(tmp_path: Path) -> None:
-    """As ruff formats it, cell by cell; unused names and imports are found too."""
-    for name in NAMES:
-        solved = [solution for _, solution in cells(name)]
-        for k, code in enumerate(solved):
-            (tmp_path / f"{name}_{k:02d}.py").write_text(code)
-        (tmp_path / f"all_{name}.py").write_text("\n\n".join(solved))
-    config = ["--config", str(ROOT / "pyproject.toml")]
-    files = sorted(map(str, tmp_path.glob("[1-9]*.py")))
-    whole = sorted(map(str, tmp_path.glob("all_*.py")))
-    for command in (
-        ["format", "--diff", *config, *files],
-        ["check", *config, "--select=F,B,UP,SIM", *whole],
-    ):
-        done = subprocess.run(["ruff", *command], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_page_lists_the_notebooks() -> None:
-    """Each with its number of exercises."""
-    page = (COURSE / "README.md").read_text()
-    rows = re.findall(r"^\| (\d) \| \[.+?\]\((\w+)\.md\) \|.*\| (\d) \|$", page, re.MULTILINE)
-    found = {name: sum(given != solved for given, solved in cells(name)) for name in NAMES}
-    assert {name: int(count) for _, name, count in rows} == found
-    assert all(name.startswith(number) for number, name, _ in rows)
-
-
 def test_first_notebook_accepts_right_answers_only() -> None:
     """Its solution passes all checks, and each wrong answer gets a hint."""
     both, script, tried = cells("1_model"), ["from lab import NotYetError"], 0

@@ -32,7 +32,7 @@ ROS = {
     *("rcl_interfaces", "ros2launch", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs"),
     *("robot_state_publisher", "rviz2", "urdfdom_py", "xacro"),
 }
-# pip refuses these there (PEP 668) unless PIP_BREAK_SYSTEM_PACKAGES is set, as README says.
+# pip refuses these there (PEP 668) unless PIP_BREAK_SYSTEM_PACKAGES is set.
 PIP = {
     "mcap-ros2-support": "mcap-ros2-support",  # needs mcap, lz4 and zstandard, which have no key
     "python-cobs-pip": "cobs",
@@ -40,8 +40,7 @@ PIP = {
     "python3-rosbags-pip": "rosbags",
     "python3-ruff-pip": "ruff",
 }
-# rosdep has no key for these: setup.cfg declares them as extras, and README says how to install
-# them.
+# rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
     *("distributed", "playwright", "pyarrow", "unicorn", "viser", "websockets", "ziglang"),
 }
@@ -140,13 +139,6 @@ def test_keys_are_known_to_rosdep() -> None:
     """Each key of each package.xml is one that rosdep or the workspace has."""
     used = set().union(*(keys(package, *TAGS) for package in PACKAGES))
     assert used - set(PACKAGES) == APT | ROS | PIP.keys()
-
-
-def test_readme_allows_pip_where_rosdep_needs_it() -> None:
-    """Otherwise ``rosdep install`` fails on Ubuntu 24.04; what has no key is named there too."""
-    readme = (ROOT / "README.md").read_text()
-    assert "PIP_BREAK_SYSTEM_PACKAGES=1 rosdep install --from-paths src" in readme
-    assert all(name in readme for name in WITHOUT_KEY)
 
 
 def test_imports_are_required() -> None:

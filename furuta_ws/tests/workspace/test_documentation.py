@@ -6,7 +6,6 @@ import re
 import shlex
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import click
 import commands
@@ -68,32 +67,17 @@ def slug(heading: str) -> str:
     return kept.strip().replace(" ", "-")
 
 
-def test_a_broken_link_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The check of links can fail."""
-    page = tmp_path / "page.md"
-    page.write_text("[there](missing.md)")
-    monkeypatch.setattr(pages, "ROOT", tmp_path)
-    monkeypatch.setattr(pages, "page_names", dict)
-    with pytest.raises(pages.BrokenLinkError, match=r"page\.md links to missing\.md"):
-        pages.site_text(page, str)
-
-
-def test_there_are_commands() -> None:
-    """The parser of pages finds them, with those that a backslash continues."""
-    assert len(every_command()) > 150
-    joined = [text for _, text in every_command() if "shaped=omega1" in text]
-    assert len(joined) == 1
-    assert "--rows random" in joined[0]
-
-
-@pytest.mark.parametrize(
-    ("place", "text"), [each for each in every_command() if "./furuta" in each[1]], ids=str
-)
-def test_commands_exist(place: str, text: str) -> None:
+def test_commands_exist() -> None:
     """Verb, options and values of each command are understood; nothing is run."""
-    if commands.reason_not_to_run(text, ()) or place.startswith("docs/extending.md"):
-        pytest.skip("not run from the page")
-    check_arguments(arguments_of(text))
+    wrong = []
+    for place, text in every_command():
+        if commands.reason_not_to_run(text, ()) or place.startswith("docs/extending.md"):
+            continue
+        try:
+            check_arguments(arguments_of(text))
+        except click.UsageError as error:
+            wrong.append(f"{place}: {text}: {error.format_message()}")
+    assert not wrong, "\n".join(wrong)
 
 
 def arguments_of(text: str) -> list[str]:
@@ -115,56 +99,3 @@ def check_arguments(arguments: list[str]) -> None:
         command.make_context(context.info_name, list(arguments), parent=context.parent)
     except click.exceptions.Exit:  # --help
         return
-
-
-@pytest.mark.parametrize(
-    "arguments", [["simulte"], ["simulate", "--secnds", "3"], ["simulate", "--seconds", "x"]]
-)
-def test_an_unknown_command_is_found(arguments: list[str]) -> None:
-    """The check of commands can fail."""
-    with pytest.raises(click.UsageError):
-        check_arguments(arguments)
-
-
-def run_page(folder: Path, text: str, **options: Any) -> list[commands.Result]:
-    """The results of the commands of a page."""
-    page = folder / "page.md"
-    page.write_text(text)
-    reader = commands.Reader(folder, **options)
-    results = [result for block in commands.blocks(page) for result in reader.read(block)]
-    reader.end_background()
-    return results
-
-
-def test_commands_of_a_page_are_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """In order, with their notes; a failure is reported with its last line."""
-    monkeypatch.setattr(commands, "ROOT", tmp_path)
-    text = """# Page
-    one line that is no block
-
-<!-- before: echo first > file -->
-
-    echo second >> file     # a remark
-    cd . && cat file | grep second && cat \\
-        missing
-
-<!-- not run: too hard -->
-
-    echo third >> file
-    ros2 topic list
-"""
-    results = run_page(tmp_path, text, limit=10.0)
-    assert [result.state for result in results] == ["ran", "ran", "FAILED", "not run", "not run"]
-    assert (tmp_path / "file").read_text() == "first\nsecond\n"
-    assert "No such file" in results[2].detail
-    assert results[3].detail == "too hard"
-
-
-def test_a_long_command_is_cut_short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """It passes if it ends in order, and not with a traceback."""
-    monkeypatch.setattr(commands, "ROOT", tmp_path)
-    good = "trap 'exit 130' INT; while true; do sleep 0.05; done"
-    bad = "trap 'echo Traceback; exit 1' INT; while true; do sleep 0.05; done"
-    results = run_page(tmp_path, f"    echo; {good}\n\n    echo; {bad}\n", limit=3.0)
-    assert [result.state for result in results] == ["cut short", "FAILED"]
-    assert "traceback" in results[1].detail

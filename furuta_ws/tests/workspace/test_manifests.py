@@ -1,4 +1,4 @@
-"""What a ROS package carries: a valid package.xml, its metadata, licence and changelog."""
+"""What a ROS package carries: a valid package.xml, its metadata and licence."""
 
 from __future__ import annotations
 
@@ -48,12 +48,3 @@ def test_packages_have_the_same_version_and_address() -> None:
 def test_licence_is_the_one_of_the_workspace(package: str) -> None:
     """A copy, because a package is also released alone."""
     assert (SOURCES / package / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_changelog_is_in_the_ros_form(package: str) -> None:
-    """ROS release tools replace the first heading, ``Forthcoming``, by version and date."""
-    title = f"Changelog for package {package}"
-    line = "^" * len(title)
-    text = (SOURCES / package / "CHANGELOG.rst").read_text()
-    assert text.startswith(f"{line}\n{title}\n{line}\n\nForthcoming\n-----------\n* ")

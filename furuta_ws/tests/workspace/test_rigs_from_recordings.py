@@ -16,6 +16,7 @@ RIGS = int(os.environ.get("FURUTA_RIGS", "1"))
 SHORT = 4.0  # recording in the suite [s]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(RIGS))
 def test_an_identified_rig_stands(monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     """With every compensation, and with the recommended one within one count of 0.025 rad."""

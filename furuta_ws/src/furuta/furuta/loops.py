@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop
-from furuta.studies.analysis_options import ideal_loop_of, require_stabilising
 from furuta_hw.rigs.rig import Rig
+from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import checked_feedback
-from furuta_sim.settings import settings
-from furuta_sim.settings.rigs import SUFFIX, find_rig, rig_directory
+from furuta_model.transfer import checked_feedback, transfer
 from furuta_sim.simulation.closed_loop import Loop
 
 
@@ -24,7 +22,9 @@ def rig_names() -> list[str]:
     Returns:
         The names, as :func:`load_rig` takes them.
     """
-    return sorted(each.stem for each in rig_directory().glob(f"*{SUFFIX}"))
+    from furuta_sim.settings.rigs import SUFFIX, rig_directory
+
+    return sorted(file.stem for file in rig_directory().glob(f"*{SUFFIX}"))
 
 
 def load_rig(name: str | Path) -> Rig:
@@ -39,6 +39,8 @@ def load_rig(name: str | Path) -> Rig:
     Raises:
         ParameterError: There is no such rig, or its file has an error.
     """
+    from furuta_sim.settings.rigs import find_rig
+
     return find_rig(str(name))
 
 
@@ -62,11 +64,13 @@ def make_loop(
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or a file has an error.
     """
+    from furuta_sim.settings import settings
+
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)
-    assignments = [f"{name}={_text(value)}" for name, value in (values or {}).items()]
     base = None if rig is None else settings.rig_settings(rig)
-    return settings.loop(settings.load_settings(map(Path, files), assignments, base))
+    given = settings.collect_settings(map(Path, files), [], base)
+    return settings.loop_with(given, {k: _plain(value) for k, value in (values or {}).items()})
 
 
 def ideal_loop(
@@ -100,11 +104,36 @@ def ideal_loop(
     return ideal
 
 
-def _text(value: Any) -> str:
-    """A value as it is written in an assignment."""
+def ideal_loop_of(
+    loop: Loop, law: str | None, feedback: tuple[float, float, float, float] | None, linear: bool
+) -> IdealLoop:
+    """The ideal loop with the plant of ``loop``, another law and feedback u = l·x if given.
+
+    Raises:
+        ParameterError: The law has no limit cycles that can be analysed.
+    """
+    l1, l2, l3, l4 = feedback or (-gain for gain in loop.controller.feedback_gain)
+    friction = loop.plant.friction
+    analysed = analysed_law(law or friction.law, friction.parameters)
+    return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
+
+
+def require_stabilising(ideal: IdealLoop) -> None:
+    """Reject a feedback whose loop is unstable without friction."""
+    poles = transfer(ideal.body, ideal.gains).poles
+    worst = poles[np.argmax(poles.real)]
+    if worst.real > 1e-6:
+        raise ParameterError(
+            f"the feedback does not stabilise the pendulum even without friction: pole at "
+            f"{worst.real:.4g}{worst.imag:+.4g}j 1/s"
+        )
+
+
+def _plain(value: Any) -> Any:
+    """A value without numpy: text, or a number or list."""
     if isinstance(value, str):
         return value
     plain = np.asarray(value).tolist()
     if plain is None or isinstance(plain, (dict, complex)):
         raise ParameterError(f"a parameter must be a number, text or list, given {value!r}")
-    return str(plain)
+    return plain

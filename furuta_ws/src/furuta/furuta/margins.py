@@ -18,13 +18,16 @@ introduction to disk margins, IEEE Control Systems 40(5), 2020).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta_control.control import ControllerParameters
 from furuta_model.linear import linearize
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import checked_feedback
 
 POINTS = 20_000  # of the grid over ω for the disk margin
 SPAN = 1e3  # of that grid beyond the slowest and fastest pole
@@ -65,6 +68,34 @@ def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margin
     s = 1j * omega
     sensitivity = np.polyval(opened, s) / np.polyval(closed, s)
     return Margins(low, high, phase, delay, float(1.0 / np.abs(sensitivity - 0.5).max()))
+
+
+def linear_report(
+    controller: ControllerParameters, feedback: Sequence[float] | None = None
+) -> dict[str, Any]:
+    """Linear model of the controller, poles, gain L and margins by name.
+
+    ``feedback`` is l (4,) of u = l·x instead of the controller's; L = −l.
+    """
+    a, b = linearize(controller.model, controller.model_viscous)
+    gain = -np.array(checked_feedback(feedback)) if feedback else np.array(controller.feedback_gain)
+    closed = np.linalg.eigvals(a - np.outer(b, gain))
+    report = {
+        **controller.model._asdict(),
+        "A": a.tolist(),
+        "B": b.tolist(),
+        "open_loop_poles": pairs(np.sort_complex(np.linalg.eigvals(a))),
+        "L": gain.tolist(),
+        "closed_loop_poles": pairs(np.sort_complex(closed)),
+    }
+    if np.all(closed.real < 0.0):
+        report["margins"] = margins(controller.model, gain, controller.model_viscous)._asdict()
+    return report
+
+
+def pairs(roots: Iterable[complex]) -> list[list[float]]:
+    """Complex numbers as lists of real and imaginary part."""
+    return [[float(root.real), float(root.imag)] for root in roots]
 
 
 def _on_axis(polynomial: np.ndarray) -> np.ndarray:

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from furuta.studies import series
-from furuta_identification.fitting import identify as fitting
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.report import summary
-from furuta_identification.preparation.options import Options
-from furuta_recordings import readers
 from furuta_recordings.recording import Recording
-from furuta_recordings.table_files import write_columns
 from furuta_sim.simulation.closed_loop import Record
+
+if TYPE_CHECKING:
+    from furuta_identification.model import Model
 
 
 def read_recording(
@@ -43,6 +39,8 @@ def read_recording(
     Raises:
         ParameterError: The file cannot be read, or a name is missing or ambiguous.
     """
+    from furuta_recordings import readers
+
     return readers.read(Path(path), readers.Mapping(arm, pendulum, command, states))[0]
 
 
@@ -69,8 +67,11 @@ def identify(
     Raises:
         ParameterError: The recordings do not determine a model.
     """
+    from furuta_identification.identify import identify as fit
+    from furuta_identification.options import Options
+
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    return fitting.identify(given, Options(zero, window, angles, command_scale))
+    return fit(given, Options(zero, window, angles, command_scale))
 
 
 def identified_values(model: Model) -> dict[str, Any]:
@@ -83,6 +84,8 @@ def identified_values(model: Model) -> dict[str, Any]:
         α, β, γ [V s²/rad], δ [V/rad], friction [V, V s/rad] and ``standard_errors`` by name; None
         where the data do not determine a value, with the reason in ``undetermined``.
     """
+    from furuta_identification.result.report import summary
+
     return summary(model)
 
 
@@ -111,6 +114,9 @@ def load_series(
     Raises:
         ParameterError: There is no such file, or it holds no series.
     """
+    from furuta.studies import series
+    from furuta_recordings import readers
+
     return series.load_series(Path(path), readers.Mapping(arm, pendulum, command, states))
 
 
@@ -123,6 +129,8 @@ def simulated_series(record: Record) -> dict[str, np.ndarray]:
     Returns:
         Series (n,) by name; :data:`furuta.COLUMNS` has the unit of each.
     """
+    from furuta.studies import series
+
     return series.simulated_series(record)
 
 
@@ -136,4 +144,6 @@ def write_series(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
     Raises:
         ParameterError: The suffix is another one, or Parquet is not installed.
     """
+    from furuta_recordings.table_files import write_columns
+
     write_columns(Path(path), columns)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.result import TuningResult
-from furuta.studies.tuning.simulated_tuning import PLAN
-from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
-from furuta.studies.tuning.tuning import ProgressCallback
-from furuta.studies.tuning.tuning import tune as run_tuning
-from furuta_model.parameters import ParameterError
+from typing import TYPE_CHECKING
+
 from furuta_sim.simulation.closed_loop import Loop
+
+if TYPE_CHECKING:
+    from furuta.studies.tuning.result import TuningResult
+    from furuta.studies.tuning.tuning import ProgressCallback
 
 
 def tune(
-    loop: Loop | None = None, seconds: float = 240.0, report: ProgressCallback | None = None
+    loop: Loop | None = None,
+    seconds: float = 240.0,
+    report: ProgressCallback | None = None,
 ) -> TuningResult:
     """Find the compensation with the smallest remaining limit cycle, by simulation.
 
@@ -31,15 +32,8 @@ def tune(
     Raises:
         ParameterError: The time is too short, or the loop cannot be tuned.
     """
-    loop = loop or Loop()
-    plan: TuningPlan = PLAN._replace(seconds=seconds, rivals=RIVALS)
-    try:
-        return run_tuning(
-            SimulatedLoop(loop), loop.observer, loop.estimator, plan, report or _no_report
-        )
-    except (GuardError, ValueError) as error:
-        raise ParameterError(f"cannot tune the compensation of this loop: {error}") from None
+    from furuta.studies.tuning.plan import RIVALS, SIMULATED
+    from furuta.studies.tuning.tuning import tune_simulated
 
-
-def _no_report(message: str, seconds: float) -> None:
-    """Report nothing."""
+    plan = SIMULATED._replace(seconds=seconds, rivals=RIVALS)
+    return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))

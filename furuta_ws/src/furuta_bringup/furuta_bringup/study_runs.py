@@ -1,44 +1,34 @@
-"""Runs a study for a verb: here or on a cluster, with a progress bar."""
+"""Runs of a study for a verb: here or on a cluster, with a progress bar."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Container, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Container, Iterable, Iterator
 from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import Progress
 
 from furuta.studies.cluster import run_on_cluster
-from furuta.studies.sweep import RunResult, Study, run_locally
+from furuta.studies.sweep import RunResult, Sweep, run_locally
 
 Item = TypeVar("Item")
 
 
-def run_study(study: Study, done: Container[int], scheduler: str | None) -> Iterator[RunResult]:
+def run_sweep(sweep: Sweep, done: Container[int], scheduler: str | None) -> Iterator[RunResult]:
     """Results of the runs that are not ``done``, from this machine or a Dask cluster."""
     if scheduler is None:
-        return run_locally(study, done)
-    return run_on_cluster(study, done, scheduler)
-
-
-@contextmanager
-def progress_bar(
-    title: str, size: int, completed: int = 0, quiet: bool = False
-) -> Iterator[Callable[[], None]]:
-    """A bar on the terminal, which the function that it gives advances."""
-    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task(title, total=size, completed=completed)
-        yield lambda: progress.advance(task)
+        return run_locally(sweep, done)
+    return run_on_cluster(sweep, done, scheduler)
 
 
 def with_progress(
-    title: str, items: Iterable[Item], size: int, completed: int, quiet: bool
+    title: str, items: Iterable[Item], size: int, completed: int = 0, quiet: bool = False
 ) -> Iterator[Item]:
-    """The items, with a bar that advances with each of them."""
-    with progress_bar(title, size, completed, quiet) as advance:
-        for each in items:
-            yield each
-            advance()
+    """The items, with a bar on the terminal that advances with each of them."""
+    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task(title, total=size, completed=completed)
+        for item in items:
+            yield item
+            progress.advance(task)

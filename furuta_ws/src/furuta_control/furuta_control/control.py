@@ -1,20 +1,20 @@
 """Computes the command in the selected mode: the registry of modes and one sample of any of them.
 
 An excitation signal can be added in every active mode; the sum is limited to the voltage range. To
-add a mode, write its file in ``modes/`` and add it here: a row of :data:`MODES`, its parameters,
-and its branch in :func:`_mode_command`.
+add a mode, write its file in ``modes/`` and add it to :data:`MODES`. What it remembers and its
+parameters, if it has any, are fields of the groups here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 from math import ceil, isfinite, pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_control.excitation import (
-    NONE,
     TWO_PI,
     Excitation,
     ExcitationParameters,
@@ -22,35 +22,32 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, super_twisting, swing_up
-from furuta_control.modes.balance import Balance
-from furuta_control.modes.swing_up import SwingUp, SwingUpParameters
-from furuta_model.compiled import inlined
+from furuta_control.modes import balance, super_twisting, swing_up, without_feedback
+from furuta_control.modes.balance import Balance, BalanceMemory
+from furuta_control.modes.mode import Mode
+from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
+from furuta_model.compiled import by_kind, inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.parameters import INLINE, About, EarlierName, ParameterError, shortened
+from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 
-# Name and meaning.
-MODES = {
-    "balance": "state feedback about upright with friction compensation",
-    "open_loop": "the excitation signal alone, at any pendulum angle, for identification",
-    "swing_up": "swing the pendulum up from any angle, catch it and balance",
-    "off": "0 V",
-}
-BALANCE, OPEN_LOOP, SWING_UP, OFF = range(4)
-_MEANINGS = "; ".join(f"{name}: {meaning}" for name, meaning in MODES.items())
+MODES: tuple[Mode, ...] = (
+    balance.MODE,
+    without_feedback.OPEN_LOOP,
+    swing_up.MODE,
+    without_feedback.OFF,
+)
 
-# The controller's memory: the phase of the excitation, then the memory of each mode.
-PHASE = 0
-BALANCE_MEMORY = 1
-SWING_UP_MEMORY = BALANCE_MEMORY + balance.MEMORY
-MEMORY = SWING_UP_MEMORY + swing_up.MEMORY
+_NAMES = tuple(mode.name for mode in MODES)
+_MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
+_FEEDBACK = tuple(mode.feedback for mode in MODES)
+_mode_command = by_kind([mode.command for mode in MODES])
 
-INACTIVE = (0.0, False)
-
-# What the controller does in a sample, for those who watch it.
-ACTIVE_MODES = (*swing_up.PHASES, "open_loop")
-OPEN_LOOP_ACTIVE = len(swing_up.PHASES)
+# What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
+# mode.
+ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES)))
+_ACTIVE = tuple(ACTIVE_MODES.index(name) for name in _NAMES)
+_BALANCE, _SWING_UP = MODES.index(balance.MODE), MODES.index(swing_up.MODE)
 
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
@@ -63,13 +60,7 @@ class ControllerParameters(NamedTuple):
     enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
     mode: Annotated[
         str,
-        About(
-            _MEANINGS,
-            choices=tuple(MODES),
-            earlier_names=(
-                EarlierName("excitation.open_loop", ((True, "open_loop"), (False, "balance"))),
-            ),
-        ),
+        About(_MEANINGS, choices=_NAMES),
     ] = "balance"
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
@@ -135,7 +126,7 @@ class ControllerParameters(NamedTuple):
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
                 f"placement, given {shortened(list(self.gain))}"
             )
-        if not all(isfinite(each) for each in self.feedback_gain):
+        if not all(map(isfinite, self.feedback_gain)):
             raise ParameterError(
                 "no gain can be computed for these poles and this model; given "
                 f"{shortened(self.poles)}, {shortened(self.model)}"
@@ -145,7 +136,7 @@ class ControllerParameters(NamedTuple):
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
                 f"{self.fall_angle:g}"
             )
-        if self.mode == list(MODES)[SWING_UP] and not swing_up.is_possible(
+        if self.mode == swing_up.MODE.name and not swing_up.is_possible(
             self.model, self.model_viscous, _balance(self), self.sample_time
         ):
             raise ParameterError(
@@ -157,11 +148,10 @@ class ControllerParameters(NamedTuple):
     @property
     def feedback_gain(self) -> tuple[float, float, float, float]:
         """L of u = −Lx: the explicit one, or by pole placement on the nominal model, eq. (7)."""
-        placed = self.gain == POLE_PLACEMENT
         gain: Iterable[float] = self.gain
-        if placed:
+        if self.gain == POLE_PLACEMENT:
             gain = place_poles(self.model, self.poles, self.model_viscous)
-        l1, l2, l3, l4 = (float(each) for each in gain)
+        l1, l2, l3, l4 = map(float, gain)
         return l1, l2, l3, l4
 
 
@@ -176,114 +166,101 @@ class ControllerDesign(NamedTuple):
     swing_up: SwingUp
 
 
+@dataclass
+class ControllerMemory:
+    """What the controller remembers; ``phase`` is that of the excitation [rad]."""
+
+    phase: float = 0.0
+    balance: BalanceMemory = field(default_factory=BalanceMemory)
+    swing_up: SwingUpMemory = field(default_factory=SwingUpMemory)
+
+
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe."""
-    mode, balancing = list(MODES).index(p.mode), _balance(p)
+    balancing = _balance(p)
+    open_loop = p.mode == without_feedback.OPEN_LOOP.name
     return ControllerDesign(
-        p.enabled,
-        mode,
-        balancing,
-        design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
-        p.voltage_limit,
-        swing_up.design(
+        enabled=p.enabled,
+        mode=_NAMES.index(p.mode),
+        balance=balancing,
+        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=open_loop),
+        voltage_limit=p.voltage_limit,
+        swing_up=swing_up.design(
             p.swing_up,
             p.model,
-            p.model_viscous,
-            balancing,
-            p.sample_time,
-            used=mode == SWING_UP,
+            viscous=p.model_viscous,
+            balancing=balancing,
+            dt=p.sample_time,
+            used=p.mode == swing_up.MODE.name,
             own_gain=p.gain == POLE_PLACEMENT,
         ),
     )
 
 
 def _balance(p: ControllerParameters) -> Balance:
+    l1, l2, l3, l4 = p.feedback_gain
     return Balance(
-        *p.feedback_gain,
-        p.fall_angle,
-        p.arm_angle_limit,
-        p.arm_speed_limit,
-        p.catch_angle,
-        p.catch_speed,
-        ceil(p.catch_time / p.sample_time),
-        p.arm_reference,
-        p.arm_error_limit,
-        p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        super_twisting.design(
+        l1=l1,
+        l2=l2,
+        l3=l3,
+        l4=l4,
+        fall_angle=p.fall_angle,
+        arm_angle_limit=p.arm_angle_limit,
+        arm_speed_limit=p.arm_speed_limit,
+        catch_angle=p.catch_angle,
+        catch_speed=p.catch_speed,
+        catch_samples=ceil(p.catch_time / p.sample_time),
+        arm_reference=p.arm_reference,
+        arm_error_limit=p.arm_error_limit,
+        integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
+        super_twisting=super_twisting.design(
             p.super_twisting, p.model, p.model_viscous, p.feedback_gain, p.sample_time
         ),
-        p.voltage_limit,
+        voltage_limit=p.voltage_limit,
     )
 
 
 @inlined
-def control(memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
     """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
-    u, active = _mode_command(memory, x, friction, p)
-    if not active or not p.enabled:
+    if not _FEEDBACK[p.mode]:
+        balance.leave(memory.balance)
+        swing_up.reset(memory.swing_up)
+    u = _mode_command(p.mode, memory, x, friction, p)
+    if np.isnan(u) or not p.enabled:
         return 0.0
-    if p.excitation.kind != NONE and within_limits(x, p.excitation):
-        u += p.excitation.amplitude * shape(p.excitation.kind, memory[PHASE])
-        memory[PHASE] = (memory[PHASE] + p.excitation.step) % TWO_PI
+    if p.excitation.on and within_limits(x, p.excitation):
+        u += p.excitation.amplitude * shape(p.excitation.kind, memory.phase)
+        memory.phase = (memory.phase + p.excitation.step) % TWO_PI
+    return limited(u, p)
+
+
+@inlined
+def limited(u: float, p: ControllerDesign) -> float:
+    """The command within the voltage range [V]."""
     return min(max(u, -p.voltage_limit), p.voltage_limit)
 
 
 @inlined
-def continues(memory: np.ndarray, x: np.ndarray, p: ControllerDesign) -> bool:
-    """Whether the pendulum was balanced and still is, without excitation: the usual sample."""
-    plain = p.enabled and p.mode == BALANCE and p.excitation.kind == NONE
-    return plain and balance.still_balancing(memory, BALANCE_MEMORY, x, p.balance)
-
-
-@inlined
-def continue_control(
-    memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
-) -> float:
-    """:func:`control` for a sample in which it :func:`continues`."""
-    u = balance.command(memory, BALANCE_MEMORY, x, friction, p.balance)
-    return min(max(u, -p.voltage_limit), p.voltage_limit)
-
-
-@inlined
-def active_mode(memory: np.ndarray, p: ControllerDesign) -> int:
+def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
     """What the controller does: the index of its name in :data:`ACTIVE_MODES`."""
-    if not p.enabled or p.mode == OFF:
+    if not p.enabled:
         return swing_up.OFF
-    if p.mode == SWING_UP:
-        return int(memory[SWING_UP_MEMORY + swing_up.PHASE])
-    if p.mode == OPEN_LOOP:
-        return OPEN_LOOP_ACTIVE
-    balancing = memory[BALANCE_MEMORY + balance.BALANCING] != 0.0
-    return swing_up.BALANCING if balancing else swing_up.OFF
+    if p.mode == _SWING_UP:
+        return memory.swing_up.phase
+    if p.mode == _BALANCE:
+        return swing_up.BALANCING if memory.balance.balancing else swing_up.OFF
+    return _ACTIVE[p.mode]
 
 
 @inlined
-def reset(memory: np.ndarray) -> None:
+def reset(memory: ControllerMemory) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
-    balance.reset(memory, BALANCE_MEMORY)
-    swing_up.reset(memory, SWING_UP_MEMORY)
+    balance.reset(memory.balance)
+    swing_up.reset(memory.swing_up)
 
 
 @inlined
-def forget_integrals(memory: np.ndarray) -> None:
+def forget_integrals(memory: ControllerMemory) -> None:
     """Forget what has been integrated, as the last command was not applied."""
-    balance.forget_integrals(memory, BALANCE_MEMORY)
-
-
-@inlined
-def _mode_command(
-    memory: np.ndarray, x: np.ndarray, friction: float, p: ControllerDesign
-) -> tuple[float, bool]:
-    """Command u [V] of the mode, and whether the mode is active."""
-    if p.mode == BALANCE:
-        if not balance.balances(memory, BALANCE_MEMORY, x, p.balance):
-            return INACTIVE
-        return balance.command(memory, BALANCE_MEMORY, x, friction, p.balance), True
-    if p.mode == SWING_UP:
-        u = swing_up.command(memory, SWING_UP_MEMORY, BALANCE_MEMORY, x, friction, p.swing_up)
-        return (0.0, False) if np.isnan(u) else (u, True)
-    balance.leave(memory, BALANCE_MEMORY)
-    swing_up.reset(memory, SWING_UP_MEMORY)
-    if p.mode == OPEN_LOOP:
-        return 0.0, True
-    return INACTIVE
+    balance.forget_integrals(memory.balance)

@@ -12,7 +12,7 @@ from std_msgs.msg import Bool, Float64, String
 
 from furuta_control.control import (
     ACTIVE_MODES,
-    MEMORY,
+    ControllerMemory,
     ControllerParameters,
     active_mode,
     control,
@@ -22,7 +22,7 @@ from furuta_control.control import (
 )
 from furuta_control.estimate_matching import Answer, EstimateMatching
 from furuta_control.modes import swing_up
-from furuta_model.block import block
+from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_float, read_joints
@@ -61,7 +61,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        self._memory = np.zeros(MEMORY)
+        self._memory = new_memory(ControllerMemory)
         self._memory_before = self._memory.copy()  # a step without its estimate
         self._x = np.zeros(SIGNALS)
         self._stamp = -1
@@ -98,7 +98,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         read_joints(message, self._x, partly=True)
         anew = starts_anew(self._stamp, stamp)
         if anew:
-            reset(self._memory)
+            reset(self._memory[0])
         self._stamp = stamp
         self._do(self._matching.state(self.message_age.sent, anew))
 
@@ -141,7 +141,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _step(self, friction: float) -> None:
         if not self._applied:
-            forget_integrals(self._memory)
+            forget_integrals(self._memory[0])
         self._command.data, mode = _control(self._memory, self._x, friction, self._design)
         self._report_mode(mode)
         self._publish_command()
@@ -165,8 +165,8 @@ def _control(
     memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray
 ) -> tuple[float, int]:
     """Command u [V], and the index of the mode in force."""
-    u = control(memory, x, friction, design[0])
-    return u, active_mode(memory, design[0])
+    u = control(memory[0], x, friction, design[0])
+    return u, active_mode(memory[0], design[0])
 
 
 def main() -> None:

@@ -1,12 +1,13 @@
 """Estimates the state from the measurement: the registry of methods and one sample of any of them.
 
 Measurement and estimate are (5,): x, then the applied torque or the observed friction [V]
-(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it here:
-a row of :data:`METHODS`, its parameters, its design, and its branch in the functions at the end.
+(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it to
+:data:`METHODS`. Its parameters and its design, if it has any, are fields of the groups here.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import floor, nan, pi
 from typing import Annotated, NamedTuple
@@ -17,10 +18,11 @@ from furuta_control import readings
 from furuta_control.estimators import kalman, lowpass, whole_circle
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
 from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import Method, NominalRig
 from furuta_control.estimators.whole_circle import WholeCircle
-from furuta_control.readings import ReadingLimits, reading_limits
-from furuta_model.compiled import compiled, inlined
+from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
+from furuta_model.block import zeros
+from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -35,53 +37,22 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-
-class Method(NamedTuple):
-    """A method: whether it observes the friction, needs the applied torque, covers the circle.
-
-    A method that does not cover the circle is for the pendulum near upright.
-    """
-
-    name: str
-    meaning: str
-    observes_friction: bool
-    needs_applied_torque: bool
-    covers_circle: bool = False
-
-
-METHODS = (
-    Method(
-        "kalman",
-        "fuses all sensors and the applied torque, and observes the friction",
-        observes_friction=True,
-        needs_applied_torque=True,
-    ),
-    Method(
-        "lowpass",
-        "the paper's filter on the potentiometer, arm as measured",
-        observes_friction=False,
-        needs_applied_torque=False,
-    ),
-    Method(
-        "whole_circle",
-        "kalman for any pendulum angle, with the nonlinear model",
-        observes_friction=True,
-        needs_applied_torque=True,
-        covers_circle=True,
-    ),
+METHODS: tuple[Method, ...] = (
+    kalman.METHOD,
+    lowpass.METHOD,
+    whole_circle.METHOD,
 )
-KALMAN, LOWPASS, WHOLE_CIRCLE = range(3)
 
 _NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 _OBSERVES_FRICTION = tuple(method.observes_friction for method in METHODS)
+_COVERS_CIRCLE = tuple(method.covers_circle for method in METHODS)
+update = by_kind([method.update for method in METHODS])
+_begin = by_kind([method.begin for method in METHODS])
+_improve_prediction = by_kind([method.predict for method in METHODS])
 
-# The estimator's memory: the estimate, the running method (0: no estimate), the last readings.
-RUNNING = SIGNALS
-READINGS = RUNNING + 1
-MEMORY = READINGS + readings.MEMORY
-# Value of RUNNING while ideal measurements are the estimate.
-UNFILTERED = -1.0
+# Values of ``running`` in the estimator's memory that are no method.
+NOT_RUNNING, UNFILTERED = 0, -1
 # Result of :func:`unusable_readings` without an estimate.
 LOST = -1
 
@@ -143,28 +114,42 @@ class EstimatorDesign(NamedTuple):
     whole_circle: WholeCircle
 
 
+@dataclass
+class EstimatorMemory:
+    """What the estimator remembers.
+
+    Attributes:
+        estimate: The estimate (5,) of x and of the friction.
+        running: The running method, an index of :data:`METHODS` plus 1; :data:`NOT_RUNNING`
+            without an estimate, :data:`UNFILTERED` while ideal measurements are the estimate.
+        readings: Memory of the check of readings.
+    """
+
+    estimate: np.ndarray = zeros(SIGNALS)
+    running: int = NOT_RUNNING
+    readings: ReadingMemory = field(default_factory=ReadingMemory)
+
+
 @lru_cache(maxsize=64)
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
-    method = _NAMES.index(p.method)
+    rig, covers_circle = p.rig, p.chosen.covers_circle
     return EstimatorDesign(
-        method,
-        p.sensors.ideal,
-        reading_limits(p.rig, p.chosen.needs_applied_torque),
-        p.sample_time,
-        lowpass.design(p.rig, p.lowpass),
-        kalman.design(p.rig, p.kalman),
-        whole_circle.design(p.rig, p.kalman)
-        if method == WHOLE_CIRCLE
-        else whole_circle.unused(p.rig),
+        method=_NAMES.index(p.method),
+        ideal=p.sensors.ideal,
+        readings=reading_limits(rig, p.chosen.needs_applied_torque),
+        sample_time=p.sample_time,
+        lowpass=lowpass.design(rig, p.lowpass),
+        kalman=kalman.design(rig, p.kalman),
+        whole_circle=(whole_circle.design if covers_circle else whole_circle.unused)(rig, p.kalman),
     )
 
 
 @inlined
 def estimate_state(
-    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
 ) -> None:
-    """One sample: ``memory`` (MEMORY,) is updated, ``estimate`` (5,) written.
+    """One sample: ``memory`` is updated, ``estimate`` (5,) written.
 
     Unusable readings in ``measurement`` are replaced (:mod:`furuta_control.readings`). Without an
     estimate ``estimate`` is what the usable readings say, NaN where they say nothing. After a
@@ -172,70 +157,69 @@ def estimate_state(
     are not filtered; the method is then used only to observe the friction, if it can. A method
     that covers the circle gives θ from −π to π.
     """
-    if continues(memory, measurement, p):
-        continue_estimate(memory, measurement, p, estimate)
-        return
-    if memory[RUNNING] != 0.0 and readings.all_usable(memory, READINGS, measurement, p.readings):
-        readings.forget_unusable(memory, READINGS)
+    running = memory.running != NOT_RUNNING
+    if running and readings.all_usable(memory.readings, measurement, p.readings):
+        readings.forget_unusable(memory.readings)
     elif not _repair(memory, measurement, p, estimate):
         return
-    _filter(memory, measurement, p)
-    _finish(memory, measurement, p, estimate)
-
-
-@inlined
-def continues(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> bool:
-    """Whether the estimate runs with this method and every reading is usable: the usual sample."""
-    running = UNFILTERED if _unfiltered(p) else p.method + 1.0
-    return (memory[RUNNING] == running) & readings.all_usable(
-        memory, READINGS, measurement, p.readings
-    )
-
-
-@inlined
-def continue_estimate(
-    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
-) -> None:
-    """:func:`estimate_state` for a sample in which the estimate :func:`continues`."""
-    readings.forget_unusable(memory, READINGS)
-    if _unfiltered(p):
-        _take_measurement(memory, measurement)
+    if is_filtered(p):
+        _filter(memory, measurement, p)
     else:
-        _update(memory, measurement, p)
-    _finish(memory, measurement, p, estimate)
+        take_measurement(memory, measurement)
+    finish(memory, measurement, p, estimate)
 
 
 @inlined
-def _finish(
-    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+def is_filtered(p: EstimatorDesign) -> bool:
+    """Whether the estimate is more than the ideal measurement."""
+    return not p.ideal or _OBSERVES_FRICTION[p.method]
+
+
+@inlined
+def take_measurement(memory: EstimatorMemory, measurement: np.ndarray) -> None:
+    """Take the ideal measurement as the estimate."""
+    for i in range(RIGID_STATES):
+        memory.estimate[i] = measurement[i]
+    memory.estimate[OBSERVED_FRICTION] = nan
+    memory.running = UNFILTERED
+
+
+@inlined
+def _filter(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Start the estimate or move it by one sample."""
+    x = memory.estimate
+    if memory.running == NOT_RUNNING:
+        for i in range(THETA_DOT):
+            x[i] = measurement[i]
+        x[THETA_DOT] = x[OBSERVED_FRICTION] = 0.0
+        _begin(p.method, memory, measurement, p)
+    else:
+        if memory.running != p.method + 1:
+            if np.isnan(x[OBSERVED_FRICTION]):
+                x[OBSERVED_FRICTION] = 0.0
+            _begin(p.method, memory, measurement, p)
+        update(p.method, memory, measurement, p)
+    memory.running = p.method + 1
+
+
+@inlined
+def finish(
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
 ) -> None:
     """Remember the readings and write the estimate."""
-    readings.remember(memory, READINGS, measurement)
+    readings.remember(memory.readings, measurement)
     for i in range(SIGNALS):
-        estimate[i] = memory[i]
+        estimate[i] = memory.estimate[i]
     if p.ideal:
         for i in range(RIGID_STATES):
             estimate[i] = measurement[i]
-        if p.method == WHOLE_CIRCLE:
+        if _COVERS_CIRCLE[p.method]:
             estimate[THETA] -= 2.0 * pi * floor(estimate[THETA] / (2.0 * pi) + 0.5)
-
-
-@inlined
-def _unfiltered(p: EstimatorDesign) -> bool:
-    """Whether the ideal measurements are the estimate."""
-    return p.ideal and not _OBSERVES_FRICTION[p.method]
-
-
-@inlined
-def _take_measurement(memory: np.ndarray, measurement: np.ndarray) -> None:
-    for i in range(RIGID_STATES):
-        memory[i] = measurement[i]
-    memory[OBSERVED_FRICTION] = nan
 
 
 @compiled
 def pass_skipped(
-    memory: np.ndarray,
+    memory: EstimatorMemory,
     samples: int,
     measurement: np.ndarray,
     p: EstimatorDesign,
@@ -258,96 +242,57 @@ def skipped_samples(interval: float, sample_time: float) -> int:
 
 
 @inlined
-def unusable_readings(memory: np.ndarray) -> int:
+def unusable_readings(memory: EstimatorMemory) -> int:
     """Readings of the last sample that were replaced: a bit for each signal, -1 if lost."""
-    if memory[RUNNING] == 0.0:
+    if memory.running == NOT_RUNNING:
         return LOST
     bits = 0
     for i in range(SIGNALS):
-        if memory[READINGS + readings.UNUSABLE + i] > 0.0:
+        if memory.readings.unusable[i] > 0.0:
             bits |= 1 << i
     return bits
 
 
 @inlined
-def restart(memory: np.ndarray) -> None:
+def restart(memory: EstimatorMemory) -> None:
     """Forget the estimate: the next measurement starts a new one."""
-    memory[RUNNING] = 0.0
-
-
-@inlined
-def _filter(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
-    """Start the estimate or move it by one sample."""
-    if _unfiltered(p):
-        _take_measurement(memory, measurement)
-        memory[RUNNING] = UNFILTERED
-        return
-    if memory[RUNNING] == 0.0:
-        for i in range(THETA_DOT):
-            memory[i] = measurement[i]
-        memory[THETA_DOT] = memory[OBSERVED_FRICTION] = 0.0
-        _begin(memory, measurement, p)
-    else:
-        if memory[RUNNING] != p.method + 1:
-            if np.isnan(memory[OBSERVED_FRICTION]):
-                memory[OBSERVED_FRICTION] = 0.0
-            _begin(memory, measurement, p)
-        _update(memory, measurement, p)
-    memory[RUNNING] = p.method + 1
+    memory.running = NOT_RUNNING
 
 
 @compiled
 def _repair(
-    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
 ) -> bool:
     """Make the measurement usable or the estimate unknown; return whether there is one."""
-    if memory[RUNNING] != 0.0:
+    checked = memory.readings
+    if memory.running != NOT_RUNNING:
         if p.readings.full_turn:
-            seam = readings.cross_seam(memory, READINGS, measurement)
-            memory[THETA] += seam
-            memory[READINGS + THETA] += seam
+            seam = readings.cross_seam(checked, measurement)
+            memory.estimate[THETA] += seam
+            checked.last[THETA] += seam
         _predict(memory, measurement, p, estimate)
-        if readings.replace_unusable(memory, READINGS, measurement, estimate, p.readings):
+        if readings.replace_unusable(checked, measurement, estimate, p.readings):
             return True
         restart(memory)
     if readings.can_start(measurement, p.readings):
-        readings.forget_unusable(memory, READINGS)
+        readings.forget_unusable(checked)
         return True
     readings.unknown_state(measurement, estimate, p.readings)
     return False
 
 
 @inlined
-def _begin(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
-    """Initialise the method's memory; the estimate in ``memory`` is already set."""
-    if p.method == LOWPASS:
-        memory[READINGS + THETA] = measurement[THETA]
-        lowpass.begin(memory, p.lowpass)
-
-
-@inlined
-def _update(memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign) -> None:
-    if p.method == KALMAN:
-        kalman.update(memory, measurement, p.kalman)
-    elif p.method == LOWPASS:
-        lowpass.update(memory, memory[READINGS + THETA], measurement, p.lowpass)
-    elif p.method == WHOLE_CIRCLE:
-        whole_circle.update(memory, measurement, p.whole_circle)
-
-
-@inlined
 def _predict(
-    memory: np.ndarray, measurement: np.ndarray, p: EstimatorDesign, predicted: np.ndarray
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign, predicted: np.ndarray
 ) -> None:
-    """Write the measurement (5,) that is expected: from the model, or at constant speeds."""
-    dt = p.sample_time
-    predicted[PHI] = memory[READINGS + PHI] + memory[PHI_DOT] * dt
-    predicted[PHI_DOT] = memory[READINGS + PHI_DOT]
-    predicted[THETA] = memory[READINGS + THETA] + memory[THETA_DOT] * dt
-    predicted[THETA_DOT] = memory[READINGS + THETA_DOT]
-    predicted[APPLIED_TORQUE] = memory[READINGS + APPLIED_TORQUE]
-    if p.method == KALMAN:
-        torque = measurement[APPLIED_TORQUE]
-        if np.isnan(torque):
-            torque = predicted[APPLIED_TORQUE]
-        kalman.predict(memory, torque, p.kalman, predicted)
+    """Write the measurement (5,) that is expected: at constant speeds, or by the method."""
+    last, x, dt = memory.readings.last, memory.estimate, p.sample_time
+    predicted[PHI] = last[PHI] + x[PHI_DOT] * dt
+    predicted[PHI_DOT] = last[PHI_DOT]
+    predicted[THETA] = last[THETA] + x[THETA_DOT] * dt
+    predicted[THETA_DOT] = last[THETA_DOT]
+    predicted[APPLIED_TORQUE] = last[APPLIED_TORQUE]
+    torque = measurement[APPLIED_TORQUE]
+    if np.isnan(torque):
+        torque = predicted[APPLIED_TORQUE]
+    _improve_prediction(p.method, memory, torque, p, predicted)

@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 
 from furuta_control.estimation import (
     LOST,
-    MEMORY,
+    EstimatorMemory,
     EstimatorParameters,
     design_estimator,
     estimate_state,
@@ -20,7 +20,7 @@ from furuta_control.estimation import (
     skipped_samples,
     unusable_readings,
 )
-from furuta_model.block import block
+from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
 from furuta_ros.messages import JointWriter, RefusedError, read_measurement
@@ -47,7 +47,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        self._memory = np.zeros(MEMORY)
+        self._memory = new_memory(EstimatorMemory)
         self._measurement = np.zeros(SIGNALS)
         self._estimate = np.zeros(SIGNALS)
         self._writer = JointWriter()
@@ -74,7 +74,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
             self._read(message)
             skipped = skipped_samples(stamp - self._last_stamp, self._interval)
             if starts_anew(self._last_stamp, stamp):
-                restart(self._memory)
+                restart(self._memory[0])
                 skipped = 0
             unusable = _estimate(
                 self._memory, skipped, self._measurement, self._estimator, self._estimate
@@ -137,9 +137,9 @@ def _estimate(
 ) -> int:
     """One sample; return the readings that were replaced."""
     if skipped:
-        pass_skipped(memory, skipped, measurement, estimator[0], estimate)
-    estimate_state(memory, measurement, estimator[0], estimate)
-    return unusable_readings(memory)
+        pass_skipped(memory[0], skipped, measurement, estimator[0], estimate)
+    estimate_state(memory[0], measurement, estimator[0], estimate)
+    return unusable_readings(memory[0])
 
 
 def main() -> None:

@@ -11,17 +11,48 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled, inlined
+from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.parameters import About
 from furuta_model.state import PHI, PHI_DOT, THETA
 
-NONE, STEPS, SINE, MULTISINE = range(4)
-KINDS = ("none", "steps", "sine", "multisine")
 TWO_PI = 2.0 * np.pi
 # Number of harmonics of the multisine, all with the same amplitude.
 HARMONICS = 8
 # Largest value of the sum of the harmonics.
 MULTISINE_PEAK = 3.781
+
+
+@inlined
+def nothing(phase: float) -> float:
+    """No signal."""
+    return 0.0
+
+
+@inlined
+def steps(phase: float) -> float:
+    """Steps up and down."""
+    return 1.0 if phase < np.pi else -1.0
+
+
+@compiled
+def sine(phase: float) -> float:
+    """A sine."""
+    return np.sin(phase)
+
+
+@compiled
+def multisine(phase: float) -> float:
+    """The sum of the harmonics with Schroeder phases (1970), which give a low peak."""
+    total = 0.0
+    for k in range(1, HARMONICS + 1):
+        total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)
+    return total / MULTISINE_PEAK
+
+
+# The signals by name, each -1 to 1 as a function of its phase [rad].
+SIGNALS = {"none": nothing, "steps": steps, "sine": sine, "multisine": multisine}
+KINDS = tuple(SIGNALS)
+shape = by_kind(list(SIGNALS.values()))
 
 
 class ExcitationParameters(NamedTuple):
@@ -49,11 +80,13 @@ class ExcitationParameters(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """The signal as the compiled functions use it; ``step`` is its phase per sample [rad].
+    """The signal as the compiled functions use it.
 
-    With ``any_tilt`` the angle of the pendulum does not limit the signal.
+    ``on``: whether there is one. ``kind`` is an index of :data:`KINDS`, ``step`` the phase per
+    sample [rad]. With ``any_tilt`` the angle of the pendulum does not limit the signal.
     """
 
+    on: bool
     kind: int
     amplitude: float
     step: float
@@ -67,8 +100,16 @@ def design_excitation(
     p: ExcitationParameters, sample_time: float, any_tilt: bool = False
 ) -> Excitation:
     """The signal that the parameters describe, for samples of ``sample_time`` [s]."""
-    step = TWO_PI * min(sample_time / p.period, 0.5)
-    return Excitation(KINDS.index(p.kind), p.amplitude, step, *p[3:], any_tilt)
+    return Excitation(
+        on=p.kind != "none",
+        kind=KINDS.index(p.kind),
+        amplitude=p.amplitude,
+        step=TWO_PI * min(sample_time / p.period, 0.5),
+        tilt_limit=p.tilt_limit,
+        excursion_limit=p.excursion_limit,
+        speed_limit=p.speed_limit,
+        any_tilt=any_tilt,
+    )
 
 
 @inlined
@@ -79,22 +120,3 @@ def within_limits(x: np.ndarray, p: Excitation) -> bool:
         and abs(x[PHI]) <= p.excursion_limit
         and abs(x[PHI_DOT]) <= p.speed_limit
     )
-
-
-@compiled
-def shape(kind: int, phase: float) -> float:
-    """Value of the signal at ``phase`` [rad], -1 to 1."""
-    if kind == STEPS:
-        return 1.0 if phase < np.pi else -1.0
-    if kind == SINE:
-        return np.sin(phase)
-    return multisine(phase) / MULTISINE_PEAK
-
-
-@compiled
-def multisine(phase: float) -> float:
-    """Sum of the harmonics with Schroeder phases (1970), which give a low peak."""
-    total = 0.0
-    for k in range(1, HARMONICS + 1):
-        total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)
-    return total

@@ -10,12 +10,14 @@ its sensor. It starts anew as soon as all sensors give usable readings.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import NominalRig
+from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.sensors import Sensors, end_of_range
 from furuta_model.state import (
@@ -43,10 +45,13 @@ DEVIATIONS = 10.0
 # Tolerance for rounding, relative.
 ROUNDING = 1e-9
 
-# The memory of the check: the last reading of each signal, as used, and how many of its readings
-# in a row could not be used.
-UNUSABLE = SIGNALS
-MEMORY = 2 * SIGNALS
+
+@dataclass
+class ReadingMemory:
+    """The last reading of each signal as used, and how many in a row could not be used."""
+
+    last: np.ndarray = zeros(SIGNALS)
+    unusable: np.ndarray = zeros(SIGNALS)
 
 
 class ReadingLimits(NamedTuple):
@@ -84,12 +89,12 @@ def reading_limits(rig: NominalRig, needs_applied_torque: bool) -> ReadingLimits
             end[THETA] = end_of_range(sensors.potentiometer_range, sensors.potentiometer_bits)
             largest[THETA] = sensors.potentiometer_range * (1.0 + ROUNDING)
     return ReadingLimits(
-        measured,
-        jump,
-        end * (1.0 - ROUNDING),
-        largest,
-        full_turn and not sensors.ideal,
-        max(2, ceil(PATIENCE / dt * (1.0 - ROUNDING))),
+        measured=measured,
+        jump=jump,
+        end=end * (1.0 - ROUNDING),
+        largest=largest,
+        full_turn=full_turn and not sensors.ideal,
+        patience=max(2, ceil(PATIENCE / dt * (1.0 - ROUNDING))),
     )
 
 
@@ -107,26 +112,26 @@ def _largest_changes(sensors: Sensors, dt: float) -> tuple[float, float, float]:
 
 
 @inlined
-def all_usable(memory: np.ndarray, at: int, measurement: np.ndarray, p: ReadingLimits) -> bool:
-    """Whether every reading is usable; the memory of the check begins at ``at``."""
+def all_usable(memory: ReadingMemory, measurement: np.ndarray, p: ReadingLimits) -> bool:
+    """Whether every reading is usable."""
     usable = True
     for i in range(SIGNALS):
-        usable &= p.measured[i] == 0 or _usable(measurement[i], memory[at + i], i, p)
+        usable &= p.measured[i] == 0 or _usable(measurement[i], memory.last[i], i, p)
     return usable
 
 
 @inlined
-def remember(memory: np.ndarray, at: int, measurement: np.ndarray) -> None:
+def remember(memory: ReadingMemory, measurement: np.ndarray) -> None:
     """Keep the readings of this sample for the check of the next."""
     for i in range(SIGNALS):
-        memory[at + i] = measurement[i]
+        memory.last[i] = measurement[i]
 
 
 @inlined
-def forget_unusable(memory: np.ndarray, at: int) -> None:
+def forget_unusable(memory: ReadingMemory) -> None:
     """All readings of this sample are usable."""
     for i in range(SIGNALS):
-        memory[at + UNUSABLE + i] = 0.0
+        memory.unusable[i] = 0.0
 
 
 @compiled
@@ -139,38 +144,38 @@ def can_start(measurement: np.ndarray, p: ReadingLimits) -> bool:
 
 
 @compiled
-def cross_seam(memory: np.ndarray, at: int, measurement: np.ndarray) -> float:
+def cross_seam(memory: ReadingMemory, measurement: np.ndarray) -> float:
     """Multiple of 2π [rad] by which a sensor of the full circle has jumped since the last sample.
 
     It is to be added to everything that the estimator remembers of θ.
     """
-    turns = np.floor((measurement[THETA] - memory[at + THETA]) / (2.0 * np.pi) + 0.5)
+    turns = np.floor((measurement[THETA] - memory.last[THETA]) / (2.0 * np.pi) + 0.5)
     return 2.0 * np.pi * turns if abs(turns) == 1.0 else 0.0
 
 
 @compiled
 def replace_unusable(
-    memory: np.ndarray, at: int, measurement: np.ndarray, predicted: np.ndarray, p: ReadingLimits
+    memory: ReadingMemory, measurement: np.ndarray, predicted: np.ndarray, p: ReadingLimits
 ) -> bool:
     """Replace unusable readings by the ``predicted`` ones (5,); false if the estimate is lost."""
     lost = False
     for i in range(SIGNALS):
-        if not p.measured[i] or _usable(measurement[i], memory[at + i], i, p):
-            memory[at + UNUSABLE + i] = 0.0
+        if not p.measured[i] or _usable(measurement[i], memory.last[i], i, p):
+            memory.unusable[i] = 0.0
             continue
-        memory[at + UNUSABLE + i] += 1.0
+        memory.unusable[i] += 1.0
         clipped = p.end[i] <= abs(measurement[i]) <= p.largest[i]
         beyond = clipped and predicted[i] * np.sign(measurement[i]) >= p.end[i]
         if beyond and i == PHI_DOT:
             # The reading agrees with the prediction, so it can last.
-            memory[at + UNUSABLE + i] = min(memory[at + UNUSABLE + i], 1.0)
-        elif memory[at + UNUSABLE + i] > p.patience or (beyond and i == THETA):
+            memory.unusable[i] = min(memory.unusable[i], 1.0)
+        elif memory.unusable[i] > p.patience or (beyond and i == THETA):
             lost = True
         lost = lost or np.isnan(predicted[i])
     if lost:
         return False
     for i in range(SIGNALS):
-        if memory[at + UNUSABLE + i] > 0.0:
+        if memory.unusable[i] > 0.0:
             measurement[i] = predicted[i]
     return True
 

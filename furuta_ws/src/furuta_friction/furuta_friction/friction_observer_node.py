@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_friction.compensation import (
-    MEMORY,
+    CompensationMemory,
     ObserverParameters,
     allow,
     beyond_adaptation,
@@ -22,7 +22,7 @@ from furuta_friction.compensation import (
     reset,
     switched_off,
 )
-from furuta_model.block import block
+from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNALS, THETA_DOT
 from furuta_ros.messages import read_joints
@@ -44,7 +44,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        self._memory = np.zeros(MEMORY)
+        self._memory = new_memory(CompensationMemory)
         self._x = np.zeros(SIGNALS)
         self._estimate = Float64()
         self._last_stamp = -1
@@ -64,7 +64,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         After a change a compensation that the guard has switched off is tried again.
         """
         if parameters != self._applied:
-            allow(self._memory)
+            allow(self._memory[0])
         self._applied = parameters
         self._compensator = block(design_compensator(parameters))
         _estimate(self._memory.copy(), self._x, self._compensator)
@@ -74,7 +74,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         if stamp != self._last_stamp:
             read_joints(message, self._x, partly=True)
             if starts_anew(self._last_stamp, stamp):
-                reset(self._memory)
+                reset(self._memory[0])
             self._check_observed_friction()
             before = switched_off(self._memory)
             self._estimate.data = _estimate(self._memory, self._x, self._compensator)
@@ -106,7 +106,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
 
 @compiled
 def _estimate(memory: np.ndarray, x: np.ndarray, compensator: np.ndarray) -> float:
-    return estimate_friction(memory, x, compensator[0])
+    return estimate_friction(memory[0], x, compensator[0])
 
 
 def main() -> None:

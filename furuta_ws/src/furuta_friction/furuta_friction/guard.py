@@ -12,6 +12,7 @@ guard acts after this has lasted for the guard time while the arm slides. Withou
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil, expm1, isnan
 from typing import NamedTuple
 
@@ -29,10 +30,24 @@ SLIDING_SPEED = 0.05
 # Pendulum angle [rad] beyond which the estimator's linear model does not observe friction.
 LARGEST_TILT = 0.5
 
-# Indices in the guard's memory: means of F̂v and F_o v [V rad/s] and of |v| [rad/s]; samples for
-# which the compensation has been worse than none; 1 once it has been switched off.
-GIVEN, TAKEN, SPEED, WORSE, TRIPPED = range(5)
-MEMORY = 5
+
+@dataclass
+class GuardMemory:
+    """What the guard remembers.
+
+    Attributes:
+        given: Mean of F̂v, the power that the compensation gives [V rad/s].
+        taken: Mean of F_o v, the power that friction takes [V rad/s].
+        speed: Mean of |v| [rad/s].
+        worse: Samples for which the compensation has been worse than none.
+        tripped: Whether it has been switched off.
+    """
+
+    given: float = 0.0
+    taken: float = 0.0
+    speed: float = 0.0
+    worse: int = 0
+    tripped: bool = False
 
 
 class Guard(NamedTuple):
@@ -48,33 +63,33 @@ def design(guard_time: float, dt: float) -> Guard:
 
 
 @inlined
-def guarded(memory: np.ndarray, at: int, estimate: np.ndarray, friction: float, p: Guard) -> float:
+def guarded(memory: GuardMemory, x: np.ndarray, friction: float, p: Guard) -> float:
     """The friction estimate ``friction`` [V], or 0 V if the guard has switched it off.
 
-    The guard's memory begins at ``at``; ``estimate`` (5,) is the state estimate.
+    ``x`` (5,) is the state estimate.
     """
     if p.patience == 0.0:
         return friction
-    if memory[at + TRIPPED] != 0.0:
+    if memory.tripped:
         return 0.0
-    v, observed = estimate[PHI_DOT], estimate[OBSERVED_FRICTION]
-    if isnan(observed) or not abs(estimate[THETA]) < LARGEST_TILT:
-        forget(memory, at)
+    v, observed = x[PHI_DOT], x[OBSERVED_FRICTION]
+    if isnan(observed) or not abs(x[THETA]) < LARGEST_TILT:
+        forget(memory)
         return friction
-    memory[at + GIVEN] += p.share * (friction * v - memory[at + GIVEN])
-    memory[at + TAKEN] += p.share * (observed * v - memory[at + TAKEN])
-    memory[at + SPEED] += p.share * (abs(v) - memory[at + SPEED])
-    worse = memory[at + SPEED] > SLIDING_SPEED and memory[at + GIVEN] > WORST_RATIO * max(
-        memory[at + TAKEN], 0.0
-    )
-    memory[at + WORSE] = memory[at + WORSE] + 1.0 if worse else 0.0
-    if memory[at + WORSE] > p.patience:
-        memory[at + TRIPPED] = 1.0
+    memory.given += p.share * (friction * v - memory.given)
+    memory.taken += p.share * (observed * v - memory.taken)
+    memory.speed += p.share * (abs(v) - memory.speed)
+    slides = memory.speed > SLIDING_SPEED
+    worse = slides and memory.given > WORST_RATIO * max(memory.taken, 0.0)
+    memory.worse = memory.worse + 1 if worse else 0
+    if memory.worse > p.patience:
+        memory.tripped = True
     return friction
 
 
 @inlined
-def forget(memory: np.ndarray, at: int) -> None:
+def forget(memory: GuardMemory) -> None:
     """Judge anew, and allow a compensation that was switched off."""
-    for i in range(MEMORY):
-        memory[at + i] = 0.0
+    memory.given = memory.taken = memory.speed = 0.0
+    memory.worse = 0
+    memory.tripped = False

@@ -9,15 +9,24 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from furuta_model.parameters import build, values
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.topic_names import full_namespace
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT, NodeDescription, graph_nodes
-from furuta_sim.settings.rigs import check_sample_time, find_rig, rig_file
+from furuta_sim.settings.nodes import (
+    ESTIMATOR,
+    HARDWARE_BRIDGE,
+    PLANT,
+    NodeDescription,
+    graph_nodes,
+)
+from furuta_sim.settings.rigs import find_rig, rig_file
 from furuta_sim.settings.settings import (
     Settings,
     collect_settings,
+    default_settings,
     load_settings,
     merge_settings,
+    parameters_of,
     rig_settings,
 )
 
@@ -69,18 +78,29 @@ def plan_graph(
     files, assignments = list(files), list(assignments)
     controlled = HARDWARE_BRIDGE if options.hardware else PLANT
     graph_nodes(controlled, options.without)  # raises an error for a wrong name
-    rig = options.rig
-    if options.hardware and not rig:
-        rig = collect_settings(files, assignments, base)[HARDWARE_BRIDGE].get("rig", "")
-    if rig:
-        of_rig = rig_settings(find_rig(rig))
-        base = of_rig if base is None else merge_settings(base, of_rig)
+    name = options.rig
+    if options.hardware and not name:
+        name = collect_settings(files, assignments, base)[HARDWARE_BRIDGE].get("rig", "")
+    rig = find_rig(name) if name else Rig()
+    if name:
+        base = merge_settings(base or default_settings(), rig_settings(rig))
     settings = load_settings(files, assignments, base)
-    settings[controlled] |= _bridge_settings(options, rig) if options.hardware else {}
-    settings[controlled] |= {"clock": options.clock} if options.clock else {}
     if options.hardware:
-        check_sample_time(find_rig(rig) if rig else None, settings)
+        settings[HARDWARE_BRIDGE] |= _bridge_settings(options, name)
+        _check_sample_time(rig, settings)
+    elif options.clock:
+        settings[PLANT]["clock"] = options.clock
     return Graph(controlled, options.without, settings, full_namespace(options.namespace))
+
+
+def _check_sample_time(rig: Rig, settings: Settings) -> None:
+    """Raise ParameterError if the rig samples at another time than the nodes expect."""
+    of_rig = rig.line.sample_time
+    of_nodes = parameters_of(settings)[ESTIMATOR].sample_time
+    if of_rig != of_nodes:
+        raise ParameterError(
+            f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
+        )
 
 
 def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:

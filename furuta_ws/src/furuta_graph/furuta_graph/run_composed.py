@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -41,9 +42,8 @@ def run_simulated(
     """
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
-        with status_line(
-            partial(_simulated_status, running), plant.parameters.plant.sensors.encoder_counts
-        ):
+        counts = plant.parameters.plant.sensors.encoder_counts
+        with status_line(partial(_simulated_status, running), counts, sys.stdout):
             spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
         _report(running)
         if timing is not None:
@@ -68,7 +68,8 @@ def run_hardware(
         limit = _TimeLimit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
-        with status_line(partial(_rig_status, bridge), bridge.rig.arm.counts_per_turn):
+        counts = bridge.rig.arm.counts_per_turn
+        with status_line(partial(_rig_status, bridge), counts, sys.stdout):
             spin_until(running.executor, lambda: stop() or limit.is_reached())
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
     if limit.silent:

@@ -6,7 +6,6 @@ text is made by hand because a line of a table library takes a millisecond, a wh
 
 from __future__ import annotations
 
-import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -31,9 +30,7 @@ class Status(NamedTuple):
 
 
 @contextmanager
-def status_line(
-    read: Callable[[], Status], encoder_counts: int, stream: TextIO = sys.stdout
-) -> Iterator[None]:
+def status_line(read: Callable[[], Status], encoder_counts: int, stream: TextIO) -> Iterator[None]:
     """Show the line on a terminal inside the ``with`` block; elsewhere nothing is written."""
     if not stream.isatty():
         yield

@@ -1,34 +1,68 @@
-"""Packs parameters into one block of memory, for the nodes' calls of compiled code.
+"""Packs parameters or a memory into one block, which compiled code reads and writes by name.
 
-A call from Python unpacks a named tuple field by field. That takes a microsecond for every ten
-fields, more than the arithmetic of the sample. A block is passed as one argument. In compiled code
-``block[0]`` has the fields of the tuple.
+Parameters are named tuples, a memory is a dataclass; both hold numbers, arrays and groups of their
+own kind. In compiled code ``block[0]`` has their fields. A call from Python unpacks a named tuple
+field by field, which takes a microsecond for every ten fields, more than the arithmetic of the
+sample. A block is passed as one argument.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, get_type_hints
+from dataclasses import field, fields, is_dataclass
+from functools import cache, partial
+from typing import Any, get_type_hints
 
+import numba
 import numpy as np
 
 
-def block(parameters: NamedTuple) -> np.ndarray:
-    """Pack the numbers, arrays and named tuples of a named tuple into a structured array (1,)."""
-    packed = np.zeros(1, _layout(parameters))
-    packed[0] = _content(parameters)
-    return packed
+def block(group: Any) -> np.ndarray:
+    """Pack a named tuple or a memory into a structured array (1,)."""
+    packed = np.zeros(1, _layout(group))
+    packed[0] = _content(group)
+    config: Any = numba.config
+    # Without compilation only a record array has its fields as attributes.
+    return packed.view(np.recarray) if config.DISABLE_JIT else packed
+
+
+def new_memory(kind: Any) -> np.ndarray:
+    """A memory of this kind (a dataclass) as a structured array (1,), with its initial values."""
+    return _initial_memory(kind).copy()
+
+
+@cache
+def _initial_memory(kind: Any) -> np.ndarray:
+    return block(kind())
+
+
+def zeros(*shape: int) -> Any:
+    """Declare an array of zeros as a field of a memory."""
+    return field(default_factory=partial(np.zeros, shape))
+
+
+def field_names(value: Any) -> tuple[str, ...]:
+    """Names of the fields of a named tuple or a memory; none for anything else."""
+    if is_dataclass(value):
+        return tuple(declared.name for declared in fields(value))
+    return getattr(value, "_fields", ())
 
 
 def _layout(value: Any, kind: Any = None) -> np.dtype:
     """Use the declared types: an int given for a float must not cause another compilation."""
-    if hasattr(value, "_fields"):
-        kinds = get_type_hints(type(value))
-        fields = zip(value._fields, value, strict=True)
-        return np.dtype([(name, _layout(each, kinds[name])) for name, each in fields], align=True)
+    if names := field_names(value):
+        kinds = _types(type(value))  # type: ignore[arg-type]
+        layouts = [(name, _layout(getattr(value, name), kinds[name])) for name in names]
+        return np.dtype(layouts, align=True)
     if isinstance(value, np.ndarray):
         return np.dtype((value.dtype, value.shape))
     return np.dtype(kind)
 
 
+@cache
+def _types(group: type) -> dict[str, Any]:
+    return get_type_hints(group)
+
+
 def _content(value: Any) -> Any:
-    return tuple(map(_content, value)) if hasattr(value, "_fields") else value
+    names = field_names(value)
+    return tuple(_content(getattr(value, name)) for name in names) if names else value

@@ -12,6 +12,7 @@ import inspect
 import os
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -92,8 +93,8 @@ def _digest(function: Callable[..., Any]) -> str:
     """Hash of this file, the function's file, and what the machine code depends on elsewhere.
 
     That is what the function reaches through its globals, through modules among them, and through
-    its closure: compiled functions that it calls, numbers that it uses, and named tuples that it
-    makes or takes.
+    its closure: compiled functions that it calls, numbers that it uses, and named tuples and
+    memories that it makes or takes.
     """
     content = hashlib.sha256(_file_digest(__file__).encode())
     content.update(_file_digest(inspect.getfile(function)).encode())
@@ -115,7 +116,7 @@ def _add(content: Any, name: str, used: Any) -> None:
         content.update(used.furuta_digest.encode())
     elif isinstance(used, (bool, int, float)):
         content.update(f"{name}={used!r}".encode())
-    elif isinstance(used, type) and hasattr(used, "_fields"):
+    elif isinstance(used, type) and (hasattr(used, "_fields") or is_dataclass(used)):
         content.update(_file_digest(inspect.getfile(used)).encode())
         for field, kind in sorted(get_type_hints(used).items()):
             _add(content, field, kind)

@@ -56,19 +56,19 @@ def substeps_for(dt: float, pendulum: FurutaPendulum, friction: Friction) -> int
 
 
 @inlined
-def _nothing(x: np.ndarray, body: Any) -> None:
+def _nothing(body: Any) -> None:
     """A body without memory of its own."""
 
 
 def integrator(
-    stage: Stage, after_substep: Callable[[np.ndarray, Any], None] = _nothing
+    stage: Stage, after_substep: Callable[[Any], None] = _nothing
 ) -> Callable[..., None]:
     """Make the midpoint rule for a body and its friction, given by its ``stage`` (compiled).
 
-    ``after_substep`` (inlined) gets the state and the body at the end of each substep. The returned
-    function has the arguments of :func:`advance`. It is inlined into its callers.
+    ``after_substep`` (inlined) gets the body at the end of each substep. The returned function has
+    the arguments of :func:`advance`. It is inlined into its callers.
     """
-    substep = substep_rule(stage, after_substep)
+    first_half, whole = first_half_rule(stage), whole_rule(stage)
 
     def advance(
         x: np.ndarray, u: float, dt: float, substeps: int, body: Any, law: FrictionLaw
@@ -76,7 +76,10 @@ def integrator(
         substeps = sufficient_substeps(x, dt, substeps)
         h = dt / substeps
         for _ in range(substeps):
-            substep(x, u, h, body, law)
+            sine, cosine = sin_cos(x[THETA])
+            v_mid, w_mid = first_half(x, u, h, sine, cosine, body, law)
+            whole(x, u, h, sine, cosine, v_mid, w_mid, body, law)
+            after_substep(body)
 
     return inlined(advance, cached=False)
 
@@ -88,21 +91,6 @@ def sufficient_substeps(x: np.ndarray, dt: float, substeps: int) -> int:
     if angle > LARGEST_STEP * substeps:
         substeps = ceil(min(angle / LARGEST_STEP, MAX_SUBSTEPS))
     return substeps
-
-
-def substep_rule(
-    stage: Stage, after_substep: Callable[[np.ndarray, Any], None] = _nothing
-) -> Callable[..., None]:
-    """Make one substep of the rule: state, torque [V], length [s], body and friction law."""
-    first_half, whole = first_half_rule(stage), whole_rule(stage)
-
-    def substep(x: np.ndarray, u: float, h: float, body: Any, law: FrictionLaw) -> None:
-        sine, cosine = sin_cos(x[THETA])
-        v_mid, w_mid = first_half(x, u, h, sine, cosine, body, law)
-        whole(x, u, h, sine, cosine, v_mid, w_mid, body, law)
-        after_substep(x, body)
-
-    return inlined(substep, cached=False)
 
 
 def first_half_rule(stage: Stage) -> Callable[..., tuple[float, float]]:

@@ -8,8 +8,7 @@ are generated from it. Compiled code takes the same tuple as an argument.
         gain: Annotated[float, About("torque per volt", "Nm/V", low=0.0)] = 1.0
 
 A field can be a group itself. Its parameters then have dotted names (``motor.gain``), or plain
-names if the field is annotated with :data:`INLINE`. A renamed parameter lists its earlier names,
-which :mod:`furuta_ros.renamed_parameters` translates.
+names if the field is annotated with :data:`INLINE`.
 """
 
 from __future__ import annotations
@@ -38,30 +37,10 @@ class ParameterError(ValueError):
 
 
 @dataclass(frozen=True)
-class EarlierName:
-    """An earlier name of a parameter that is still accepted.
-
-    ``name`` is relative to the group that declares the parameter. ``values`` pairs each earlier
-    value with the current one, if the values changed too.
-    """
-
-    name: str
-    values: tuple[tuple[Any, Any], ...] = ()
-
-    def current_value(self, value: Any) -> Any:
-        """The current value for a value given under this name."""
-        for earlier, current in self.values:
-            if type(earlier) is type(value) and earlier == value:
-                return current
-        return value
-
-
-@dataclass(frozen=True)
 class About:
     """Meaning, unit and allowed values of a parameter.
 
     ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start.
-    ``earlier_names`` are still accepted, with a warning.
     """
 
     meaning: str
@@ -70,7 +49,6 @@ class About:
     high: float = math.inf
     choices: tuple[str, ...] = ()
     read_only: bool = False
-    earlier_names: tuple[EarlierName, ...] = ()
 
     @property
     def allowed(self) -> str:

@@ -16,9 +16,8 @@ from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.background_writer import BackgroundWriter
-from furuta_recordings.bags.mcap_records import BagTopic
 from furuta_recordings.bags.message_types import definition_of, type_hash
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
 from furuta_recordings.bags.offered_qos import offered_qos
 from furuta_ros import topic_names
 from furuta_ros.loop_topics import several_publishers

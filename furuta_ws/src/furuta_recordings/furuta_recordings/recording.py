@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +41,11 @@ class Recording(NamedTuple):
         """The median time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
+    @property
+    def largest_command(self) -> float:
+        """The size of the largest command [V]."""
+        return float(np.max(np.abs(self.command)))
+
     def between(self, start: float, end: float) -> Recording:
         """The samples with start ≤ time < end, and all commands."""
         chosen = (self.time >= start) & (self.time < end)
@@ -72,3 +78,9 @@ class Recording(NamedTuple):
             return np.zeros(len(time))
         index = np.searchsorted(self.command_time, time + 1e-9, side="right") - 1
         return np.where(index >= 0, self.command[np.maximum(index, 0)], 0.0)
+
+
+def by_run(recordings: Sequence[Recording]) -> list[list[Recording]]:
+    """The excerpts of each run, which have its ``number``."""
+    numbers = sorted({recording.number for recording in recordings})
+    return [[r for r in recordings if r.number == number] for number in numbers]

@@ -20,7 +20,6 @@ from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_ros.context import ros_arguments
 from furuta_ros.parameter_checks import check_names
 from furuta_ros.parameter_sections import read_sections
-from furuta_ros.renamed_parameters import renamed, with_current_names
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -55,13 +54,14 @@ class NodeParameters(Generic[Group]):
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
         self._names = {each.name: each for each in declared(group)}
-        node._parameter_overrides = self._translated(self._with_empty_lists())
+        given = self._with_empty_lists()
+        node._parameter_overrides = {name: self._with_type(given[name]) for name in given}
         self._warn_about_names()
         for each in declared(group):
             self._declare(each)
         self.current: Group = build(group, self._values())
         self._next = self.current
-        node.add_pre_set_parameters_callback(self._with_current_names)
+        node.add_pre_set_parameters_callback(self._with_types)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._keep)
 
@@ -69,26 +69,8 @@ class NodeParameters(Generic[Group]):
         """Call ``apply`` with the new parameters after every change."""
         self._on_change.append(apply)
 
-    def _with_current_names(self, parameters: list[Parameter]) -> list[Parameter]:
-        """Translate earlier names, and choices that YAML has read as truth values."""
-        given = {each.name: each for each in parameters}
-        return list(self._translated(given).values())
-
-    def _translated(self, given: dict[str, Parameter]) -> dict[str, Parameter]:
-        """Parameters by their current names; logs a warning for each earlier name."""
-        given = {name: self._with_type(each) for name, each in given.items()}
-        earlier = renamed(self._group)
-        if earlier.keys().isdisjoint(given):
-            return given
-        values, warnings = with_current_names(
-            self._group, {name: each.value for name, each in given.items()}
-        )
-        for warning in warnings:
-            self._node.get_logger().warning(warning)
-        return {
-            name: given[name] if name in given else Parameter(name, value=value)
-            for name, value in values.items()
-        }
+    def _with_types(self, parameters: list[Parameter]) -> list[Parameter]:
+        return [self._with_type(parameter) for parameter in parameters]
 
     def _with_type(self, parameter: Parameter) -> Parameter:
         """Convert a word that YAML has read as a boolean, an empty list, and a list of integers."""

@@ -1,11 +1,12 @@
-"""Service calls that are repeated until there is a response."""
+"""Calls of services of other nodes, repeated until there is a response."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import threading
 from functools import partial
 from typing import Any, Protocol
 
+from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -30,48 +31,64 @@ class WaitsForFutures(Protocol):
         """Return when ``future`` is done or the time is up."""
 
 
-def call_service(
-    executor: WaitsForFutures,
-    node: str,
-    wait: Callable[[float], bool],
-    send: Callable[[], Future],
-    timeout: float = TIMEOUT,
-    attempts: int = ATTEMPTS,
-    caller: Node | None = None,
-) -> Any:
-    """The response of a service of ``node``; the executor spins until it arrives.
+class ServiceCaller:
+    """Calls services of other nodes, from one thread or from several.
 
-    ``wait(seconds)`` waits for the service and returns whether it is there; ``send()`` sends the
-    request. The first response can get lost before both sides know each other, so the request is
-    sent ``attempts`` times: more than once only if it may be repeated. The first response counts,
-    whichever request it answers: on a busy machine each takes longer than the time until the next.
-    If the node is missing, the error names nodes of that name in the other namespaces that the node
-    ``caller`` sees.
-
-    Raises:
-        ServiceError: No such service within ``timeout`` [s], or no response in time.
+    ``node`` makes the requests and ``executor`` spins it, or waits while another thread does.
     """
-    if not wait(timeout):
-        elsewhere = _nodes_elsewhere(caller, node) if caller else ""
-        raise ServiceError(f"no node {node} answers (waited {timeout:g} s){elsewhere}")
-    answered = Future()
-    for _ in range(attempts):
-        send().add_done_callback(partial(_pass_on, answered))
-        executor.spin_until_future_complete(answered, timeout_sec=ANSWER_TIMEOUT / attempts)
-        if answered.done():
-            return answered.result()
-    raise ServiceError(f"{node} did not answer within {ANSWER_TIMEOUT:g} s")
 
+    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+        self._node, self._executor = node, executor
+        self._clients: dict[str, Client] = {}
+        self._lock = threading.Lock()
 
-def _nodes_elsewhere(caller: Node, node: str) -> str:
-    """The end of a sentence that names the nodes of this name in all namespaces."""
-    name = node.rpartition("/")[2]
-    found = sorted(
-        f"{namespace.rstrip('/')}/{each}"
-        for each, namespace in caller.get_node_names_and_namespaces()
-        if each == name
-    )
-    return f"; in other namespaces: {', '.join(found)} (--namespace)" if found else ""
+    def call(
+        self,
+        node: str,
+        service: str,
+        kind: Any,
+        request: Any,
+        timeout: float = TIMEOUT,
+        attempts: int = ATTEMPTS,
+    ) -> Any:
+        """The response of ``service``, of type ``kind``, of another node.
+
+        A name without a leading slash is in the namespace of this node. The first response can get
+        lost before both sides know each other, so the request is sent ``attempts`` times: more than
+        once only if it may be repeated. The first response counts, whichever request it answers: on
+        a busy machine each takes longer than the time until the next.
+
+        Raises:
+            ServiceError: No such service within ``timeout`` [s], or no response in time.
+        """
+        client = self._client(kind, f"{node}/{service}")
+        if not client.wait_for_service(timeout):
+            raise ServiceError(
+                f"no node {node} answers (waited {timeout:g} s){self._nodes_elsewhere(node)}"
+            )
+        answered = Future()
+        for _ in range(attempts):
+            client.call_async(request).add_done_callback(partial(_pass_on, answered))
+            self._executor.spin_until_future_complete(answered, ANSWER_TIMEOUT / attempts)
+            if answered.done():
+                return answered.result()
+        raise ServiceError(f"{node} did not answer within {ANSWER_TIMEOUT:g} s")
+
+    def _client(self, kind: Any, name: str) -> Client:
+        with self._lock:
+            if name not in self._clients:
+                self._clients[name] = self._node.create_client(kind, name)
+            return self._clients[name]
+
+    def _nodes_elsewhere(self, node: str) -> str:
+        """The end of a sentence that names the nodes of this name in all namespaces."""
+        wanted = node.rpartition("/")[2]
+        names = sorted(
+            f"{namespace.rstrip('/')}/{name}"
+            for name, namespace in self._node.get_node_names_and_namespaces()
+            if name == wanted
+        )
+        return f"; in other namespaces: {', '.join(names)} (--namespace)" if names else ""
 
 
 def _pass_on(answered: Future, response: Future) -> None:

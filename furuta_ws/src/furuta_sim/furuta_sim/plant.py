@@ -1,8 +1,7 @@
 """Simulates the rig over one sample: drive, motion and sensors.
 
 The measurement is (5,), see :mod:`furuta_model.state`. The measurement of θ̇ is NaN, because the
-rig has no sensor for it. The array x begins with the plant state (5,); the rest is memory of the
-parts that are on (:mod:`furuta_model.parts.plant_memory`). A rig without them needs only the state.
+rig has no sensor for it.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import (
     HAS_SPRINGS,
@@ -32,7 +32,7 @@ from furuta_model.parts.motion import (
     advance_with_parts,
     varied_friction,
 )
-from furuta_model.parts.plant_memory import MOVED, PLANT_MEMORY
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.pushes import Pushes, push_at
 from furuta_model.parts.sensor_faults import (
     FaultySensors,
@@ -84,66 +84,79 @@ class Plant(NamedTuple):
 def design_plant(p: PlantParameters) -> Plant:
     """The rig that the parameters describe, with the number of integration steps it needs."""
     return Plant(
-        p.model,
-        friction_law(p.friction.law, p.friction.parameters),
-        p.sensors,
-        p.actuator,
-        p.sample_time,
-        substeps_for(p.sample_time, p.model, p.friction.parameters),
-        _design_parts(p),
-        design_faults(p.sensor_faults, p.sample_time, p.seed),
+        model=p.model,
+        friction=friction_law(p.friction.law, p.friction.parameters),
+        sensors=p.sensors,
+        actuator=p.actuator,
+        sample_time=p.sample_time,
+        substeps=substeps_for(p.sample_time, p.model, p.friction.parameters),
+        parts=_design_parts(
+            law=p.friction.law,
+            springs=p.friction.springs,
+            variation=p.friction.variation,
+            drive=p.drive,
+            cogging=p.cogging,
+            pendulum_friction=p.pendulum_friction,
+            tilt=p.tilt,
+            pushes=p.pushes,
+            waves=p.waves,
+            sample_time=p.sample_time,
+        ),
+        faults=design_faults(p.sensor_faults, p.sample_time, p.seed),
     )
 
 
-def _design_parts(p: PlantParameters) -> Parts:
-    given = (p.friction.variation, p.drive, p.cogging, p.pendulum_friction, p.tilt)
-    has_springs = HAS_SPRINGS[LAWS.index(p.friction.law)]
-    return _parts(p.friction.springs, has_springs, given, p.pushes, p.waves, p.sample_time)
-
-
 @lru_cache(maxsize=256)
-def _parts(
+def _design_parts(
+    law: str,
     springs: int,
-    has_springs: bool,
-    given: tuple[FrictionVariation, Drive, Cogging, PendulumFriction, Tilt],
+    variation: FrictionVariation,
+    drive: Drive,
+    cogging: Cogging,
+    pendulum_friction: PendulumFriction,
+    tilt: Tilt,
     pushes: Pushes,
     waves: TorqueWaves,
     sample_time: float,
 ) -> Parts:
     """The parts, which the rigs of a study mostly have in common."""
     table = waves.table
-    some = has_springs or pushes.number > 0 or len(table) > 0
+    on = any(part != type(part)() for part in (variation, drive, cogging, pendulum_friction, tilt))
     return Parts(
-        some or any(each != type(each)() for each in given),
-        springs,
-        *given,
-        pushes.number,
-        pushes.profile(sample_time),
-        table,
+        any=on or HAS_SPRINGS[LAWS.index(law)] or pushes.number > 0 or len(table) > 0,
+        springs=springs,
+        variation=variation,
+        drive=drive,
+        cogging=cogging,
+        pendulum_friction=pendulum_friction,
+        tilt=tilt,
+        push_count=pushes.number,
+        pushes=pushes.profile(sample_time),
+        waves=table,
     )
 
 
 @inlined
-def read(x: np.ndarray, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
+def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
     """Read the sensors with their faults, once a sample; see :func:`measure`."""
     if plant.faults.any:
-        _read_with_faults(x, noise, plant.sensors, plant.faults, measurement)
+        _read_with_faults(memory, noise, plant.sensors, plant.faults, measurement)
     else:
-        measure(x, noise, plant.sensors, measurement)
+        measure(memory.x, noise, plant.sensors, measurement)
 
 
 @compiled
 def _read_with_faults(
-    x: np.ndarray,
+    memory: PlantMemory,
     noise: np.ndarray,
     sensors: Sensors,
     faults: FaultySensors,
     measurement: np.ndarray,
 ) -> None:
-    phi, v = faulty_state(x, PHI, faults), faulty_state(x, PHI_DOT, faults)
-    theta, w = faulty_state(x, THETA, faults), faulty_state(x, THETA_DOT, faults)
+    phi, v = faulty_state(memory, PHI, faults), faulty_state(memory, PHI_DOT, faults)
+    theta, w = faulty_state(memory, THETA, faults), faulty_state(memory, THETA_DOT, faults)
     _measure(phi, v, theta, w, noise, sensors, measurement)
-    apply_faults(x, measurement, faults)
+    apply_faults(memory, measurement, faults)
 
 
 @inlined
@@ -185,50 +198,51 @@ def _measure(
 
 
 @inlined
-def move(x: np.ndarray, command: float, plant: Plant) -> float:
+def move(memory: PlantMemory, command: float, plant: Plant) -> float:
     """Move the rig over one sample at constant ``command`` [V]; return the drive's voltage [V]."""
     voltage = drive(command, plant.actuator)
     if plant.parts.any:
-        _move_with_parts(x, voltage, plant)
+        _move_with_parts(memory, voltage, plant)
     else:
-        advance(x, voltage, plant.sample_time, plant.substeps, plant.model, plant.friction)
+        dt = plant.sample_time
+        advance(memory.x, voltage, dt, plant.substeps, plant.model, plant.friction)
     return voltage
 
 
 @compiled
-def _move_with_parts(x: np.ndarray, voltage: float, plant: Plant) -> None:
+def _move_with_parts(memory: PlantMemory, voltage: float, plant: Plant) -> None:
     parts, dt = plant.parts, plant.sample_time
-    friction = true_friction(x, plant)
-    torque = mean_torque(x, voltage, dt, parts.drive)
-    vary_level(x, torque, friction, x[PHI_DOT], dt, parts.variation)
-    push = with_tilt(push_at(x[MOVED], parts.pushes, parts.push_count), parts.tilt)
+    friction = true_friction(memory, plant)
+    torque = mean_torque(memory, voltage, dt, parts.drive)
+    vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
+    push = with_tilt(push_at(memory.moved, parts.pushes, parts.push_count), parts.tilt)
     body = Body(
-        plant.model,
-        parts.variation,
-        parts.cogging,
-        parts.pendulum_friction,
-        parts.springs,
-        push,
-        parts.waves,
-        x,
+        model=plant.model,
+        variation=parts.variation,
+        cogging=parts.cogging,
+        pendulum_friction=parts.pendulum_friction,
+        springs=parts.springs,
+        push=push,
+        waves=parts.waves,
+        memory=memory,
     )
-    advance_with_parts(x, torque, dt, plant.substeps, body, plant.friction)
-    x[MOVED] += 1.0
+    advance_with_parts(memory.x, torque, dt, plant.substeps, body, plant.friction)
+    memory.moved += 1
 
 
 @inlined
-def true_friction(x: np.ndarray, plant: Plant) -> float:
-    """Friction F [V] of the arm in state ``x``."""
+def true_friction(memory: PlantMemory, plant: Plant) -> float:
+    """Friction F [V] of the arm."""
     if plant.parts.any:
-        return varied_friction(x, plant.friction, plant.parts.springs, plant.parts.variation)
-    return friction_force(x[PHI_DOT], x[BRISTLE], plant.friction)
+        return varied_friction(memory, plant.friction, plant.parts.springs, plant.parts.variation)
+    return friction_force(memory.x[PHI_DOT], memory.x[BRISTLE], plant.friction)
 
 
-def initial_state(plant: PlantParameters) -> np.ndarray:
-    """Initial state, with the bristle undeflected, and empty memory of the parts."""
-    x = np.zeros(PLANT_MEMORY)
-    x[:BRISTLE] = plant.initial
-    return x
+def initial_plant(plant: PlantParameters) -> np.ndarray:
+    """Memory (1,) of a plant in its initial state, with the bristle undeflected."""
+    memory = new_memory(PlantMemory)
+    memory["x"][0, :BRISTLE] = plant.initial
+    return memory
 
 
 class Noise:

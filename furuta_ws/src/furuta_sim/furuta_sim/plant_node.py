@@ -10,8 +10,9 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
-from furuta_model.block import block
+from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
@@ -25,7 +26,7 @@ from furuta_sim.plant import (
     NOISE_CHANNELS,
     Noise,
     design_plant,
-    initial_state,
+    initial_plant,
     move,
     read,
     true_friction,
@@ -53,11 +54,11 @@ class PlantNode(PacedNode):
         self._truth_writer = JointWriter()
         self._torque = 0.0
         self._resetting = False
-        self.x = np.zeros(0)
+        self._memory = new_memory(PlantMemory)
         super().__init__("plant", overrides)
         self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
-        self.x = initial_state(self.parameters.plant)
+        self._memory = initial_plant(self.parameters.plant)
         self._period = round(self.parameters.plant.sample_time * NANOSECONDS)
         self._measurement_publisher = self.publish_on(MEASUREMENT)
         self._truth_publisher = self.publish_on(GROUND_TRUTH)
@@ -72,6 +73,12 @@ class PlantNode(PacedNode):
         self._rig = parameters.plant
         self._block = block(design_plant(self._rig))
         self.on_change()
+
+    @property
+    def x(self) -> np.ndarray:
+        """Plant state (5,)."""
+        state: np.ndarray = self._memory["x"][0]
+        return state
 
     @property
     def time(self) -> float:
@@ -90,7 +97,7 @@ class PlantNode(PacedNode):
 
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
-        friction = _read(self.x, self._noise(), self._block, self._measurement)
+        friction = _read(self._memory, self._noise(), self._block, self._measurement)
         stamp = self.stamp
         self._truth_writer.stamp(stamp)
         self._truth_writer.fill(self.x[:RIGID_STATES], friction)
@@ -108,7 +115,7 @@ class PlantNode(PacedNode):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = _move(self.x, command, self._block)
+            self._torque = _move(self._memory, command, self._block)
         self.sample += 1
 
     def _on_command(self, message: Float64) -> None:
@@ -118,7 +125,7 @@ class PlantNode(PacedNode):
         self.pacing.on_command(command)
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self.x = initial_state(self._rig)
+        self._memory = initial_plant(self._rig)
         self.held = self._resetting = True
         self._torque = 0.0
         self.sample += round(RESET_TIME * NANOSECONDS / self._period)
@@ -128,21 +135,23 @@ class PlantNode(PacedNode):
 
     def _compile(self) -> None:
         """Load all compiled code before the first sample."""
-        x = initial_state(self._rig)
-        _read(x, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
-        _move(x, 0.0, self._block)
+        memory = initial_plant(self._rig)
+        _read(memory, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
+        _move(memory, 0.0, self._block)
 
 
 @compiled
-def _read(x: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray) -> float:
+def _read(
+    memory: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray
+) -> float:
     """Read the sensors and return the true friction [V]."""
-    read(x, noise, plant[0], measurement)
-    return true_friction(x, plant[0])
+    read(memory[0], noise, plant[0], measurement)
+    return true_friction(memory[0], plant[0])
 
 
 @compiled
-def _move(x: np.ndarray, command: float, plant: np.ndarray) -> float:
-    return move(x, command, plant[0])
+def _move(memory: np.ndarray, command: float, plant: np.ndarray) -> float:
+    return move(memory[0], command, plant[0])
 
 
 def main() -> None:

@@ -42,12 +42,12 @@ class BagSamples:
         self.path = path
         with ExitStack() as opened:
             self._bag = opened.enter_context(Bag(path))
-            topics = {last_part(each.topic): each for each in self._bag.connections}
-            found = [each for each in STATES if each in topics]
-            if not found:
+            topics = {last_part(topic.topic): topic for topic in self._bag.connections}
+            best = next((name for name in STATES if name in topics), None)
+            if best is None:
                 raise ParameterError(f"{path} has none of the topics {', '.join(STATES)}")
-            self._state = topics[found[0]]
-            self._has_truth = found[0] == GROUND_TRUTH
+            self._state = topics[best]
+            self._has_truth = best == GROUND_TRUTH
             floats = ((ESTIMATE, FRICTION_ESTIMATE), (COMMAND, COMMAND_TOPIC))
             self._floats = [(topics[name], column) for column, name in floats if name in topics]
             self._opened = opened.pop_all()
@@ -80,7 +80,7 @@ class BagSamples:
         chosen = np.arange(0, len(states.times), len(states.times) // MOST + 1)
         samples = np.full((len(chosen), COLUMNS), nan)
         for row, index in zip(samples, chosen.tolist(), strict=True):
-            self._fill(row, states[index])
+            self._fill(row, states.data[index])
         samples[:, TIME] = (states.times[chosen] - start) / NANOSECONDS
         for topic, column in self._floats:
             numbers = self._bag.find(topic, first, last)
@@ -101,7 +101,7 @@ def _newest_numbers(numbers: Messages, times: np.ndarray) -> np.ndarray:
     if not len(numbers.times):
         return np.full(len(times), nan)
     rows = np.maximum(np.searchsorted(numbers.times, times, side="right") - 1, 0)
-    return np.array([np.frombuffer(numbers[row], "<f8", 1, 4)[0] for row in rows])
+    return np.array([np.frombuffer(numbers.data[row], "<f8", 1, 4)[0] for row in rows])
 
 
 def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:

@@ -107,7 +107,6 @@ class LockstepProcesses:
             observer.clear()
         else:
             node = pick(self._random, self._nodes)
-            record.tried[f"kill {node.name}"] += 1
             node.kill()
             observer.clear()
             node.start()
@@ -126,7 +125,6 @@ class LockstepProcesses:
         theta, volts = motion(self._observer).T
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if any(fallen(each) for each in theta):
-            self._record.tried["fall"] += 1
             self._reset()
 
     def _reset(self) -> None:
@@ -137,12 +135,10 @@ class LockstepProcesses:
         observer.spin(lambda: len(observer.truths) > 3000, RECOVERY)
         x = states(observer.truths)
         upright = len(x) > 3000 and bool(np.all(np.abs(x[2000:3000, 2]) < 0.3))
-        self._record.tried["reset"] += 1
         self._record.check("recovery", not_recovered(upright, "balanced after a reset", 2.0))
 
     def _pause(self) -> None:
         node = pick(self._random, self._nodes)
-        self._record.tried[f"pause {node.name}"] += 1
         node.pause(float(self._random.uniform(0.01, LONGEST_PAUSE)))
         self._observer.spin_for(float(self._random.uniform(0.0, 0.3)))
 

@@ -112,7 +112,6 @@ class Pair:
 
     def _give(self, topic: str, given: Given) -> None:
         record = self._record
-        record.tried[f"{topic}: {given.kind}"] += 1
         try:
             refused, published = self.node.give(topic, given.message)
         except Exception as error:
@@ -121,7 +120,6 @@ class Pair:
         record.check("survival", "")
         record.check("refusal", wrong_refusal(given.refuse, refused, (topic, given.message)))
         if refused:
-            record.refused[topic] += 1
             record.check("twin", different_value(published, []))
             return
         _, expected = self._twin.give(topic, given.message)
@@ -152,7 +150,6 @@ class Pair:
         change = random_change(self._random, type(node.parameters))
         if self._random.random() < RESTORED:
             change = default_values(type(node.parameters))
-        record.tried[f"parameters: {change.kind}"] += 1
         before = values(node.parameters)
         given = [(each.name, each.value) for each in change.parameters]
         try:
@@ -163,7 +160,6 @@ class Pair:
         record.check("survival", "")
         record.check("refusal", wrong_refusal(change.refuse, refused, given))
         if refused:
-            record.refused["parameters"] += 1
             record.check("unchanged", changed_parameters(before, values(node.parameters)))
         else:
             self._twin.change(change)

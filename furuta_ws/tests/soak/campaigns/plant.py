@@ -44,7 +44,6 @@ def run(record: Record, watch: ResourceMonitor) -> None:
 
 def _plant(record: Record, random: np.random.Generator) -> PlantNode:
     law = str(pick(random, LAWS))
-    record.tried[f"law {law}"] += 1
     speeds = random.uniform(-FASTEST, FASTEST, 2)
     initial = {"phi_dot": speeds[0], "theta_dot": speeds[1], "theta": random.uniform(-pi, pi)}
     given = [Parameter(f"initial.{name}", value=float(v)) for name, v in initial.items()]
@@ -59,11 +58,9 @@ def _refuse(record: Record, random: np.random.Generator, plant: PlantNode) -> No
     before = plant.x.tolist()
     for _ in range(20):
         given = random_float(random)
-        record.tried[f"command: {given.kind}"] += 1
         refused = plant.refused
         callback(given.message, NO_INFO)
         refused = plant.refused - refused
-        record.refused["command"] += refused
         record.check("refusal", wrong_refusal(given.refuse, bool(refused), given.message.data))
     record.check("unchanged", different_value(plant.x.tolist(), before))
 
@@ -82,7 +79,6 @@ def _move(record: Record, random: np.random.Generator, plant: PlantNode) -> None
         plant.held = False
         plant.move(u)
     x = np.array(states)
-    record.tried["samples without drive"] += volts.count(0.0)
     rig = plant.parameters.plant
     storage = SPRING_STORAGE if rig.friction.law == "maxwell_slip" else 1.0
     growth = energy_growth(x, np.array(volts), rig.model, rig.friction.parameters, storage)

@@ -7,6 +7,7 @@ publisher. The log of the emulated rig shows when it was driven; it does not dep
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, monotonic_ns, sleep
@@ -18,23 +19,36 @@ from lifecycle_msgs.srv import ChangeState
 from std_srvs.srv import SetBool
 
 from furuta_graph.processes import executable
+from furuta_hw.rigs.rig import Rig
 from furuta_ros.context import ros_context
 from furuta_ros.topics import COMMAND, QOS
+from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.emulator.monitor import ask
+from furuta_sim.plant import design_plant
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, graph_nodes
-from soak.line_relay import LineRelay
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end
 from soak.observer import Observer
+from soak.oracles import (
+    armed_without_request,
+    different_motion,
+    energy_growth,
+    late_stop,
+    out_of_bounds,
+    unarmed_drive,
+)
 from soak.record import Record
 from soak.resources import ResourceMonitor
-from soak.rig_log_checks import ALLOWED, check_rig_log
 
+RIG = Rig()
+PERIOD = round(RIG.line.sample_time * 1e9)
+# Time from the last sign of life to 0 V that is allowed: the watchdog, and a sample [ns].
+ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
 ATTEMPTS = 6  # to drive it: a node that was killed takes seconds to start
-KINDS = ("kill", "kill", "pause", "pause", "damage", "fault", "messages", "services")
+KINDS = ("kill", "kill", "pause", "pause", "fault", "messages", "services")
 INTRUSIONS = 20  # between two looks at the log
 FAULTS: tuple[dict[str, Any], ...] = (
     {"lost": 0.6},
@@ -81,10 +95,9 @@ class RigGraph:
         )
         assert self._emulator.stdout is not None
         self._emulator.stdout.readline()
-        self._line = LineRelay(directory / "port", directory / "line", random.spawn(1)[0])
         self._observer = Observer()
         self._intruder = self._observer.node.create_publisher(COMMAND.type, COMMAND.name, QOS)
-        bridge = (f"port:={directory / 'line'}", "autostart:=active")
+        bridge = (f"port:={directory / 'port'}", "autostart:=active")
         self._nodes = {
             name: NodeProcess(name, directory, *(bridge if name == HARDWARE_BRIDGE else ()))
             for name in NAMES
@@ -116,9 +129,7 @@ class RigGraph:
         before = self._observer.requests
         answer = self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=True))
         self.requests += self._observer.requests - before
-        self._record.tried["arm"] += 1
         if answer is None or not answer.success:
-            self._record.refused["arm"] += 1
             return False
         deadline = monotonic() + 2.0
         while monotonic() < deadline:
@@ -130,7 +141,6 @@ class RigGraph:
 
     def _kill(self) -> None:
         name = str(pick(self._random, NAMES))
-        self._record.tried[f"kill {name}"] += 1
         dead = self._nodes[name].kill()
         sleep(3 * ALLOWED / 1e9)
         self._silences.append((dead, monotonic_ns()))
@@ -138,22 +148,11 @@ class RigGraph:
 
     def _pause(self) -> None:
         node = self._nodes[str(pick(self._random, NAMES))]
-        self._record.tried[f"pause {node.name}"] += 1
         self._silences.append(node.pause(float(self._random.uniform(0.01, 0.5))))
-
-    def _damage(self) -> None:
-        """Damage bytes on the line."""
-        self._line.damaged = float(pick(self._random, (0.01, 0.1, 1.0)))
-        sleep(float(self._random.uniform(0.05, 0.5)))
-        self._line.damaged = 0.0
-        self._record.tried.update(self._line.counts)
-        self._line.counts.clear()
 
     def _fault(self) -> None:
         """A fault that the emulated rig has by itself."""
         fault = pick(self._random, FAULTS)
-        for name in fault:
-            self._record.tried[f"line: {name}"] += 1
         ask(self._monitor, "faults", **fault)
         sleep(float(self._random.uniform(0.05, 0.4)))
         ask(self._monitor, "faults", **{name: type(value)() for name, value in fault.items()})
@@ -162,13 +161,11 @@ class RigGraph:
         """Commands of a second publisher: they must not arm the rig."""
         for _ in range(50):
             given = random_float(self._random)
-            self._record.tried[f"command: {given.kind}"] += 1
             self._intruder.publish(given.message)
         self._observer.spin_for(0.1)
 
     def _services(self) -> None:
         """Disarm, or leave the active state and return."""
-        self._record.tried["disarm"] += 1
         self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=False))
         if self._random.random() < 0.5:
             return
@@ -178,13 +175,14 @@ class RigGraph:
             Transition.TRANSITION_CONFIGURE,
             Transition.TRANSITION_ACTIVATE,
         ):
-            self._record.tried["transition"] += 1
             request = ChangeState.Request(transition=Transition(id=number))
             self._observer.call(ChangeState, "hardware_bridge/change_state", request)
 
     def check_log(self) -> None:
         """Check everything that the rig has done since its start."""
-        check_rig_log(self._record, self._log(), self.requests, self._silences)
+        log = self._log()
+        if len(log["time_ns"]):  # otherwise the rig has not moved yet
+            check_rig_log(self._record, log, self.requests, self._silences)
         self._silences.clear()
 
     def _log(self) -> dict[str, np.ndarray]:
@@ -197,6 +195,37 @@ class RigGraph:
         """End all processes."""
         end(self._nodes.values(), self._record)
         self._observer.close()
-        self._line.close()
         self._emulator.terminate()
         self._emulator.wait()
+
+
+def check_rig_log(
+    record: Record,
+    log: Mapping[str, np.ndarray],
+    requests: int,
+    silences: Iterable[tuple[int, int]],
+) -> None:
+    """Check a log from its begin, with the number of requests to arm.
+
+    ``silences`` are the times [ns] from which, and until which, a node was dead or paused.
+    """
+    time, volts, armed = log["time_ns"], log["volts"], log["armed"]
+    x = np.column_stack([log[name] for name in ("phi", "phi_dot", "theta", "theta_dot")])
+    record.check("unarmed", unarmed_drive(volts, armed, requests))
+    record.check("arming", armed_without_request(armed, requests))
+    record.check("bounds", out_of_bounds(x))
+    _check_physics(record, x, volts)
+    for silent, back in silences:
+        record.check("watchdog", late_stop(time, volts, silent, back, ALLOWED))
+    record.tried["driven samples"] = int(np.sum(volts != 0.0))
+
+
+def _check_physics(record: Record, x: np.ndarray, volts: np.ndarray) -> None:
+    """The voltage of a row was applied up to its state."""
+    held = np.all(x == x[0], axis=1)
+    # Holding the pendulum moves it by hand.
+    moved = held | np.append(held[1:], True)
+    after = np.where(moved, 1.0, np.append(volts[1:], 0.0))
+    record.check("energy", energy_growth(x, after, RIG.model, RIG.friction))
+    plant = plant_of(RIG)
+    record.check("rig = simulation", different_motion(x, volts, design_plant(plant), plant))

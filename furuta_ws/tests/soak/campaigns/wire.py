@@ -144,7 +144,6 @@ def _run(record: Record, random: np.random.Generator) -> tuple[Loop, list[tuple[
         for k in range(EPISODE):
             if k == silent_from:
                 begun = loop.now * 1e9
-                record.tried["stalls"] += 1
             loop.step(silent=k >= silent_from)
         if silent_from < EPISODE:
             silences.append((begun, loop.now * 1e9))

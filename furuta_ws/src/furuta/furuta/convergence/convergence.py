@@ -10,12 +10,15 @@ At rest there is no leak, and the remaining loop is linear, s + K G(s) = 0; see
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.convergence.error_loop import ErrorLoop
+from furuta.convergence.error_loop import ErrorLoop, error_loop, error_loop_for
+from furuta.convergence.passive_error import passive_error
 from furuta.convergence.positive_real import real_part, strictly_positive_real
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.margins import pairs
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 
@@ -60,15 +63,62 @@ def convergence(loop: ErrorLoop, gain: float, friction: Friction) -> Convergence
         smallest, omega = part.smallest
         violated = part.not_positive
     return Convergence(
-        satisfied and gain != 0.0,
-        _reason(satisfied, reason, gain),
-        float(smallest),
-        float(omega),
-        violated,
-        float(abs(gain) * max(-smallest, 0.0) * highest_level(friction) / friction.sigma0),
-        (largest_stable_gain(loop, 1.0), largest_stable_gain(loop, -1.0)),
-        _rightmost_root(loop, gain),
-        friction.alpha0 * (1.0 + abs(friction.asymmetry)) / friction.sigma0,
+        satisfied=satisfied and gain != 0.0,
+        reason=_reason(satisfied, reason, gain),
+        smallest_real_part=float(smallest),
+        at_omega_rad_s=float(omega),
+        violated_rad_s=violated,
+        holds_above_rad_s=float(
+            abs(gain) * max(-smallest, 0.0) * highest_level(friction) / friction.sigma0
+        ),
+        largest_stable_gain=(largest_stable_gain(loop, 1.0), largest_stable_gain(loop, -1.0)),
+        fastest_growth=_rightmost_root(loop, gain),
+        forgetting_travel_rad=friction.alpha0 * (1.0 + abs(friction.asymmetry)) / friction.sigma0,
+    )
+
+
+class ObserverPassivity(NamedTuple):
+    """The condition for a loop and its observer's gain K [1/s], with e = φ and with e = c·x.
+
+    ``error`` is c (4,) and ``with_error`` the G for it; both are None if there is no such c.
+    """
+
+    gain: float
+    loop: ErrorLoop
+    convergence: Convergence
+    error: np.ndarray | None
+    with_error: ErrorLoop | None
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name."""
+        positive, negative = self.convergence.largest_stable_gain
+        report = {
+            **self.convergence._asdict(),
+            "largest_stable_gain": {"positive": positive, "negative": negative},
+            "K": self.gain,
+            "zeros": pairs(self.loop.zeros),
+            "poles": pairs(self.loop.poles),
+            "static_gain": self.loop.static_gain,
+            "passive_error": None,
+        }
+        if self.error is not None and self.with_error is not None:
+            part = real_part(self.with_error.numerator, self.with_error.denominator)
+            smallest, omega = part.smallest
+            report["passive_error"] = {
+                "c": self.error.tolist(),
+                "smallest_real_part": smallest,
+                "at_omega_rad_s": omega,
+            }
+        return report
+
+
+def observer_passivity(ideal: IdealLoop, gain: float) -> ObserverPassivity:
+    """The condition for the loop's feedback and friction, and an observer with gain K [1/s]."""
+    given = ideal.body, ideal.gains, ideal.law.parameters
+    loop, error = error_loop(*given), passive_error(*given)
+    with_error = None if error is None else error_loop_for(*given, error.tolist())
+    return ObserverPassivity(
+        gain, loop, convergence(loop, gain, ideal.law.parameters), error, with_error
     )
 
 
@@ -81,7 +131,7 @@ def largest_stable_gain(loop: ErrorLoop, sign: float) -> float:
     if not loop.stable:
         return 0.0
     crossings = real_part(loop.numerator, loop.denominator).marginal_gains
-    magnitudes = sorted(abs(each) for each in crossings if each * sign > 0.0)
+    magnitudes = sorted(abs(gain) for gain in crossings if gain * sign > 0.0)
     low = 0.0
     for high in [*magnitudes, np.inf]:
         between = 0.5 * (low + high) if high < np.inf else 2.0 * low + 1.0

@@ -45,21 +45,11 @@ class ErrorLoop(NamedTuple):
         return np.sort_complex(np.roots(self.numerator))
 
     @property
-    def relative_degree(self) -> int:
-        """Number of poles minus number of zeros."""
-        return len(self.denominator) - len(self.numerator)
-
-    @property
     def static_gain(self) -> float:
         """G(0), infinite if s = 0 is a pole."""
         if self.denominator[-1] == 0.0:
             return float(np.copysign(np.inf, self.numerator[-1]))
         return float(self.numerator[-1] / self.denominator[-1])
-
-    @property
-    def high_frequency_gain(self) -> float:
-        """Limit of s^n G(s) for s → ∞, n the relative degree."""
-        return float(self.numerator[0] / self.denominator[0])
 
     @property
     def stable(self) -> bool:

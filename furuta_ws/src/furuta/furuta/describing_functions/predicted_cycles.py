@@ -24,7 +24,6 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from furuta.describing_functions.describing_function import (
     bias,
@@ -96,6 +95,8 @@ def _amplitude(gain: float, law: FrictionLaw) -> float | None:
     low, high = 4.0 * p.alpha0 / (pi * excess), 4.0 * (p.alpha0 + p.alpha1) / (pi * excess)
     if law.law.constant or p.alpha1 == 0.0:
         return low if low > 0.0 else None
+
+    from scipy.optimize import brentq
 
     def excess_at(amplitude: float) -> float:
         return static_describing_function(amplitude, law) / gain - 1.0

@@ -20,7 +20,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.pendulum import FurutaPendulum
@@ -54,6 +53,8 @@ def _speed(direction: float, excess: float, law: FrictionLaw) -> float:
     high = sliding_level(0.0, direction, law) / excess
     if high <= low:
         return low
+
+    from scipy.optimize import brentq
 
     def surplus(speed: float) -> float:
         return excess * speed - sliding_level(speed, direction, law)

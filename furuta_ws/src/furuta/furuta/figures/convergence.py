@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from furuta.convergence.convergence import Convergence
+from furuta.convergence.convergence import Convergence, ObserverPassivity
 from furuta.convergence.error_loop import ErrorLoop
-from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 
 # Decades of ω shown below and above the loop's frequencies, and points of a curve.
 DECADES = 1.5
@@ -17,19 +17,17 @@ POINTS = 2000
 ARM, PASSIVE, VIOLATED = "tab:blue", "tab:green", "tab:red"
 
 
-def draw_convergence(
-    g: ErrorLoop, other: ErrorLoop | None, gain: float, verdict: Convergence, path: Path
-) -> None:
+def draw_convergence(passivity: ObserverPassivity, path: Path) -> None:
     """Draw ±G(jω), which must stay in the right half plane, and its real part over ω.
 
-    ``other`` is G for an error signal that satisfies the condition.
+    Beside it G for an error signal that satisfies the condition.
     """
-    sign = -1.0 if gain < 0.0 else 1.0
-    name = "-G" if gain < 0.0 else "G"
+    g, gain, verdict = passivity.loop, passivity.gain, passivity.convergence
+    sign, name = (-1.0, "-G") if gain < 0.0 else (1.0, "G")
     omega = _frequencies(g)
     curves = [(f"{name}, e = φ", ARM, sign * g.at(omega))]
-    if other is not None:
-        curves.append(("G, e = c·x", PASSIVE, other.at(omega)))
+    if passivity.with_error is not None:
+        curves.append(("G, e = c·x", PASSIVE, passivity.with_error.at(omega)))
     with saved_figure(path, 1, 2, figsize=(12, 5.2)) as (figure, (left, right)):
         _draw_plane(left, curves)
         _draw_real_parts(right, omega, curves, verdict)
@@ -70,13 +68,8 @@ def _draw_real_parts(
     if np.isfinite(verdict.at_omega_rad_s):
         at = max(verdict.at_omega_rad_s, omega[0])
         axis.plot(at, verdict.smallest_real_part, "o", color=ARM, ms=6)
-        axis.annotate(
-            f"{verdict.smallest_real_part:.3g}\nat ω = {verdict.at_omega_rad_s:.3g} rad/s",
-            (at, verdict.smallest_real_part),
-            xytext=(8, 16),
-            textcoords="offset points",
-            bbox={"boxstyle": "round", "fc": "white", "ec": "0.8", "alpha": 0.9},
-        )
+        text = f"{verdict.smallest_real_part:.3g}\nat ω = {verdict.at_omega_rad_s:.3g} rad/s"
+        annotate(axis, (at, verdict.smallest_real_part), text, xytext=(8, 16))
     axis.axhline(0, color="0.5", lw=0.8)
     axis.set_xlim(omega[0], omega[-1])
     style_axis(axis, "ω [rad/s]", "Re G", FAINT_GRID)

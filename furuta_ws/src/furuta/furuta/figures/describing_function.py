@@ -9,7 +9,7 @@ import numpy as np
 
 from furuta.describing_functions.describing_function import describing_function
 from furuta.describing_functions.predicted_cycles import Prediction
-from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 from furuta.figures.nyquist import feedback_title, nyquist_curve
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw
@@ -61,14 +61,8 @@ def _draw_plane(
     for cycle in prediction.cycles:
         point = complex(g.at(cycle.omega_rad_s))
         axis.plot(point.real, point.imag, "o", mfc="white", mec="black", ms=8, zorder=5)
-        axis.annotate(
-            f"A = {cycle.velocity_amplitude_rad_s:.3g} rad/s\nω = {cycle.omega_rad_s:.3g} rad/s",
-            (point.real, point.imag),
-            xytext=(12, -14),
-            textcoords="offset points",
-            va="top",
-            bbox={"boxstyle": "round", "fc": "white", "ec": "0.8"},
-        )
+        text = f"A = {cycle.velocity_amplitude_rad_s:.3g} rad/s\nω = {cycle.omega_rad_s:.3g} rad/s"
+        annotate(axis, (point.real, point.imag), text, xytext=(12, -14), va="top")
     extent = ZOOM * abs(complex(g.at(omega)))
     axis.set_xlim(-extent, 0.5 * extent)
     axis.set_ylim(-0.75 * extent, 0.75 * extent)

@@ -51,6 +51,12 @@ def style_axis(axis: Axes, x: str = "", y: str = "", grid: float = GRID) -> None
     axis.grid(alpha=grid)
 
 
+def annotate(axis: Axes, point: tuple[float, float], text: str, **options: Any) -> None:
+    """Write ``text`` in a box beside a point; ``options`` are those of matplotlib's annotate."""
+    box = {"boxstyle": "round", "fc": "white", "ec": "0.8", "alpha": 0.9}
+    axis.annotate(text, point, textcoords="offset points", bbox=box, zorder=5, **options)
+
+
 def style_time_series(axis: Axes, y: str = "") -> None:
     """Set the label, draw the grid, and let the curve fill the width."""
     style_axis(axis, y=y)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from furuta.studies.parameter_range import GAINS
+from furuta.studies.analysis_options import GAINS
 from furuta_sim.settings.parameter_names import parameters_named
 
 # By the last part of a parameter's name; a parameter without a symbol keeps its name.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta_model.transfer import Transfer, transfer
 
@@ -20,13 +20,14 @@ LINE, NEGATIVE_AXIS, MARK = "tab:blue", "tab:red", "black"
 
 
 def draw_nyquist(cases: dict[str, IdealLoop], path: Path) -> None:
-    """Draw one panel per case; ``cases`` by letter, or a single one under an empty letter."""
+    """Draw one panel per case by letter; a single one has no letter."""
     rows, columns = (1, 1) if len(cases) == 1 else (2, -(-len(cases) // 2))
     size = (7 if columns == 1 else 5.6 * columns, 5.2 * rows)
     with saved_figure(path, rows, columns, figsize=size, squeeze=False) as (figure, axes):
         for axis, (case, loop) in zip(axes.flat, cases.items(), strict=False):
             _draw_panel(axis, transfer(loop.body, loop.gains))
-            axis.set_title(feedback_title(case, loop.gains))
+            letter = case if len(cases) > 1 else ""
+            axis.set_title(feedback_title(letter, loop.gains))
         handles, labels = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
 
@@ -60,7 +61,6 @@ def _draw_panel(axis: Any, g: Transfer) -> None:
     axis.plot(values.real, -values.imag, color=LINE, lw=1, ls=":", label="ω < 0", zorder=2)
     axis.set_xlim(low, high)
     axis.set_ylim(-height, height)
-    _draw_arrow(axis, values, (high - low, 2 * height))
     for crossing in g.crossings:
         _mark_crossing(axis, crossing.omega_rad_s, crossing.real)
     # Empty curve, so that the legend of the first panel has this entry even without a crossing.
@@ -75,36 +75,13 @@ def _limits(g: Transfer, values: np.ndarray) -> tuple[float, float, float]:
     """
     scale = max(float(np.max(np.abs(values.real))), float(np.median(np.abs(values))))
     shown = values[np.abs(values) < EXTENT * scale]
-    left = min([float(np.min(shown.real)), *(EXTENT * each.real for each in g.crossings)])
+    left = min([float(np.min(shown.real)), *(EXTENT * crossing.real for crossing in g.crossings)])
     left = left if g.crossings else -scale
     right = max(float(np.max(shown.real)), -0.25 * left)
     return 1.1 * left, 1.1 * right, 1.1 * float(np.max(np.abs(shown.imag)))
 
 
-def _draw_arrow(axis: Any, values: np.ndarray, size: tuple[float, float]) -> None:
-    """An arrow towards rising ω at half the length of the visible curve."""
-    scaled = values.real / size[0] + 1j * values.imag / size[1]
-    visible = np.abs(values.imag[1:]) < 0.5 * size[1]
-    length = np.cumsum(np.where(visible, np.abs(np.diff(scaled)), 0.0))
-    tail, head = (values[np.searchsorted(length, part * length[-1])] for part in (0.5, 0.51))
-    axis.annotate(
-        "",
-        (head.real, head.imag),
-        (tail.real, tail.imag),
-        arrowprops={"arrowstyle": "-|>", "color": LINE, "mutation_scale": 18},
-    )
-
-
 def _mark_crossing(axis: Any, omega: float, real: float) -> None:
     axis.plot(real, 0, "o", color=MARK, ms=7, mfc="white", mew=1.5, zorder=4)
-    text = f"ω = {omega:.3g} rad/s" if omega > 0.0 else "ω = 0: rotation"
-    axis.annotate(
-        f"{text}\nG = {real:.3g}",
-        (real, 0),
-        xytext=(0, -12),
-        textcoords="offset points",
-        ha="center",
-        va="top",
-        bbox={"boxstyle": "round", "fc": "white", "ec": "0.8", "alpha": 0.9},
-        zorder=5,
-    )
+    where = f"ω = {omega:.3g} rad/s" if omega > 0.0 else "ω = 0: rotation"
+    annotate(axis, (real, 0), f"{where}\nG = {real:.3g}", xytext=(0, -12), ha="center", va="top")

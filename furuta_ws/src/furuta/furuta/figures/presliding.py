@@ -8,16 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta_model.block import new_memory
 from furuta_model.friction.laws import bristle_force, friction_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.converter import Actuator
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.plant_memory import PLANT_MEMORY
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import design_plant, initial_state, move
+from furuta_sim.plant import design_plant, initial_plant, move
 
 LAWS = ("lugre", "dahl", "maxwell_slip")
 COLOURS = {"lugre": "tab:green", "dahl": "tab:orange", "maxwell_slip": "tab:blue"}
@@ -54,12 +55,12 @@ def inner_loop(name: str, p: Friction, steps: int = 400) -> tuple[np.ndarray, np
 def _prescribed(name: str, p: Friction, angle: np.ndarray) -> list[float]:
     """Friction [V] at every angle of a slow path, without viscous part."""
     law = friction_law(name, p._replace(sigma1=0.0))
-    x, z, force = np.zeros(PLANT_MEMORY), 0.0, [0.0]
+    memory, z, force = new_memory(PlantMemory)[0], 0.0, [0.0]
     for v in np.diff(angle):
         if law.law.springs:
-            springs_force(x, v, 1.0, MAX_SPRINGS, law)
-            keep_springs(x, MAX_SPRINGS)
-            force.append(springs_friction(x, v, MAX_SPRINGS, law))
+            springs_force(memory, v, 1.0, MAX_SPRINGS, law)
+            keep_springs(memory, MAX_SPRINGS)
+            force.append(springs_friction(memory, v, MAX_SPRINGS, law))
         else:
             _, z = bristle_force(v, z, 1.0, law)
             force.append(p.sigma0 * z)
@@ -76,13 +77,14 @@ def loaded_arm(name: str, p: Friction) -> tuple[np.ndarray, np.ndarray]:
         actuator=Actuator(bits=0),
         pendulum_friction=PendulumFriction(damping=0.02),
     )
-    design, x = design_plant(plant), initial_state(plant)
+    design, memory = design_plant(plant), initial_plant(plant)[0]
+    x = memory["x"]
     x[THETA] = np.pi
     time = np.arange(round(TIME / plant.sample_time)) * plant.sample_time
     wave = AMPLITUDE * np.sin(2.0 * np.pi * time / PERIOD) * (time > PERIOD)
     torque = p.alpha0 * (MEAN * np.minimum(time / PERIOD, 1.0) + wave)
     angle = np.empty(len(time))
     for k, u in enumerate(torque):
-        move(x, u, design)
+        move(memory, u, design)
         angle[k] = x[PHI]
     return time, angle

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta.figures.figure import saved_figure, style_time_series
-from furuta_identification.fitting.validation import Prediction
+from furuta_identification.model import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
 

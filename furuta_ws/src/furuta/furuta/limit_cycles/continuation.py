@@ -8,11 +8,12 @@ through folds, where a stable and an unstable cycle meet and both disappear.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
 from furuta.limit_cycles.section import REST_STEP, Section
 from furuta.limit_cycles.smooth_motion import CLOSEST
@@ -26,6 +27,7 @@ MAX_POINTS = 400
 NEWTON_STEPS = 8
 HOMOCLINIC = 0.01  # least distance of the last cycle from a rest, relative to its amplitude
 TOLERANCE = 1e-7  # scaled residual of a corrected point
+STARTS = 9  # values at which a cycle is looked for, if there is none to start from
 PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
 
 
@@ -199,6 +201,56 @@ def _with_folds(points: list[BranchPoint]) -> list[BranchPoint]:
         if (here - before) * (after - here) < 0.0:
             marked[i] = points[i]._replace(event="fold")
     return marked
+
+
+def follow_branch(
+    loop_at: Callable[[float], IdealLoop],
+    low: float,
+    high: float,
+    here: float | None = None,
+    cycle: LimitCycle | None = None,
+) -> list[BranchPoint]:
+    """The branch through ``cycle`` at the value ``here``, if that is within the range.
+
+    Otherwise the branch through the cycle nearest to the middle of the range.
+
+    Raises:
+        ParameterError: There is no cycle with a finite period to follow.
+    """
+    branch = Branch(loop_at, low, high)
+    if here is not None and cycle is not None and low <= here <= high:
+        return branch.follow(here, cycle)
+    values = np.linspace(low, high, STARTS)
+    motions = []
+    for value in sorted(values.tolist(), key=lambda value: abs(value - values[STARTS // 2])):
+        cycle = limit_cycle(loop_at(value))
+        if cycle.kind == "oscillation" and np.isfinite(cycle.period_s):
+            return branch.follow(value, cycle)
+        motions.append(f"{cycle.kind} at {value:g}")
+    raise ParameterError(f"no limit cycle with a finite period to follow: {', '.join(motions)}")
+
+
+def branch_report(name: str, points: list[BranchPoint]) -> dict[str, Any]:
+    """The cycles on a branch over the parameter ``name``, and its events."""
+    return {
+        "branch": [
+            {
+                name: point.value,
+                "phi_peak_to_peak_rad": point.cycle.phi_peak_to_peak_rad,
+                "period_s": point.cycle.period_s,
+                "stable": point.cycle.stable,
+            }
+            for point in points
+        ],
+        "events": [
+            {
+                "event": point.event,
+                name: fold_value(points, i) if point.event == "fold" else point.value,
+            }
+            for i, point in enumerate(points)
+            if point.event
+        ],
+    }
 
 
 def fold_value(branch: list[BranchPoint], index: int) -> float:

@@ -6,7 +6,7 @@ multipliers are the eigenvalues of dP/ds.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -64,6 +64,13 @@ class LimitCycle(NamedTuple):
         if self.kind in ("rest", "rotation"):
             return self.growth_rate_1_s < 0.0
         return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name, except the section point; multipliers as real and imaginary part."""
+        fields = self._asdict()
+        del fields["point"], fields["smallest_slide"]
+        multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
+        return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
 
 
 def periodic_orbit(

@@ -1,1 +1,1 @@
-"""Studies on many loops: experiments, tuning, sweeps, maps, sensitivity."""
+"""Studies on many loops: experiments, tuning, sweeps, comparisons, maps."""

@@ -1,4 +1,4 @@
-"""Options of the analysis verbs, and the ideal loop that they describe."""
+"""Parameters and ranges of an analysis, and the ideal loop that they describe."""
 
 from __future__ import annotations
 
@@ -8,27 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop
-from furuta.studies.parameter_range import GAINS
-from furuta_model.friction.laws import analysed_law
+from furuta.loops import ideal_loop_of
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import checked_feedback, transfer
+from furuta_model.transfer import checked_feedback
 from furuta_sim.settings.parameter_names import parameters_named
 from furuta_sim.settings.settings import load_settings, loop
-from furuta_sim.simulation.closed_loop import Loop
 
-
-def ideal_loop_of(
-    loop: Loop, law: str | None, feedback: tuple[float, float, float, float] | None, linear: bool
-) -> IdealLoop:
-    """The ideal loop with the plant of ``loop``, another law and feedback u = l·x if given.
-
-    Raises:
-        ParameterError: The law has no limit cycles that can be analysed.
-    """
-    l1, l2, l3, l4 = feedback or (-each for each in loop.controller.feedback_gain)
-    friction = loop.plant.friction
-    analysed = analysed_law(law or friction.law, friction.parameters)
-    return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
+# Gains of u = l·x, which have names here although they are no parameters of a node.
+GAINS = ("l1", "l2", "l3", "l4")
+MAX_VALUES = 1000
 
 
 class AnalysisOptions(NamedTuple):
@@ -37,10 +25,10 @@ class AnalysisOptions(NamedTuple):
     Without a law it is the plant's, without a feedback the controller's.
     """
 
-    files: tuple[Path, ...]
-    assignments: tuple[str, ...]
-    law: str | None
-    feedback: tuple[float, float, float, float] | None
+    files: tuple[Path, ...] = ()
+    assignments: tuple[str, ...] = ()
+    law: str | None = None
+    feedback: tuple[float, float, float, float] | None = None
     linear: bool = False
 
     def ideal_loop(self, values: dict[str, float] | None = None) -> IdealLoop:
@@ -48,15 +36,12 @@ class AnalysisOptions(NamedTuple):
         values = values or {}
         named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
         configured = loop(load_settings(self.files, [*self.assignments, *named]))
-        gains = list(self.feedback or [-each for each in configured.controller.feedback_gain])
-        for name, value in values.items():
-            if name in GAINS:
-                gains[GAINS.index(name)] = value
-        l1, l2, l3, l4 = gains
-        return ideal_loop_of(configured, self.law, (l1, l2, l3, l4), self.linear)
+        ideal = ideal_loop_of(configured, self.law, self.feedback, self.linear)
+        l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, ideal.gains, strict=True))
+        return ideal.with_gains((l1, l2, l3, l4))
 
     def checked_loop(self) -> IdealLoop:
-        """The ideal loop, if its feedback is finite and not zero."""
+        """The ideal loop, if its feedback is finite."""
         ideal = self.ideal_loop()
         checked_feedback(ideal.gains)
         return ideal
@@ -66,18 +51,27 @@ class AnalysisOptions(NamedTuple):
         if name in GAINS:
             return float(getattr(self.ideal_loop(), name))
         settings = load_settings(self.files, self.assignments)
-        found = {
-            settings[node].get(each.name, each.default) for node, each in parameters_named(name)
+        values = {
+            settings[node].get(declared.name, declared.default)
+            for node, declared in parameters_named(name)
         }
-        return float(found.pop()) if len(found) == 1 else None
+        return float(values.pop()) if len(values) == 1 else None
 
 
-def require_stabilising(ideal: IdealLoop) -> None:
-    """Reject a feedback whose loop is unstable without friction."""
-    poles = transfer(ideal.body, ideal.gains).poles
-    worst = poles[np.argmax(poles.real)]
-    if worst.real > 1e-6:
-        raise ParameterError(
-            f"the feedback does not stabilise the pendulum even without friction: pole at "
-            f"{worst.real:.4g}{worst.imag:+.4g}j 1/s"
-        )
+def parse_range(text: str, default_count: int) -> tuple[str, np.ndarray]:
+    """Name and values of NAME=LOW:HIGH or NAME=LOW:HIGH:COUNT."""
+    name, _, rest = text.partition("=")
+    parts = rest.split(":")
+    try:
+        low, high = float(parts[0]), float(parts[1])
+        count = int(parts[2]) if len(parts) > 2 else default_count
+    except (ValueError, IndexError):
+        raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT], given {text!r}") from None
+    if len(parts) > 3 or not (np.isfinite([low, high]).all() and low < high):
+        raise ParameterError(f"{name}: needs finite LOW < HIGH, given {rest!r}")
+    if not 2 <= count <= MAX_VALUES:
+        raise ParameterError(f"{name}: COUNT must be 2 to {MAX_VALUES}, given {count}")
+    name = name.strip()
+    if name not in GAINS:
+        parameters_named(name)  # rejects an unknown name before anything is computed
+    return name, np.linspace(low, high, count)

@@ -1,4 +1,4 @@
-"""Runs of a study on a Dask cluster whose workers have this workspace installed."""
+"""Runs of a sweep on a Dask cluster whose workers have this workspace installed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Container, Iterator
 from itertools import islice
 from typing import Any
 
-from furuta.studies.sweep import RunResult, Study, finished_run, impossible_run
+from furuta.studies.sweep import RunResult, Sweep, finished_run, impossible_run
 from furuta_ros.errors import UserError
 from furuta_sim.lanes.batch import outcomes
 from furuta_sim.simulation.closed_loop import Loop
@@ -23,30 +23,30 @@ MAX_ATTEMPTS = 20
 Chunk = list[tuple[int, Loop]]
 
 
-def run_on_cluster(study: Study, done: Container[int], address: str) -> Iterator[RunResult]:
+def run_on_cluster(sweep: Sweep, done: Container[int], address: str) -> Iterator[RunResult]:
     """Run what is not ``done`` on the cluster at ``address``, and yield results as they arrive.
 
     A chunk whose worker dies is run again by another worker; finished runs are not repeated.
     """
-    from distributed import Client  # noqa: PLC0415 - slow to load
+    from distributed import Client
 
     try:
         client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UserError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        yield from _ClusterRun(client, study, done).results()
+        yield from _ClusterRun(client, sweep, done).results()
 
 
 class _ClusterRun:
     """Keeps enough chunks waiting on the cluster that no thread is idle."""
 
-    def __init__(self, client: Any, study: Study, done: Container[int]) -> None:
-        from distributed import as_completed  # noqa: PLC0415 - slow to load
+    def __init__(self, client: Any, sweep: Sweep, done: Container[int]) -> None:
+        from distributed import as_completed
 
         self._client = client
-        self._seconds = study.seconds
-        self._remaining = study.remaining_loops(done)
+        self._seconds = sweep.seconds
+        self._remaining = sweep.remaining_loops(done)
         self._waiting: dict[Any, tuple[Chunk, int]] = {}
         self._completed = as_completed(loop=client.loop)
 
@@ -61,12 +61,12 @@ class _ClusterRun:
         """Fill the cluster up; yields the runs that are impossible."""
         threads = max(1, sum(self._client.nthreads().values()))
         for _ in range(CHUNKS_PER_THREAD * threads - len(self._waiting)):
-            given = list(islice(self._remaining, CHUNK_SIZE))
-            yield from (impossible_run(number, it) for number, it in given if isinstance(it, str))
-            chunk = [(number, it) for number, it in given if not isinstance(it, str)]
+            taken = list(islice(self._remaining, CHUNK_SIZE))
+            yield from (impossible_run(number, it) for number, it in taken if isinstance(it, str))
+            chunk = [(number, it) for number, it in taken if not isinstance(it, str)]
             if chunk:
                 self._submit(chunk, attempt=1)
-            elif not given:
+            elif not taken:
                 break
 
     def _submit(self, chunk: Chunk, attempt: int) -> None:
@@ -77,20 +77,20 @@ class _ClusterRun:
 
     def _next_results(self) -> Iterator[RunResult]:
         """The results of the next chunk; a chunk whose worker died is submitted again."""
-        from distributed import KilledWorker  # noqa: PLC0415 - slow to load
+        from distributed import KilledWorker
 
         future = next(self._completed)
         chunk, attempt = self._waiting.pop(future)
         try:
-            found = future.result()
+            chunk_outcomes = future.result()
         except KilledWorker:
             if attempt == MAX_ATTEMPTS:
                 raise UserError(
-                    f"{MAX_ATTEMPTS} workers died in one study; it can be resumed"
+                    f"{MAX_ATTEMPTS} workers died in one sweep; it can be resumed"
                 ) from None
             self._submit(chunk, attempt + 1)
             return
         except (ImportError, RuntimeError) as error:
             raise UserError(f"a worker of the cluster cannot run it: {error}") from None
-        for (number, _), outcome in zip(chunk, found, strict=True):
+        for (number, _), outcome in zip(chunk, chunk_outcomes, strict=True):
             yield finished_run(number, outcome)

@@ -10,14 +10,14 @@ quantisation and noise, which separates the effect of the friction from that of 
 from __future__ import annotations
 
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
+from furuta.loops import ideal_loop_of
 from furuta.studies.feedback_map import predicted_peak_to_peak
-from furuta.studies.tuning.simulated_tuning import tuned_observer
-from furuta.studies.tuning.tuning import ProgressCallback
-from furuta_model.friction.laws import analysed_law
+from furuta.studies.tuning.plan import SIMULATED
+from furuta.studies.tuning.result import observer_parameters
+from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 from furuta_sim.simulation.oscillation import Oscillation, measure_oscillation
@@ -59,6 +59,18 @@ class ExperimentResult(NamedTuple):
     predicted_phi_peak_to_peak_rad: float
     describing_function_phi_peak_to_peak_rad: float
 
+    def report(self) -> dict[str, Any]:
+        """Compensation, motion of the rig, predictions, and parameters of the compensation."""
+        return {
+            "compensation": self.loop.observer.compensation,
+            **self.measured._asdict(),
+            "predicted_phi_peak_to_peak_rad": self.predicted_phi_peak_to_peak_rad,
+            "describing_function_phi_peak_to_peak_rad": (
+                self.describing_function_phi_peak_to_peak_rad
+            ),
+            "parameters": observer_parameters(self.loop.observer),
+        }
+
 
 def run_experiment(
     name: str, loop: Loop, seconds: float, report: ProgressCallback
@@ -69,7 +81,7 @@ def run_experiment(
     perfect = simulate(_with_perfect_sensors(configured), TRANSIENT + seconds)
     predicted, describing_function = _oscillation(perfect).phi_peak_to_peak_rad, float("nan")
     if configured.observer.compensation == "none":
-        ideal = _ideal_loop(configured)
+        ideal = ideal_loop_of(configured, None, None, linear=False)
         predicted = limit_cycle(ideal, state_at_rest(0.05)).phi_peak_to_peak_rad
         describing_function = predicted_peak_to_peak(ideal)
     return ExperimentResult(
@@ -90,7 +102,8 @@ def _configure_loop(experiment: Experiment, loop: Loop, report: ProgressCallback
         plant = _with_asymmetry(plant, ASYMMETRY)
     configured = loop._replace(plant=plant, observer=observer)
     if experiment.tuned:
-        configured = configured._replace(observer=tuned_observer(configured, report))
+        tuned = tune_simulated(configured, SIMULATED, report)
+        configured = configured._replace(observer=tuned.after.observer)
     return configured
 
 
@@ -114,12 +127,6 @@ def _with_perfect_sensors(loop: Loop) -> Loop:
         plant=loop.plant._replace(sensors=perfect, actuator=loop.plant.actuator._replace(bits=0)),
         estimator=loop.estimator._replace(sensors=nominal),
     )
-
-
-def _ideal_loop(loop: Loop) -> IdealLoop:
-    law = analysed_law(loop.plant.friction.law, loop.plant.friction.parameters)
-    l1, l2, l3, l4 = (-each for each in loop.controller.feedback_gain)
-    return IdealLoop(loop.plant.model, law, l1, l2, l3, l4)
 
 
 def _oscillation(run: Record) -> Oscillation:

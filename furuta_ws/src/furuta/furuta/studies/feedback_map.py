@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.ideal_loop import IdealLoop
-from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
@@ -27,6 +27,21 @@ class MapPoint(NamedTuple):
     cycle: LimitCycle
     predicted_phi_peak_to_peak_rad: float = 0.0
 
+    def row(self, first: str, second: str) -> dict[str, Any]:
+        """The point by name; ``first`` and ``second`` are the names of its parameters."""
+        cycle = self.cycle
+        return {
+            first: float(self.first),
+            second: float(self.second),
+            "kind": cycle.kind,
+            "phi_peak_to_peak_rad": cycle.phi_peak_to_peak_rad,
+            "theta_peak_to_peak_rad": cycle.theta_peak_to_peak_rad,
+            "period_s": cycle.period_s,
+            "rotation_rate_rad_s": cycle.rotation_rate_rad_s,
+            "stable": cycle.stable,
+            "predicted_phi_peak_to_peak_rad": self.predicted_phi_peak_to_peak_rad,
+        }
+
 
 IMPOSSIBLE = LimitCycle("impossible")
 
@@ -35,25 +50,27 @@ def map_feedbacks(
     loop_at: Callable[[float, float], IdealLoop],
     firsts: Iterable[float],
     seconds: Iterable[float],
-    workers: int | None = None,
+    release: float = 0.05,
 ) -> Iterator[MapPoint]:
-    """Compute the exact motion over a grid, row by row, on all cores.
+    """Compute the exact motion after a ``release`` [rad] over a grid, row by row, on all cores.
 
     Threads suffice because compiled code releases the interpreter lock. The result of a point does
-    not depend on other points or on the number of workers.
+    not depend on other points.
     """
     pairs = [(first, second) for first in firsts for second in seconds]
 
     def point(pair: tuple[float, float]) -> MapPoint:
         try:
             loop = loop_at(*pair)
-            return MapPoint(*pair, limit_cycle(loop), predicted_peak_to_peak(loop))
+            return MapPoint(
+                *pair, limit_cycle(loop, state_at_rest(release)), predicted_peak_to_peak(loop)
+            )
         except ParameterError:
             return MapPoint(*pair, IMPOSSIBLE)
 
     # A wrong name or range raises an error here, instead of a map of impossible points.
     loop_at(*pairs[0]), loop_at(*pairs[-1])
-    with ThreadPoolExecutor(workers or available_cores()) as pool:
+    with ThreadPoolExecutor(available_cores()) as pool:
         yield from pool.map(point, pairs)
 
 

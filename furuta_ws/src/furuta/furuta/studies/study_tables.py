@@ -64,6 +64,7 @@ def _with_first(rows: Rows) -> tuple[Mapping[str, Any], Rows]:
 @contextmanager
 def _complete(out: Path) -> Iterator[Path]:
     """A file beside ``out`` that replaces it in the end."""
+    out.parent.mkdir(parents=True, exist_ok=True)
     incomplete = out.with_name(out.name + ".new")
     yield incomplete
     incomplete.replace(out)

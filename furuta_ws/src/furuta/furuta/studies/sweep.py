@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Container, Iterator
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from furuta.studies.sweep_points import Point, SweptParameter, count_points, generate_points
 from furuta_model.parameters import ParameterError
@@ -16,17 +16,6 @@ NO_OUTCOME = dict.fromkeys(Outcome._fields)
 
 # Number of a run, and its outcome or the reason why its parameters are impossible.
 RunResult = tuple[int, dict[str, Any]]
-
-
-class Study(Protocol):
-    """Numbered runs of equal length, which may be computed in any order."""
-
-    @property
-    def seconds(self) -> float:
-        """Simulated time of each run [s]."""
-
-    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
-        """The loop of every run that is not ``done``, or the reason why it is impossible."""
 
 
 class Sweep(NamedTuple):
@@ -68,20 +57,20 @@ def impossible_run(number: int, reason: str) -> RunResult:
     return number, {**NO_OUTCOME, "error": reason}
 
 
-def run_locally(study: Study, done: Container[int]) -> Iterator[RunResult]:
+def run_locally(sweep: Sweep, done: Container[int]) -> Iterator[RunResult]:
     """Run what is not ``done`` on all cores, and yield the results."""
     numbers: deque[int] = deque()
     impossible: deque[RunResult] = deque()
 
     def possible_loops() -> Iterator[Loop]:
-        for number, loop_or_reason in study.remaining_loops(done):
+        for number, loop_or_reason in sweep.remaining_loops(done):
             if isinstance(loop_or_reason, str):
                 impossible.append(impossible_run(number, loop_or_reason))
             else:
                 numbers.append(number)
                 yield loop_or_reason
 
-    for outcome in batch(possible_loops(), study.seconds):
+    for outcome in batch(possible_loops(), sweep.seconds):
         yield finished_run(numbers.popleft(), outcome)
         while impossible:
             yield impossible.popleft()

@@ -1,15 +1,15 @@
 """The journal of a study, which lets it continue after a kill.
 
-While a study runs, its results are in a journal beside the output file: a first line that describes
-the study, then one line per run. A last line that a kill has cut off is ignored. Results stay in
-the file; memory holds where each of them begins.
+While a study runs, its results are in an SQLite file beside the output: a description of the study,
+and one row per run. A result is there entirely or not at all, whenever the process is killed.
 """
 
 from __future__ import annotations
 
 import json
-from array import array
+import sqlite3
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,10 +17,17 @@ import numpy as np
 
 from furuta.studies.sweep import RunResult
 from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
 from furuta_sim.simulation.closed_loop import Outcome
 
-# Where the result of a run begins that is not there yet.
-_MISSING = -1
+# A commit need not survive a loss of power, only of the process. The write-ahead log disappears
+# when the journal is closed.
+SCHEMA = """
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = OFF;
+CREATE TABLE IF NOT EXISTS study (description TEXT);
+CREATE TABLE IF NOT EXISTS runs (number INTEGER PRIMARY KEY, result TEXT);
+"""
 
 
 class Journal:
@@ -34,79 +41,66 @@ class Journal:
         self, out: Path, study: NamedTuple, columns: tuple[str, ...] = Outcome._fields
     ) -> None:
         self._path = out.with_name(out.name + ".part")
-        self._begins = array("q")
-        self._done = 0
-        described = study._asdict() | {"columns": columns}
-        header = json.dumps(described, default=_plain).encode() + b"\n"
         out.parent.mkdir(parents=True, exist_ok=True)
-        self._path.touch()
-        self._file = self._path.open("r+b")
-        try:
-            end = self._read(header, type(study).__name__.lower())
-        except ParameterError:
+        description = json.dumps(study._asdict() | {"columns": columns}, default=_plain)
+        with self._explained():
+            self._file = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
+            known = self._description(description)
+        if known != description:
             self._file.close()
-            raise
-        # An incomplete last line is removed, so that the next result starts on a new line.
-        self._file.truncate(end)
-        self._file.seek(end)
-        if end == 0:
-            self._file.write(header)
-        self._file.flush()
-        self._end = end or len(header)
-
-    def _read(self, header: bytes, kind: str) -> int:
-        """Find the results of a killed study; returns where the last complete line ends."""
-        first = self._file.readline()
-        if not first.endswith(b"\n"):
-            return 0
-        if first != header:
             raise ParameterError(
-                f"{self._path} belongs to another {kind} or version of this program; finish that "
-                "one with its own arguments, or delete the file"
+                f"{self._path} belongs to another {type(study).__name__.lower()} or version of "
+                "this program; finish that one with its own arguments, or delete the file"
             )
-        end = len(first)
-        for line in self._file:
-            if not line.endswith(b"\n"):
-                break
-            self._note(int(line[1 : line.index(b",")]), end)
-            end += len(line)
-        return end
 
-    def _note(self, number: int, begin: int) -> None:
-        while len(self._begins) <= number:
-            self._begins.append(_MISSING)
-        self._done += self._begins[number] == _MISSING
-        self._begins[number] = begin
+    def _description(self, new: str) -> str:
+        """What the journal describes; an empty one describes the ``new`` study from now on."""
+        try:
+            self._file.executescript(SCHEMA)
+            known = self._file.execute("SELECT description FROM study").fetchone()
+        except sqlite3.OperationalError:
+            raise
+        except sqlite3.DatabaseError:
+            return "not a journal"
+        if known is None:
+            self._file.execute("INSERT INTO study VALUES (?)", (new,))
+            return new
+        return str(known[0])
+
+    @contextmanager
+    def _explained(self) -> Iterator[None]:
+        """Name the file if it cannot be opened or written, as on a full disk."""
+        try:
+            yield
+        except sqlite3.OperationalError as error:
+            raise UserError(f"{self._path}: {error}") from None
 
     def __contains__(self, number: object) -> bool:
         """Whether a run is done."""
-        if not isinstance(number, int) or number >= len(self._begins):
-            return False
-        return self._begins[number] != _MISSING
+        query = "SELECT 1 FROM runs WHERE number = ?"
+        return self._file.execute(query, (number,)).fetchone() is not None
 
     def __len__(self) -> int:
         """The number of runs that are done."""
-        return self._done
+        (count,) = self._file.execute("SELECT count(*) FROM runs").fetchone()
+        return int(count)
 
     def __iter__(self) -> Iterator[int]:
         """The numbers of the runs that are done."""
-        return (number for number, begin in enumerate(self._begins) if begin != _MISSING)
+        return (number for (number,) in self._file.execute("SELECT number FROM runs"))
 
     def __getitem__(self, number: int) -> dict[str, Any]:
         """The result of a run that is done."""
-        self._file.seek(self._begins[number])
-        found: dict[str, Any] = json.loads(self._file.readline())[1]
-        return found
+        query = "SELECT result FROM runs WHERE number = ?"
+        result: dict[str, Any] = json.loads(self._file.execute(query, (number,)).fetchone()[0])
+        return result
 
     def record(self, results: Iterable[RunResult]) -> Iterator[RunResult]:
         """Write each result to the file, then yield it."""
         for number, result in results:
-            line = json.dumps([number, result]).encode() + b"\n"
-            self._file.seek(self._end)
-            self._file.write(line)
-            self._file.flush()
-            self._note(number, self._end)
-            self._end += len(line)
+            row = number, json.dumps(result)
+            with self._explained():
+                self._file.execute("INSERT OR REPLACE INTO runs VALUES (?, ?)", row)
             yield number, result
 
     def delete(self) -> None:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from furuta.studies.parameter_range import parse_range
+from furuta.studies.analysis_options import parse_range
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.parameter_names import parameters_named
 

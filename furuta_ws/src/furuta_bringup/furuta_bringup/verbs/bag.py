@@ -9,7 +9,8 @@ import click
 
 from furuta_bringup.file_types import FIGURE, SERIES
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, model_options, names_options, print_json
+from furuta_bringup.options import json_option, model_options, names_options
+from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
@@ -33,14 +34,7 @@ def info(bag: Path, as_json: bool) -> None:
         result = _info(content)
     parameters = bag / PARAMETERS_FILE
     result["parameters"] = str(parameters) if parameters.is_file() else None
-    if as_json:
-        print_json(result)
-        return
-    print(f"{result['messages']} messages, {result['duration_s']:.3f} s")
-    for topic, about in result["topics"].items():
-        print(f"{topic:24} {about['type']:32} {about['messages']}")
-    if result["parameters"]:
-        print(f"parameters: {result['parameters']}")
+    show(result, as_json)
 
 
 def _info(bag: Bag) -> dict[str, Any]:
@@ -71,11 +65,7 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
 
     series = load_series(bag, names)
     write_columns(out, series)
-    result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
-    if as_json:
-        print_json(result)
-    else:
-        print(f"{result['rows']} rows of {', '.join(series)} in {out}")
+    show({"file": str(out), "rows": len(series[TIME]), "columns": list(series)}, as_json)
 
 
 @command.command()
@@ -90,13 +80,7 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
 
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
-    result: dict[str, Any] = recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered"))
-    if as_json:
-        print_json(result)
-        return
-    print(f"{result['messages']} messages in {result['bag']}")
-    for problem in result["problems"]:
-        print(f"problem: {problem}")
+    show(recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered")), as_json)
 
 
 class Remapping(click.ParamType):
@@ -153,10 +137,7 @@ def replay(
         node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
-    if as_json:
-        print_json(result)
-    else:
-        print(f"{node.published} messages, at most {node.latest * 1e3:.1f} ms late")
+    show(result, as_json)
 
 
 @command.command()
@@ -176,23 +157,13 @@ def recompute(
     Uses the recorded parameters, except those given by --params and --set. The measurements stay
     as recorded: the pendulum does not react to the new commands.
     """
-    from furuta.studies.recompute import recompute_bag
-    from furuta.studies.recorded_loop import compare
+    from furuta.studies.recomputation import compare, recompute_bag
 
     recorded, recomputed = recompute_bag(bag, files, assignments)
     result = compare(recorded, recomputed)
     if out is not None:
-        from furuta.figures.recomputation import draw_recomputation
+        from furuta.figures.series import draw_recomputation
 
         draw_recomputation(recorded, recomputed, out)
         result["figure"] = str(out)
-    if as_json:
-        print_json(result)
-        return
-    print(f"{result['samples']} samples, " + ("identical" if result["identical"] else "different"))
-    for name in ("estimate", "friction_estimate", "command"):
-        each = result[name]
-        print(
-            f"{name:18} largest difference {each['largest_difference']:.6g}, "
-            f"rms {each['rms_difference']:.6g} over {each['compared']}"
-        )
+    show(result, as_json)

@@ -2,57 +2,108 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from functools import wraps
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import click
 from click.core import ParameterSource
 
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import ROWS, Comparison, Rigs
-from furuta.studies.comparison.random_rigs import DISTURBANCES, TUNING
-from furuta.studies.comparison.results import Results
-from furuta.studies.comparison.scores import Rows, rank, tabulate
-from furuta.studies.comparison.tuning import Tuning, TuningBudget
+from furuta.studies.comparison.comparison import Comparison, Trials
+from furuta.studies.comparison.named_rigs import named_rigs
+from furuta.studies.comparison.random_rigs import (
+    DISTURBANCES,
+    NOMINAL,
+    TUNING,
+    RandomRigs,
+    parse_ranges,
+)
+from furuta.studies.comparison.report import Report
+from furuta.studies.comparison.scores import rank
+from furuta.studies.comparison.tuning import TuningBudget, tune_candidates
 from furuta.studies.experiments import encoder_resolution
-from furuta.studies.sweep import RunResult
-from furuta_bringup.comparison_report import print_report, summary_of
+from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
+from furuta_bringup.file_types import FIGURE_SUFFIXES, OutputFile
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import (
     MEASURED_SECONDS,
     SEED,
-    finite,
     json_option,
-    model_options,
+    parameter_options,
     print_json,
+    rig_option,
 )
-from furuta_bringup.study_runs import run_study, with_progress
+from furuta_bringup.study_runs import with_progress
+from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
-from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.settings.rigs import find_uncertain_rig, rig_file
+from furuta_sim.settings.settings import Settings, load_settings, loop
 
 # Options without effect on the named rigs.
-RANDOM_ONLY = ("rigs", "first_rig", "disturb")
-# Pushes on the arm [V].
-PUSHES = (1.0, 2.0, 3.0, 4.0)
+RANDOM_ONLY = {"rigs", "vary", "disturb", "seed", "tune_budget"}
+
+
+class RigOptions(NamedTuple):
+    """Which rigs, and the parameters of all nodes."""
+
+    truths: bool
+    rigs: int
+    vary: tuple[str, ...]
+    disturb: tuple[str, ...]
+    seed: int
+    rig: str
+    files: tuple[Path, ...]
+    assignments: tuple[str, ...]
+
+    def settings(self) -> Settings:
+        """The parameters of all nodes; those of the rig's file come first."""
+        files = (rig_file(self.rig), *self.files) if self.rig else self.files
+        return load_settings(files, self.assignments)
+
+    def random_rigs(self, settings: Settings) -> RandomRigs:
+        """The random rigs, as uncertain as the rig's file says if it does."""
+        rig, uncertainty = find_uncertain_rig(self.rig) if self.rig else (NOMINAL, CERTAIN)
+        disturbances = tuple(name for name in DISTURBANCES if {name, "all"} & set(self.disturb))
+        ranges = parse_ranges(self.vary)
+        return RandomRigs(settings, self.rigs, self.seed, disturbances, ranges, rig, uncertainty)
+
+
+def rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The options of :class:`RigOptions`, passed on as the argument ``rig_options``."""
+
+    @wraps(function)
+    def command(**others: Any) -> Any:
+        chosen = RigOptions(**{name: others.pop(name) for name in RigOptions._fields})
+        return function(rig_options=chosen, **others)
+
+    wrapped: Any = rig_option(parameter_options(command))
+    for option in reversed(_RIG_OPTIONS):
+        wrapped = option(wrapped)
+    decorated: Callable[..., Any] = wrapped
+    return decorated
+
+
+_RIG_OPTIONS = (
+    click.option("--truths", is_flag=True,
+        help="Take the named rigs of docs/comparison.md, and list each."),
+    click.option("--rigs", type=click.IntRange(1, 1_000_000), default=100, show_default=True,
+        help="Number of random rigs."),
+    click.option("--vary", multiple=True, metavar="NAME=LOW:HIGH",
+        help="Let only this parameter of the plant vary, and those that the file of --rig states "
+        "as uncertain; repeatable (default: friction law, friction, pendulum)."),
+    click.option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
+        help="A further disturbance of random rigs; repeatable."),
+    click.option("--seed", type=SEED, default=0, show_default=True,
+        help="Seed of the random rigs. plant.seed is that of the sensor noise."),
+)  # fmt: skip
 
 
 @click.command()
-@click.option("--rows", type=click.Choice(ROWS), default="named", show_default=True,
-    help="Which simulated rigs: the rows of docs/comparison.md, or random ones.")  # fmt: skip
-@click.option("--rigs", type=click.IntRange(1, 1_000_000), default=100, show_default=True,
-    help="Number of random rigs.")  # fmt: skip
-@click.option("--first-rig", type=click.IntRange(0, 1_000_000_000), default=0, show_default=True,
-    help="Number of the first random rig.")  # fmt: skip
-@click.option("--seed", type=SEED, default=0, show_default=True,
-    help="Seed of the random rigs. plant.seed is that of the sensor noise.")  # fmt: skip
-@click.option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
-    help="A further disturbance of random rigs; repeatable.")  # fmt: skip
-@click.option("--seeds", type=click.IntRange(1, 1000), default=3, show_default=True,
-    help="Number of seeds of the sensor noise per rig.")  # fmt: skip
-@click.option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, default=PUSHES,
-    show_default=True, metavar="V",
-    help="Push on the arm [V] of 0.1 s, in a run of its own; repeatable; 0 for none.")  # fmt: skip
+@rig_options
 @click.option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
     help=f"A candidate by its settings, or one of {', '.join(STANDARD)}; repeatable "
     "(default: all of these).")  # fmt: skip
@@ -60,95 +111,93 @@ PUSHES = (1.0, 2.0, 3.0, 4.0)
     help="Evaluations to tune each candidate, on rigs of their own; 0: as it is set.")  # fmt: skip
 @click.option("--tuning-rigs", type=click.IntRange(1, 10_000), default=10, show_default=True,
     help="Number of random rigs to tune on.")  # fmt: skip
+@click.option("--seeds", type=click.IntRange(1, 1000), default=1, show_default=True,
+    help="Number of seeds of the sensor noise per rig.")  # fmt: skip
+@click.option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
+    help="Push on the arm [V] of 0.1 s, in a run of its own; repeatable.")  # fmt: skip
 @click.option("--seconds", type=MEASURED_SECONDS, default=30.0, show_default=True,
     help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
-@click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
-@click.option("--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
-    default=Path("output/comparison"), show_default=True,
-    help="Directory of the results.")  # fmt: skip
-@model_options
+@click.option("--out", "files_out", type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES), multiple=True,
+    help="A table with a row per run, or a picture; repeatable.")  # fmt: skip
 @json_option
 @click.pass_context
 def command(
     ctx: click.Context,
-    rows: str,
-    rigs: int,
-    first_rig: int,
-    seed: int,
-    disturb: tuple[str, ...],
-    seeds: int,
-    pushes: tuple[float, ...],
+    rig_options: RigOptions,
     texts: tuple[str, ...],
     tune_budget: int,
     tuning_rigs: int,
+    seeds: int,
+    pushes: tuple[float, ...],
     seconds: float,
-    scheduler: str | None,
-    out: Path,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
+    files_out: tuple[Path, ...],
     as_json: bool,
 ) -> None:
-    """Compare compensations on simulated rigs whose friction and pendulum they do not know.
+    """Compare compensations on simulated rigs that they do not know.
 
-    Example: furuta compare --rows random --rigs 1000 --candidate none --candidate lugre
+    Example: furuta compare --rigs 1000 --candidate none --candidate lugre
     --candidate stiff=compensation=lugre,sigma0=1000
 
-    A candidate keeps its nominal values on every rig. With --tune-budget a parameter may have a
-    range, PARAMETER=LOW:HIGH. Call an interrupted comparison again with the same arguments to
-    continue it.
+    A candidate keeps its values on every rig. The rigs are named ones (--truths), or as uncertain
+    as the file of --rig says, or random. With --tune-budget a parameter of a candidate may have a
+    range, PARAMETER=LOW:HIGH.
     """
-    _check_options(ctx, rows, tune_budget)
-    settings = load_settings(files, assignments)
+    _check_options(ctx)
+    table, pictures = _table_and_pictures(files_out)
+    settings = rig_options.settings()
     candidates = parse_candidates(texts or STANDARD, settings, bool(tune_budget))
-    disturbances = tuple(name for name in DISTURBANCES if {name, "all"} & set(disturb))
-    results = Results(out)
-    show = partial(_show_progress, quiet=as_json)
+    random = rig_options.random_rigs(settings)
+    tuned = []
     if tune_budget:
-        tuning = Rigs("random", tuning_rigs, 0, seed, disturbances, TUNING)
-        budget = TuningBudget(tune_budget, tuning, seconds)
-        candidates = results.tune(Tuning(settings, candidates, budget), partial(show, "tuning"))
-    chosen = Rigs(rows, rigs, first_rig, seed, disturbances)
-    given = tuple(push for push in dict.fromkeys(pushes) if push)
-    comparison = Comparison(settings, chosen, candidates, seeds, given, seconds)
-    runs = results.run(
-        comparison, partial(run_study, scheduler=scheduler), partial(show, "comparing")
-    )
-    _report(runs, encoder_resolution(loop(settings)), results, as_json)
+        rigs = replace(random, size=tuning_rigs, purpose=TUNING)
+        budget = TuningBudget(tune_budget, rigs, seconds)
+        results = tune_candidates(candidates, settings, budget)
+        tuned = list(with_progress("tuning", results, len(candidates), quiet=as_json))
+        candidates = tuple(candidate.as_candidate for candidate in tuned)
+    trials = Trials(seeds, tuple(push for push in dict.fromkeys(pushes) if push), seconds)
+    chosen = named_rigs(settings) if rig_options.truths else random
+    comparison = Comparison(settings, chosen, candidates, trials)
+    rows = with_progress("comparing", comparison.rows(), comparison.size, quiet=as_json)
+    if table is not None:
+        write_runs(rows, table)
+    deque(rows, maxlen=0)
+    outcome, count = comparison.table(), encoder_resolution(loop(settings))
+    scores = rank(outcome, count)
+    report = Report(outcome, scores, count, len(comparison.impossible), tuned)
+    if pictures:
+        _draw(report, pictures)
+    if as_json:
+        print_json(report.as_json(by_rig=rig_options.truths))
+    else:
+        report.print(by_rig=rig_options.truths)
 
 
-def _check_options(ctx: click.Context, rows: str, tune_budget: int) -> None:
+def _check_options(ctx: click.Context) -> None:
     """Reject options that would have no effect."""
-    given = [
+    given = {
         name for name in ctx.params if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-    ]
-    for name in given:
-        option = f"--{name.replace('_', '-')}"
-        if name in RANDOM_ONLY and rows != "random":
-            raise ParameterError(f"{option} needs --rows random")
-        if name == "tuning_rigs" and not tune_budget:
-            raise ParameterError(f"{option} needs --tune-budget")
+    }
+    if useless := given & RANDOM_ONLY if "truths" in given else ():
+        name = min(useless).replace("_", "-")
+        raise ParameterError(f"--{name} has no effect on the named rigs of --truths")
+    if "tuning_rigs" in given and not ctx.params["tune_budget"]:
+        raise ParameterError("--tuning-rigs needs --tune-budget")
 
 
-def _show_progress(
-    title: str, results: Iterator[RunResult], size: int, resumed: int, quiet: bool
-) -> None:
-    for _ in with_progress(title, results, size, resumed, quiet):
-        pass
+def _table_and_pictures(files: tuple[Path, ...]) -> tuple[Path | None, list[Path]]:
+    """The file of the rows, if one is given, and those of pictures."""
+    tables = [file for file in files if file.suffix in SUFFIXES]
+    if len(tables) > 1:
+        raise ParameterError(f"--out: one table is enough, given {' and '.join(map(str, tables))}")
+    for table in tables:
+        check_table(table)
+    return next(iter(tables), None), [file for file in files if file not in tables]
 
 
-def _report(runs: Rows, encoder_count: float, results: Results, as_json: bool) -> None:
-    """Write and print the scores, and draw the figure."""
+def _draw(report: Report, pictures: list[Path]) -> None:
+    """Draw the residuals of the candidates, the best one first."""
     from furuta.figures.comparison import draw_comparison
 
-    if all(row["error"] for row in runs):
-        raise ParameterError(f"no run is possible: {runs[0]['error']}")
-    table = tabulate(runs)
-    scores = rank(table, encoder_count)
-    summary = summary_of(scores, table, encoder_count)
-    results.write_summary(finite(summary))
-    draw_comparison(table, [each.candidate for each in scores], encoder_count, results.figure)
-    if as_json:
-        print_json(summary)
-    else:
-        print_report(scores, table, encoder_count)
-        print(f"results: {results.directory}")
+    order = [score.candidate for score in report.scores]
+    for picture in pictures:
+        draw_comparison(report.table, order, report.encoder_count, picture)

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from furuta.figures.demo import draw_demo
+from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
 from furuta.studies.tuning.plan import TuningPlan
 from furuta.studies.tuning.result import observer_parameters
@@ -95,7 +95,7 @@ def _clear(bag: Path) -> None:
     if not bag.exists():
         return
     for file in bag.iterdir():
-        if file.suffix not in (".mcap", ".yaml"):
+        if file.suffix not in (".db3", ".yaml"):
             raise click.ClickException(
                 f"{bag} contains {file.name}, which does not belong to a bag"
             )

@@ -14,13 +14,12 @@ from rich.table import Table
 
 from furuta.studies.experiments import (
     EXPERIMENTS,
-    ExperimentResult,
     encoder_resolution,
     run_experiment,
 )
 from furuta.studies.swing_up.rig_loop import judge, swing_up_settings
-from furuta.studies.tuning.result import observer_parameters
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, print_json
+from furuta_bringup.printing import show
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
@@ -81,10 +80,10 @@ def command(
                 name, nominal, seconds, lambda message, _: status.update(escape(message))
             )
         if out is not None:
-            from furuta.figures.experiment import draw_experiment
+            from furuta.figures.run import draw_experiment
 
             draw_experiment(EXPERIMENTS[name].title, result, out / f"{name}.png")
-        rows.append(_row(name, result))
+        rows.append({"experiment": name, **result.report()})
     if as_json:
         print_json({"experiments": rows, "encoder_count_rad": encoder_resolution(nominal)})
     else:
@@ -104,25 +103,7 @@ def _swing_up(
 
         draw_run(record, out / f"{SWING_UP}.png")
         animate_run(record, out / f"{SWING_UP}.gif", SHOWN_TIME)
-    result = judge(record, nominal)._asdict()
-    if as_json:
-        print_json({"experiment": SWING_UP, **result})
-    else:
-        for name, value in result.items():
-            print(f"{name:18} {value}")
-
-
-def _row(name: str, result: ExperimentResult) -> dict[str, Any]:
-    return {
-        "experiment": name,
-        "compensation": result.loop.observer.compensation,
-        **result.measured._asdict(),
-        "predicted_phi_peak_to_peak_rad": result.predicted_phi_peak_to_peak_rad,
-        "describing_function_phi_peak_to_peak_rad": (
-            result.describing_function_phi_peak_to_peak_rad
-        ),
-        "parameters": observer_parameters(result.loop.observer),
-    }
+    show({"experiment": SWING_UP, **judge(record, nominal)._asdict()}, as_json)
 
 
 def _print(rows: list[dict[str, Any]], count: float) -> None:

@@ -11,8 +11,8 @@ from rclpy.node import Node
 
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.verbs.hw_commissioning import check, friction, read, show, signs, zero
-from furuta_graph.bridge_client import TRANSITIONS, BridgeClient
 from furuta_graph.processes import executable
+from furuta_graph.system_client import TRANSITIONS, BridgeClient
 from furuta_hw.rigs.rig import Rig
 from furuta_model.linear import linearize
 from furuta_ros.context import ros_context

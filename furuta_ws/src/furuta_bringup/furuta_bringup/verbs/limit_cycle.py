@@ -8,42 +8,65 @@ from typing import Any
 import click
 import numpy as np
 
-from furuta.limit_cycles.continuation import Branch, BranchPoint, fold_value
+from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.limit_cycles.continuation import branch_report, follow_branch
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
-from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
-from furuta.studies.analysis_options import AnalysisOptions, require_stabilising
-from furuta.studies.parameter_range import parse_range
+from furuta.limit_cycles.periodic_orbit import trace
+from furuta.loops import require_stabilising
+from furuta.studies.analysis_options import AnalysisOptions, parse_range
+from furuta.studies.feedback_map import map_feedbacks
+from furuta.studies.linear_loop import prediction_report
+from furuta.studies.study_tables import write_csv
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import ideal_options, json_option, model_options, print_json
-from furuta_bringup.printing import rounded
+from furuta_bringup.options import ideal_options, json_option, model_options
+from furuta_bringup.printing import show
+from furuta_bringup.study_runs import with_progress
 from furuta_model.parameters import ParameterError
+from furuta_model.transfer import transfer
 
-# Values of the parameter at which a cycle is looked for, if the current one is outside the range.
-BRANCH_STARTS = 9
+# Values of a parameter of a map, if their number is not given.
+DEFAULT_COUNT = 20
+QUARTER_TURN = 0.5 * np.pi
 
 
 @click.command()
+@click.option(
+    "--over",
+    "ranges",
+    multiple=True,
+    metavar="NAME=LOW:HIGH[:COUNT]",
+    help="Parameter, or gain l1 to l4 of u = l·x. Given once: follow the branch of the limit "
+    "cycle; given twice: map the limit cycle.",
+)
+@click.option("--predict", is_flag=True, help="Predict it by the describing function instead.")
 @ideal_options
 @click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
 @click.option(
     "--release",
-    type=FiniteRange(-0.5 * np.pi, 0.5 * np.pi, min_open=True, max_open=True),
+    type=FiniteRange(-QUARTER_TURN, QUARTER_TURN, min_open=True, max_open=True),
     default=0.05,
     show_default=True,
     help="Initial pendulum angle, not 0 [rad].",
 )
-@click.option("--branch", metavar="NAME=LOW:HIGH", help="Follow the limit cycle over a parameter.")
-@click.option("--out", type=FIGURE, help="Draw the limit cycle, or the branch.")
+@click.option("--out", type=FIGURE, help="Draw the cycle, branch or map, or G and -1/N.")
+@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
+    help="Write the rows of the map.")  # fmt: skip
+@click.option("--curves", type=FIGURE, help="Draw friction over speed for all laws.")
+@click.option("--presliding", type=FIGURE, help="Draw presliding, with Maxwell slip.")
 @model_options
 @json_option
 def command(
+    ranges: tuple[str, ...],
+    predict: bool,
     law: str | None,
     feedback: tuple[float, float, float, float] | None,
     linear: bool,
     release: float,
-    branch: str | None,
     out: Path | None,
+    data: Path | None,
+    curves: Path | None,
+    presliding: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -51,88 +74,100 @@ def command(
     """Compute the exact periodic motion of the ideal loop, including sticking.
 
     In the ideal loop all states are measured, and the feedback u = l·x is neither sampled nor
-    saturated. --branch follows the limit cycle over a parameter, through folds and along unstable
-    cycles.
+    saturated. A branch is followed through folds and along unstable cycles. The prediction,
+    1 + G(jω) N(A, ω) = 0, uses first harmonics only.
+
+    Example: furuta limit-cycle --over omega1=2:12 --over omega2=2:12
     """
-    choice = AnalysisOptions(files, assignments, law, feedback, linear)
-    loop = choice.ideal_loop()
     if release == 0.0:
         raise click.UsageError("--release must not be 0")
-    cycle = limit_cycle(loop, state_at_rest(release))
+    if len(ranges) > 2 or (ranges and predict):
+        raise click.UsageError("--over is given once or twice, and not with --predict")
+    if data is not None and len(ranges) < 2:
+        raise click.UsageError("--data needs a map: give --over twice")
+    options = AnalysisOptions(files, assignments, law, feedback, linear)
+    if predict:
+        report = _prediction(options, out)
+    elif len(ranges) == 2:
+        report = _map(options, ranges, release, out, data, quiet=as_json)
+    else:
+        report = _cycle(options, ranges, release, out)
+    _draw_laws(options, curves, presliding)
+    show(report, as_json)
+
+
+def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:
+    ideal = options.checked_loop()
+    prediction = predict_cycles(transfer(ideal.body, ideal.gains), ideal.law)
+    if out is not None:
+        from furuta.figures.describing_function import draw_describing_function
+
+        draw_describing_function(ideal, prediction, out)
+    return prediction_report(ideal, prediction)
+
+
+def _cycle(
+    options: AnalysisOptions, ranges: tuple[str, ...], release: float, out: Path | None
+) -> dict[str, Any]:
+    """The limit cycle, and the branch that leads through it."""
+    ideal = options.ideal_loop()
+    cycle = limit_cycle(ideal, state_at_rest(release))
     if cycle.kind == "unbounded":
-        require_stabilising(loop)
-    result = _described(cycle)
-    if branch is not None:
-        name, ends = parse_range(branch, 2)
-        points = _follow(choice, name, cycle, float(ends[0]), float(ends[-1]))
-        result["branch"] = [_row(name, point) for point in points]
-        result["events"] = [
-            {"event": p.event, name: fold_value(points, i) if p.event == "fold" else p.value}
-            for i, p in enumerate(points)
-            if p.event
-        ]
+        require_stabilising(ideal)
+    if ranges:
+        name, ends = parse_range(ranges[0], 2)
+        points = follow_branch(
+            lambda value: options.ideal_loop({name: value}),
+            float(ends[0]),
+            float(ends[-1]),
+            options.value(name),
+            cycle,
+        )
         if out is not None:
             from furuta.figures.limit_cycle import draw_branch
 
             draw_branch(name, points, out)
-    elif out is not None:
+        return cycle.report() | branch_report(name, points)
+    if out is not None:
         if cycle.kind != "oscillation":
             raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
         from furuta.figures.limit_cycle import draw_limit_cycle
 
-        draw_limit_cycle(trace(loop, cycle), cycle, loop.law.name, out)
-    if as_json:
-        print_json(result)
-    else:
-        _print(result)
+        draw_limit_cycle(trace(ideal, cycle), cycle, ideal.law.name, out)
+    return cycle.report()
 
 
-def _follow(
-    choice: AnalysisOptions, name: str, cycle: LimitCycle, low: float, high: float
-) -> list[BranchPoint]:
-    """The branch through the cycle at the current value, or at the first value that has one."""
-    branch = Branch(lambda value: choice.ideal_loop({name: value}), low, high)
-    here = choice.value(name)
-    if here is not None and low <= here <= high:
-        return branch.follow(here, cycle)
-    found = []
-    for value in _from_the_middle(np.linspace(low, high, BRANCH_STARTS)):
-        cycle = limit_cycle(choice.ideal_loop({name: value}))
-        if cycle.kind == "oscillation" and np.isfinite(cycle.period_s):
-            return branch.follow(value, cycle)
-        found.append(f"{cycle.kind} at {value:g}")
-    raise ParameterError(f"no limit cycle with a finite period to follow: {', '.join(found)}")
+def _map(
+    options: AnalysisOptions,
+    ranges: tuple[str, ...],
+    release: float,
+    out: Path | None,
+    data: Path | None,
+    quiet: bool,
+) -> dict[str, Any]:
+    (first, firsts), (second, seconds) = (parse_range(text, DEFAULT_COUNT) for text in ranges)
+    if first == second:
+        raise ParameterError(f"a map needs two different parameters, given {first} twice")
+    mapped = map_feedbacks(
+        lambda a, b: options.ideal_loop({first: a, second: b}), firsts, seconds, release
+    )
+    points = list(with_progress("mapping", mapped, len(firsts) * len(seconds), 0, quiet))
+    rows = [point.row(first, second) for point in points]
+    if data is not None:
+        write_csv(rows, data)
+    if out is not None:
+        from furuta.figures.feedback_map import draw_map
+
+        draw_map(first, second, firsts, seconds, points, out)
+    return {"rows": rows}
 
 
-def _from_the_middle(values: np.ndarray) -> list[float]:
-    middle = values[len(values) // 2]
-    return sorted((float(each) for each in values), key=lambda each: abs(each - middle))
+def _draw_laws(options: AnalysisOptions, curves: Path | None, presliding: Path | None) -> None:
+    if curves is not None:
+        from furuta.figures.friction_laws import draw_friction_laws
 
+        draw_friction_laws(options.ideal_loop().law.parameters, curves)
+    if presliding is not None:
+        from furuta.figures.presliding import draw_presliding
 
-def _described(cycle: LimitCycle) -> dict[str, Any]:
-    fields = cycle._asdict()
-    del fields["point"], fields["smallest_slide"]
-    fields["floquet_multipliers"] = [[m.real, m.imag] for m in cycle.floquet_multipliers]
-    return {**fields, "stable": cycle.stable}
-
-
-def _row(name: str, point: BranchPoint) -> dict[str, Any]:
-    return {
-        name: point.value,
-        "phi_peak_to_peak_rad": point.cycle.phi_peak_to_peak_rad,
-        "period_s": point.cycle.period_s,
-        "stable": point.cycle.stable,
-    }
-
-
-def _print(result: dict[str, Any]) -> None:
-    for name, value in result.items():
-        if name == "floquet_multipliers":
-            print(f"{name:24} " + ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value))
-        elif name == "branch":
-            print(f"{name:24} {len(value)} cycles")
-        elif name == "events":
-            for event in value:
-                print(f"{'':24} " + ", ".join(f"{k} {rounded(each)}" for k, each in event.items()))
-        else:
-            print(f"{name:24} {rounded(value)}")
+        draw_presliding(options.ideal_loop().law.parameters, presliding)

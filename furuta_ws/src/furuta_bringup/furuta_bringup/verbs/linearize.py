@@ -6,51 +6,87 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
-from furuta.margins import margins
-from furuta_bringup.options import json_option, model_options, print_json
-from furuta_model.linear import linearize
+from furuta.convergence.convergence import observer_passivity
+from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.margins import linear_report
+from furuta.studies.analysis_options import AnalysisOptions
+from furuta.studies.linear_loop import nyquist_report
+from furuta_bringup.file_types import FIGURE
+from furuta_bringup.options import ideal_options, json_option, model_options
+from furuta_bringup.printing import show
+from furuta_model.parameters import ParameterError
+from furuta_model.transfer import FIGURE_4
 from furuta_sim.settings.settings import load_settings, loop
+from furuta_sim.simulation.closed_loop import Loop
+
+# Name of the loop with the controller's or the given feedback, beside those of Fig. 4.
+GIVEN = "given"
 
 
 @click.command()
+@click.option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
+@click.option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
+@click.option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
+@click.option("--out", type=FIGURE, help="Draw the Nyquist plot, or G of the passivity condition.")
+@ideal_options
 @model_options
 @json_option
-def command(files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool) -> None:
+def command(
+    nyquist: bool,
+    figure_4: bool,
+    passivity: bool,
+    out: Path | None,
+    law: str | None,
+    feedback: tuple[float, float, float, float] | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
+) -> None:
     """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7).
 
     The margins are those of the loop whose friction is compensated exactly: factors of the torque,
     phase, delay, and the disk margin.
+
+    --nyquist adds the crossings of the real axis, with the plant's model. Limit cycles are possible
+    where G crosses the negative real axis: -1/N of Coulomb friction covers it. --passivity depends
+    on the plant's model and friction, on the feedback, and on the observer's gain K.
     """
-    parameters = loop(load_settings(files, assignments)).controller
-    a, b = linearize(parameters.model, parameters.model_viscous)
-    gain = np.array(parameters.feedback_gain)
+    nyquist = nyquist or figure_4
+    if figure_4 and feedback is not None:
+        raise ParameterError("--figure-4 cannot be combined with --feedback")
+    if out is not None and nyquist == passivity:
+        raise click.UsageError("--out needs one of --nyquist, --figure-4 and --passivity")
+    nominal = loop(load_settings(files, assignments))
+    report = linear_report(nominal.controller, feedback)
+    if nyquist:
+        given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
+        cases = {GIVEN: given}
+        if figure_4:
+            cases = {case: given.with_gains(gains) for case, gains in FIGURE_4.items()}
+        report |= _nyquist(cases, out)
+    if passivity:
+        report |= _passivity(AnalysisOptions(files, assignments, "lugre", feedback), nominal, out)
+    show(report, as_json)
 
-    def poles(matrix: np.ndarray) -> list[list[float]]:
-        return [[float(p.real), float(p.imag)] for p in np.sort_complex(np.linalg.eigvals(matrix))]
 
-    result: dict[str, Any] = {
-        **parameters.model._asdict(),
-        "A": a.tolist(),
-        "B": b.tolist(),
-        "open_loop_poles": poles(a),
-        "L": gain.tolist(),
-        "closed_loop_poles": poles(a - np.outer(b, gain)),
-    }
-    if np.all(np.linalg.eigvals(a - np.outer(b, gain)).real < 0.0):
-        found = margins(parameters.model, gain, parameters.model_viscous)
-        result["margins"] = found._asdict()
-    if as_json:
-        print_json(result)
-        return
-    np.set_printoptions(precision=6, suppress=True)
-    for name, value in result.items():
-        if name.endswith("poles"):
-            print(f"{name}: " + ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value))
-        elif isinstance(value, dict):
-            print(f"{name}: " + ", ".join(f"{key} {each:.4g}" for key, each in value.items()))
-        elif isinstance(value, list):
-            print(f"{name}:\n{np.array(value)}")
-        else:
-            print(f"{name}: {value:.6g}")
+def _nyquist(cases: dict[str, IdealLoop], out: Path | None) -> dict[str, Any]:
+    if out is not None:
+        from furuta.figures.nyquist import draw_nyquist
+
+        draw_nyquist(cases, out)
+    return nyquist_report(cases)
+
+
+def _passivity(options: AnalysisOptions, nominal: Loop, out: Path | None) -> dict[str, Any]:
+    passivity = observer_passivity(options.checked_loop(), nominal.observer.observer_gain)
+    if out is not None:
+        from furuta.figures.convergence import draw_convergence
+
+        draw_convergence(passivity, out)
+    exact = (
+        nominal.observer.friction == nominal.plant.friction.parameters
+        and nominal.controller.model == nominal.plant.model
+    )
+    report = {**passivity.report(), "exact_model": exact}
+    return {"passive": passivity.convergence.satisfied, "passivity": report}

@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import json_option, names_options, print_json
+from furuta_bringup.options import json_option, names_options
+from furuta_bringup.printing import show
 from furuta_recordings.readers import Mapping
 
 
@@ -28,7 +29,5 @@ def command(recording: Path, out: Path, names: Mapping, as_json: bool) -> None:
 
     series = load_series(recording, names)
     draw_series(series, out)
-    if as_json:
-        print_json({"figure": str(out), "samples": len(series[TIME]), "columns": list(series)})
-    else:
-        print(f"figure: {out}")
+    samples = len(series[TIME])
+    show({"figure": str(out), "samples": samples, "columns": list(series)}, as_json)

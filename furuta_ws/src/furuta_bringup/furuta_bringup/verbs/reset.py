@@ -5,9 +5,11 @@ from __future__ import annotations
 import click
 from rclpy.node import Node
 
-from furuta_bringup.options import json_option, namespace_option, print_json
-from furuta_graph.plant_client import PlantClient
+from furuta_bringup.options import json_option, namespace_option
+from furuta_bringup.printing import show
+from furuta_graph.system_client import reset_plant
 from furuta_ros.context import ros_context
+from furuta_ros.services import ServiceCaller
 from furuta_ros.spinning import executor_of
 
 
@@ -18,8 +20,5 @@ def command(namespace: str, as_json: bool) -> None:
     """Put the simulated pendulum upright again; estimator and friction observer start anew."""
     with ros_context(namespace=namespace):
         node = Node("furuta_reset")
-        message = PlantClient(node, executor_of([node])).reset()
-    if as_json:
-        print_json({"message": message})
-    else:
-        print(f"reset: {message}")
+        message = reset_plant(ServiceCaller(node, executor_of([node])))
+    show({"message": message}, as_json)

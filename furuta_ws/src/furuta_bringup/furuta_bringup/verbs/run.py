@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
+from typing import Any, cast
 
 import click
 
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import namespace_option, parameter_options, rig_option
+from furuta_bringup.options import Function, namespace_option, parameter_options, rig_option
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
@@ -21,6 +22,39 @@ from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.parameter_files import settings_file
 
 PRIORITY_BESIDE_PAGE = 80
+
+
+def scheduling_options(function: Function) -> Function:
+    """``--priority``, ``--cores``, ``--lock-memory``, ``--no-gc``, and ``--beside-page``.
+
+    The verb receives the first four as ``scheduling``.
+    """
+
+    @wraps(function)
+    def with_scheduling(
+        *args: Any, priority: int | None, cores: str, lock_memory: bool, no_gc: bool, **others: Any
+    ) -> Any:
+        scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
+        return function(*args, scheduling=scheduling, **others)
+
+    for option in (
+        click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector."),
+        click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out."),
+        click.option("--cores", default="", metavar="N,N", help="Run on these CPU cores only."),
+        click.option("--beside-page", is_flag=True, help="Take a priority in real time, if the "
+            "system permits it: a browser may take all cores."),
+        click.option("--priority", type=click.IntRange(1, 99),
+            help="SCHED_FIFO priority (real time)."),
+    ):  # fmt: skip
+        with_scheduling = option(with_scheduling)
+    return cast(Function, with_scheduling)
+
+
+def _cores(text: str | None) -> tuple[int, ...]:
+    try:
+        return tuple(int(core) for core in text.split(",")) if text else ()
+    except ValueError:
+        raise ParameterError(f"--cores must be numbers such as 0,1, given {text!r}") from None
 
 
 @click.command()
@@ -50,12 +84,7 @@ PRIORITY_BESIDE_PAGE = 80
 @click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
 @click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
     help="Stop after this time of the plant or rig [s].")  # fmt: skip
-@click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
-@click.option("--beside-page", is_flag=True, hidden=True,
-    help="Take a priority where the system permits it: a browser may take all cores.")  # fmt: skip
-@click.option("--cores", metavar="N,N", help="Run on these CPU cores only.")
-@click.option("--lock-memory", is_flag=True, help="Lock all memory, so that it is not swapped out.")
-@click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector.")
+@scheduling_options
 @click.option("--timing", type=click.Path(path_type=Path), metavar="FILE.csv",
     help="Write histograms of latency and lateness.")  # fmt: skip
 @parameter_options
@@ -71,11 +100,8 @@ def command(
     record: Path | None,
     topics: tuple[str, ...],
     seconds: float | None,
-    priority: int | None,
+    scheduling: Scheduling,
     beside_page: bool,
-    cores: str | None,
-    lock_memory: bool,
-    no_gc: bool,
     timing: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -86,7 +112,6 @@ def command(
     --lock-memory.
     """
     hardware = plant == "hardware"
-    scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
     if processes and (seconds is not None or timing or scheduling != Scheduling()):
         raise ParameterError(
             "--processes cannot be combined with --seconds, --timing or scheduling"
@@ -100,7 +125,7 @@ def command(
     if not hardware and seconds is not None:
         graph.settings["plant"]["run_until"] = seconds
     lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
-    in_time = not (lockstep or processes or priority)
+    in_time = not (lockstep or processes or scheduling.priority)
     if beside_page and in_time and may_have_priority(PRIORITY_BESIDE_PAGE):
         scheduling = scheduling._replace(priority=PRIORITY_BESIDE_PAGE)
     if timing is not None and lockstep:
@@ -124,10 +149,3 @@ def _recorder(
         return None
     parameters = settings_file(graph.settings)
     return partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
-
-
-def _cores(text: str | None) -> tuple[int, ...]:
-    try:
-        return tuple(int(each) for each in text.split(",")) if text else ()
-    except ValueError:
-        raise ParameterError(f"--cores must be numbers such as 0,1, given {text!r}") from None

@@ -18,9 +18,8 @@ from furuta_bringup.options import (
     json_option,
     law_option,
     model_options,
-    print_json,
 )
-from furuta_bringup.printing import rounded
+from furuta_bringup.printing import show
 from furuta_model.state import LARGEST_VALUE
 from furuta_recordings.table_files import SUFFIXES, write_columns
 from furuta_sim.settings.settings import load_settings, loop
@@ -28,7 +27,7 @@ from furuta_sim.simulation.closed_loop import Simulation
 from furuta_sim.simulation.oscillation import fell, measure_oscillation
 
 
-@click.command(context_settings={"ignore_unknown_options": False})
+@click.command()
 @click.option(
     "--seconds", type=SIMULATED_SECONDS, default=60.0, show_default=True, help="Simulated time [s]."
 )
@@ -75,11 +74,11 @@ def command(
         extra.append("sensors.ideal=true")
         # The motion of the ideal loop may be a rotation, and its feedback is linear.
         limits = ("angle", "error", "speed")
-        first += [f"controller.arm_{each}_limit={LARGEST_VALUE}" for each in limits]
+        first += [f"controller.arm_{limit}_limit={LARGEST_VALUE}" for limit in limits]
     if seed is not None:
         extra.append(f"plant.seed={seed}")
     if feedback is not None:
-        extra.append(f"controller.gain={[-each for each in feedback]}")
+        extra.append(f"controller.gain={[-gain for gain in feedback]}")
     settings = load_settings(files, [*first, *assignments, *extra])
     simulation = Simulation(loop(settings))
     began = perf_counter()
@@ -90,11 +89,7 @@ def command(
     result = _result(record, simulation.switched_off, wall)
     if out is not None:
         _save(record, out, simulation.loop.plant.actuator)
-    if as_json:
-        print_json(result)
-    else:
-        for name, value in result.items():
-            print(f"{name:24} {rounded(value)}")
+    show(result, as_json)
 
 
 def _result(record: Any, switched_off: bool, wall_seconds: float) -> dict[str, Any]:

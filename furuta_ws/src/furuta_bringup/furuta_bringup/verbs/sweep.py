@@ -13,8 +13,9 @@ from furuta.studies.sweep import Sweep
 from furuta.studies.sweep_journal import Journal
 from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
 from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options, print_json
-from furuta_bringup.study_runs import run_study, with_progress
+from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
+from furuta_bringup.printing import show
+from furuta_bringup.study_runs import run_sweep, with_progress
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.settings import load_settings
 
@@ -76,13 +77,13 @@ def command(
     arguments to continue it.
     """
     check_table(out)
-    swept = tuple(parse_swept_parameter(each, DEFAULT_COUNT) for each in ranges)
+    swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
     size = sweep.size
     journal = Journal(out, sweep)
     resumed, counts = len(journal), Counts()
     try:
-        results = journal.record(run_study(sweep, journal, scheduler))
+        results = journal.record(run_sweep(sweep, journal, scheduler))
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
         rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
@@ -131,8 +132,4 @@ def _report(counts: Counts, resumed: int, out: Path, as_json: bool) -> None:
     }
     if counts.impossible == counts.runs:
         raise ParameterError(f"no run is possible: {counts.reason}")
-    if as_json:
-        print_json(summary)
-    else:
-        for name, value in summary.items():
-            print(f"{name:24} {value}")
+    show(summary, as_json)

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from furuta.studies.swing_up.optimised import parameters_text, rig_trajectory
+from furuta.studies.swing_up.knocks import run_knocks
+from furuta.studies.swing_up.optimised import fastest_swing_up
 from furuta.studies.swing_up.random_starts import (
     random_starts,
     run_starts,
@@ -16,7 +17,8 @@ from furuta.studies.swing_up.random_starts import (
 )
 from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import SEED, json_option, parameter_options, print_json
+from furuta_bringup.options import SEED, json_option, parameter_options
+from furuta_bringup.printing import show
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Loop
@@ -45,6 +47,11 @@ DEFAULT_RIG = "paper_full_turn"
 )
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the starts.")
 @click.option(
+    "--knocks",
+    is_flag=True,
+    help="Also push the pendulum over every 10 s; it must swing up again.",
+)
+@click.option(
     "--optimise",
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="FILE.yaml",
@@ -57,6 +64,7 @@ def command(
     rig: str,
     factor: float,
     seed: int,
+    knocks: bool,
     optimise: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -64,23 +72,21 @@ def command(
 ) -> None:
     """Swing up from random states, on plants up to 10 % off the model, without ROS.
 
-    A start counts as upright if the pendulum is upright within 10 s and stays so.
+    A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
+    run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
     given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
     nominal = with_friction(loop(given), factor)
-    result = _optimised(nominal, optimise) if optimise else _started(nominal, starts, seed)
-    if as_json:
-        print_json(result)
+    if optimise is not None:
+        report = _optimised(nominal, optimise)
     else:
-        for name, value in result.items():
-            print(f"{name:14} {value}")
-
-
-def _started(nominal: Loop, starts: int, seed: int) -> dict[str, Any]:
-    return {**summary(run_starts(random_starts(nominal, starts, seed)))._asdict()}
+        report = summary(run_starts(random_starts(nominal, starts, seed)))._asdict()
+        if knocks:
+            report |= run_knocks(nominal)._asdict()
+    show(report, as_json)
 
 
 def _optimised(nominal: Loop, file: Path) -> dict[str, Any]:
-    trajectory = rig_trajectory(nominal)
-    file.write_text(parameters_text(trajectory))
+    trajectory = fastest_swing_up(nominal)
+    file.write_text(trajectory.parameter_file())
     return {"duration_s": trajectory.duration, "file": str(file)}

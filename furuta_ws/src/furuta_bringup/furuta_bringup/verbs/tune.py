@@ -7,28 +7,20 @@ from pathlib import Path
 import click
 from rclpy.node import Node
 from rich.console import Console
-from rich.table import Table
 
 from furuta.studies.tuning.observed_friction import FITTED
 from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.result import (
-    TuningResult,
-    observer_parameters,
-    result_as_json,
-    write_parameter_file,
-)
+from furuta.studies.tuning.result import TuningResult, write_parameter_file
 from furuta.studies.tuning.search import SEARCHABLE
-from furuta.studies.tuning.tunable_loop import GuardError, SimulatedLoop
-from furuta.studies.tuning.tuning import ProgressCallback, tune
+from furuta.studies.tuning.tuning import ProgressCallback, tune, tune_simulated
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
     json_option,
+    model_options,
     namespace_option,
     print_json,
 )
-from furuta_bringup.robust_tuning import RobustEffort, robust_options, tune_and_report
-from furuta_bringup.uncertain_rig_options import RigOptions, uncertain_rig_options
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
@@ -86,18 +78,12 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @click.option(
-    "--robust",
-    is_flag=True,
-    help="Minimise the 95 % quantile of the residual over uncertain rigs instead of one rig's.",
-)
-@robust_options
-@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE.yaml",
     help="Write the parameters to a parameter file.",
 )
-@uncertain_rig_options
+@model_options
 @json_option
 def command(
     running: bool,
@@ -107,10 +93,9 @@ def command(
     seconds: float,
     arm_guard: float,
     pendulum_guard: float,
-    robust: bool,
-    effort: RobustEffort,
     out: Path | None,
-    rig_options: RigOptions,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Find the compensation with the smallest remaining limit cycle.
@@ -121,59 +106,36 @@ def command(
     friction. If the initial parameters or no compensation are better than all of them, they are the
     result ("gain": false in the JSON); the exit status is 0 then too. On a running graph the result
     stays active. If the motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
-
-    With --robust the parameters named by --search are optimised over many simulated rigs at once,
-    and the result is judged on fresh ones.
     """
-    if robust:
-        if running or namespace:
-            raise ParameterError("--robust simulates: it cannot be combined with --running")
-        tune_and_report(effort, rig_options, search, out, as_json)
-        return
-    files, assignments = rig_options.all_files, rig_options.assignments
     plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
-    try:
-        plan.check()
-        if running:
-            if files or assignments:
-                raise ParameterError("--running cannot be combined with --params or --set")
-            tuned = _tune_running(plan, namespace, quiet=as_json)
-        else:
-            if namespace:
-                raise ParameterError("--namespace needs --running")
-            tuned = _tune_simulated(plan, files, assignments, quiet=as_json)
-    except GuardError as error:
-        raise UserError(
-            f"stopped and restored the initial parameters: {error} (options --arm-guard, "
-            "--pendulum-guard)"
-        ) from None
-    except ValueError as error:
-        raise UserError(str(error)) from None
-    except TuningInterruptedError:
-        raise UserError("interrupted; the initial parameters are restored") from None
-    if out is not None:
-        write_parameter_file(tuned.after.observer, out)
-    if as_json:
-        print_json(result_as_json(tuned))
+    if running and (files or assignments):
+        raise ParameterError("--running cannot be combined with --rig, --params or --set")
+    if namespace and not running:
+        raise ParameterError("--namespace needs --running")
+    report = _reporter(quiet=as_json)
+    if running:
+        result = _tune_running(plan, namespace, report)
     else:
-        _print(tuned, out)
+        result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
+    if out is not None:
+        write_parameter_file(result.after.observer, out)
+    if as_json:
+        print_json(result.as_json())
+    else:
+        result.print()
+        print(f"parameter file: {out or 'none, without --out'}")
 
 
-def _tune_simulated(
-    plan: TuningPlan, files: tuple[Path, ...], assignments: tuple[str, ...], quiet: bool
-) -> TuningResult:
-    nominal = loop(load_settings(files, assignments))
-    rig = SimulatedLoop(nominal)
-    return tune(rig, nominal.observer, nominal.estimator, plan, _reporter(quiet))
-
-
-def _tune_running(plan: TuningPlan, namespace: str, quiet: bool) -> TuningResult:
+def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
     with ros_context(namespace=namespace):
         node = Node("furuta_tune")
         executor = executor_of([node])
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(parameter_client, estimates, executor, StopSignal())
-        return tune(client, client.observer, client.estimator, plan, _reporter(quiet))
+        try:
+            return tune(client, client.observer, client.estimator, plan, report)
+        except TuningInterruptedError:
+            raise UserError("interrupted; the initial parameters are restored") from None
 
 
 def _reporter(quiet: bool) -> ProgressCallback:
@@ -183,24 +145,3 @@ def _reporter(quiet: bool) -> ProgressCallback:
         console.print(f"{seconds:6.1f} s  {message}", markup=False, highlight=False)
 
     return report
-
-
-def _print(tuned: TuningResult, out: Path | None) -> None:
-    table = Table.grid(padding=(0, 3))
-    table.add_row("arm, peak to peak, before", f"{tuned.before.amplitude:.4f} rad")
-    table.add_row("without compensation", f"{tuned.uncompensated.amplitude:.4f} rad")
-    table.add_row("after", f"{tuned.after.amplitude:.4f} rad")
-    for name, value in observer_parameters(tuned.after.observer).items():
-        table.add_row(name, value if isinstance(value, str) else f"{value:.5g}")
-    table.add_row("pendulum time", f"{tuned.seconds:.0f} s")
-    Console().print(table)
-    if not tuned.gain:
-        print(f"no gain: nothing is better than {_unchanged(tuned)}")
-    if out is not None:
-        print(f"parameter file: {out}")
-
-
-def _unchanged(tuned: TuningResult) -> str:
-    if tuned.after == tuned.uncompensated:
-        return "no compensation"
-    return f"the initial parameters with compensation {tuned.after.observer.compensation}"

@@ -22,15 +22,15 @@ the second stays within its count.
 from __future__ import annotations
 
 from math import pi
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
-from furuta_model.parameters import About, EarlierName
+from furuta_model.parameters import About
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -42,6 +42,9 @@ from furuta_model.state import (
     THETA,
     THETA_DOT,
 )
+
+if TYPE_CHECKING:
+    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 # Smallest variance of a measurement [rad², rad²/s²]; the design needs some noise.
 SMALLEST_VARIANCE = 1e-14
@@ -59,7 +62,6 @@ class KalmanParameters(NamedTuple):
             "V/√s",
             1e-3,
             1e3,
-            earlier_names=(EarlierName("friction_spread"),),
         ),
     ] = 0.3
     pendulum_process_noise: Annotated[
@@ -69,7 +71,6 @@ class KalmanParameters(NamedTuple):
             "rad/s/√s",
             1e-3,
             1e3,
-            earlier_names=(EarlierName("pendulum_spread"),),
         ),
     ] = 0.1
 
@@ -142,7 +143,7 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
     outputs = np.zeros((2, 4))
     outputs[0, PHI_DOT - 1] = outputs[1, THETA - 1] = 1.0
     _, *variances = sensors.variances
-    noise = np.diag([max(each, SMALLEST_VARIANCE) for each in variances])
+    noise = np.diag([max(variance, SMALLEST_VARIANCE) for variance in variances])
     covariance = solve_discrete_are(dynamics.T, outputs.T, process, noise)
     innovation = outputs @ covariance @ outputs.T + noise
     gain: np.ndarray = np.linalg.solve(innovation, outputs @ covariance).T
@@ -150,29 +151,48 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
 
 
 @inlined
-def update(memory: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
-    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``."""
-    phi, phi_dot = memory[PHI], memory[PHI_DOT]
-    theta, theta_dot, friction = memory[THETA], memory[THETA_DOT], memory[OBSERVED_FRICTION]
+def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Move the estimate by one sample with a ``measurement``."""
+    x, step = memory.estimate, p.kalman.step
+    phi, phi_dot = x[PHI], x[PHI_DOT]
+    theta, theta_dot, friction = x[THETA], x[THETA_DOT], x[OBSERVED_FRICTION]
     for i in range(SIGNALS):
-        memory[i] = (
-            p.step[i, PHI] * phi
-            + p.step[i, PHI_DOT] * phi_dot
-            + p.step[i, THETA] * theta
-            + p.step[i, THETA_DOT] * theta_dot
-            + p.step[i, OBSERVED_FRICTION] * friction
-            + p.step[i, SIGNALS] * measurement[APPLIED_TORQUE]
-            + p.step[i, SIGNALS + 1] * measurement[PHI_DOT]
-            + p.step[i, SIGNALS + 2] * measurement[THETA]
+        x[i] = (
+            step[i, PHI] * phi
+            + step[i, PHI_DOT] * phi_dot
+            + step[i, THETA] * theta
+            + step[i, THETA_DOT] * theta_dot
+            + step[i, OBSERVED_FRICTION] * friction
+            + step[i, SIGNALS] * measurement[APPLIED_TORQUE]
+            + step[i, SIGNALS + 1] * measurement[PHI_DOT]
+            + step[i, SIGNALS + 2] * measurement[THETA]
         )
-    phi = measurement[PHI]
-    memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)
+    x[PHI] = within_count(x[PHI], measurement[PHI], p.kalman.half_count)
 
 
 @inlined
-def predict(memory: np.ndarray, torque: float, p: Kalman, predicted: np.ndarray) -> None:
+def within_count(angle: float, measured: float, half_count: float) -> float:
+    """The arm angle [rad], kept within half a count of the encoder."""
+    return min(max(angle, measured - half_count), measured + half_count)
+
+
+@inlined
+def predict(
+    memory: EstimatorMemory, torque: float, p: EstimatorDesign, predicted: np.ndarray
+) -> None:
     """Write φ, φ̇ and θ of the next sample to ``predicted``, for the ``torque`` [V] until then."""
+    prediction = p.kalman.prediction
     for i in range(THETA + 1):
-        predicted[i] = p.prediction[i, SIGNALS] * torque
+        predicted[i] = prediction[i, SIGNALS] * torque
         for j in range(SIGNALS):
-            predicted[i] += p.prediction[i, j] * memory[j]
+            predicted[i] += prediction[i, j] * memory.estimate[j]
+
+
+METHOD = Method(
+    "kalman",
+    "fuses all sensors and the applied torque, and observes the friction",
+    update,
+    predict=predict,
+    observes_friction=True,
+    needs_applied_torque=True,
+)

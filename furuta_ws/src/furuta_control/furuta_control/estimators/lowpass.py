@@ -9,15 +9,18 @@ linearly between samples (first-order hold).
 from __future__ import annotations
 
 from math import nan
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
 
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
+
+if TYPE_CHECKING:
+    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 
 class LowpassParameters(NamedTuple):
@@ -55,19 +58,24 @@ def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
 
 
 @inlined
-def begin(memory: np.ndarray, p: Lowpass) -> None:
+def begin(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
     """Start in the steady state for the estimated speed; no friction is observed."""
-    memory[THETA] -= p.lag * memory[THETA_DOT]
-    memory[OBSERVED_FRICTION] = nan
+    x = memory.estimate
+    memory.readings.last[THETA] = measurement[THETA]
+    x[THETA] -= p.lowpass.lag * x[THETA_DOT]
+    x[OBSERVED_FRICTION] = nan
 
 
 @inlined
-def update(memory: np.ndarray, previous: float, measurement: np.ndarray, p: Lowpass) -> None:
-    """Update the estimate, the first (5,) of ``memory``; ``previous`` is the last reading of θ."""
-    step = p.step
-    y, y_dot, new = memory[THETA], memory[THETA_DOT], measurement[THETA]
-    memory[PHI], memory[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
-    memory[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * previous + step[0, 3] * new
-    memory[THETA_DOT] = (
-        step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * previous + step[1, 3] * new
-    )
+def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Move the estimate by one sample with a ``measurement``."""
+    x, step, previous = memory.estimate, p.lowpass.step, memory.readings.last[THETA]
+    y, y_dot, new = x[THETA], x[THETA_DOT], measurement[THETA]
+    x[PHI], x[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
+    x[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * previous + step[0, 3] * new
+    x[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * previous + step[1, 3] * new
+
+
+METHOD = Method(
+    "lowpass", "the paper's filter on the potentiometer, arm as measured", update, begin
+)

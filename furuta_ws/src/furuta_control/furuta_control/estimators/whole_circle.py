@@ -16,13 +16,13 @@ well. The arm angle is treated as there: integrated, and kept within half a coun
 from __future__ import annotations
 
 from math import cos
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from furuta_control.estimators import kalman
 from furuta_control.estimators.kalman import KalmanParameters
-from furuta_control.estimators.rig import NominalRig
+from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import (
@@ -33,6 +33,9 @@ from furuta_model.state import (
     THETA,
     THETA_DOT,
 )
+
+if TYPE_CHECKING:
+    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 # Corrected states: φ̇, θ, θ̇, F. Columns of a gain: tachometer, pendulum's sensor.
 CORRECTED = 4
@@ -53,19 +56,26 @@ class WholeCircle(NamedTuple):
 def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
     """The filter for a rig."""
     return WholeCircle(
-        rig.viscous,
-        rig.model,
-        kalman.stationary_gain(rig, p),
-        kalman.stationary_gain(rig._replace(model=hanging(rig.model)), p),
-        rig.sample_time,
-        kalman.half_count(rig.sensors),
+        viscous=rig.viscous,
+        model=rig.model,
+        upright=kalman.stationary_gain(rig, p),
+        hanging=kalman.stationary_gain(rig._replace(model=hanging(rig.model)), p),
+        sample_time=rig.sample_time,
+        half_count=kalman.half_count(rig.sensors),
     )
 
 
-def unused(rig: NominalRig) -> WholeCircle:
+def unused(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
     """A filter without gain, for an estimator with another method; it takes no time to design."""
     zero = np.zeros((CORRECTED, SENSORS))
-    return WholeCircle(0.0, rig.model, zero, zero, rig.sample_time, kalman.half_count(rig.sensors))
+    return WholeCircle(
+        viscous=0.0,
+        model=rig.model,
+        upright=zero,
+        hanging=zero,
+        sample_time=rig.sample_time,
+        half_count=0.0,
+    )
 
 
 def hanging(p: FurutaPendulum) -> FurutaPendulum:
@@ -74,30 +84,40 @@ def hanging(p: FurutaPendulum) -> FurutaPendulum:
 
 
 @inlined
-def update(memory: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
-    """Update the estimate, the first (5,) of ``memory``, with a ``measurement``."""
-    v, theta, w = memory[PHI_DOT], memory[THETA], memory[THETA_DOT]
-    torque, h = measurement[APPLIED_TORQUE] - memory[OBSERVED_FRICTION], p.sample_time
+def update(memory: EstimatorMemory, measurement: np.ndarray, design: EstimatorDesign) -> None:
+    """Move the estimate by one sample with a ``measurement``."""
+    x, p = memory.estimate, design.whole_circle
+    v, theta, w = x[PHI_DOT], x[THETA], x[THETA_DOT]
+    torque, h = measurement[APPLIED_TORQUE] - x[OBSERVED_FRICTION], p.sample_time
     half = 0.5 * h
     v_dot, w_dot = accelerations(v, theta, w, torque - p.viscous * v, p.model)
     v_mid, w_mid = v + half * v_dot, w + half * w_dot
     left = torque - p.viscous * v_mid
     v_dot, w_dot = accelerations(v_mid, theta + half * w, w_mid, left, p.model)
-    memory[PHI] += h * v_mid
-    memory[PHI_DOT], memory[THETA] = v + h * v_dot, theta + h * w_mid
-    memory[THETA_DOT] = w + h * w_dot
-    _correct(memory, measurement, p)
-    phi = measurement[PHI]
-    memory[PHI] = min(max(memory[PHI], phi - p.half_count), phi + p.half_count)
+    x[PHI] += h * v_mid
+    x[PHI_DOT], x[THETA] = v + h * v_dot, theta + h * w_mid
+    x[THETA_DOT] = w + h * w_dot
+    _correct(x, measurement, p)
+    x[PHI] = kalman.within_count(x[PHI], measurement[PHI], p.half_count)
 
 
 @inlined
-def _correct(memory: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
-    """Correct the prediction in ``memory`` by the readings of arm speed and pendulum angle."""
-    speed = measurement[PHI_DOT] - memory[PHI_DOT]
-    angle = measurement[THETA] - memory[THETA]
-    share = 0.5 + 0.5 * cos(memory[THETA])
+def _correct(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
+    """Correct the prediction ``x`` (5,) by the readings of arm speed and pendulum angle."""
+    speed = measurement[PHI_DOT] - x[PHI_DOT]
+    angle = measurement[THETA] - x[THETA]
+    share = 0.5 + 0.5 * cos(x[THETA])
     for i in range(CORRECTED):
         of_speed = p.hanging[i, 0] + share * (p.upright[i, 0] - p.hanging[i, 0])
         of_angle = p.hanging[i, 1] + share * (p.upright[i, 1] - p.hanging[i, 1])
-        memory[PHI_DOT + i] += of_speed * speed + of_angle * angle
+        x[PHI_DOT + i] += of_speed * speed + of_angle * angle
+
+
+METHOD = Method(
+    "whole_circle",
+    "kalman for any pendulum angle, with the nonlinear model",
+    update,
+    observes_friction=True,
+    needs_applied_torque=True,
+    covers_circle=True,
+)

@@ -59,7 +59,12 @@ def design(
         speed = min(speed, DRIVING_VOLTAGE * voltage / viscous)
     braking = BRAKING_VOLTAGE * voltage / (model.alpha + model.beta)
     return ArmLimits(
-        USED_TRAVEL * angle_limit, speed, braking, RESPONSE * dt, angle_limit, speed_limit
+        travel=USED_TRAVEL * angle_limit,
+        speed=speed,
+        braking=braking,
+        response=RESPONSE * dt,
+        last_travel=angle_limit,
+        last_speed=speed_limit,
     )
 
 

@@ -15,24 +15,38 @@ integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from furuta_control.modes import super_twisting
-from furuta_control.modes.super_twisting import SuperTwisting
+from furuta_control.modes.mode import Mode
+from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-# The mode's memory: 1 while the pendulum is balanced; 1 after it has fallen, until it is caught;
-# samples for which it has been ready to be caught; integral of the arm's error over the integral
-# time [rad]; then that of super-twisting.
-BALANCING = 0
-FALLEN = 1
-READY = 2
-INTEGRAL = 3
-TWISTING = 4
-MEMORY = TWISTING + super_twisting.MEMORY
+if TYPE_CHECKING:
+    from furuta_control.control import ControllerDesign, ControllerMemory
+
+
+@dataclass
+class BalanceMemory:
+    """What the mode remembers.
+
+    Attributes:
+        balancing: Whether the pendulum is balanced.
+        fallen: Whether it has fallen and not been caught since.
+        ready: Samples for which it has been ready to be caught.
+        integral: Integral of the arm's error over the integral time [rad].
+        super_twisting: Memory of super-twisting.
+    """
+
+    balancing: bool = False
+    fallen: bool = False
+    ready: int = 0
+    integral: float = 0.0
+    super_twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
 
 
 class Balance(NamedTuple):
@@ -60,35 +74,28 @@ class Balance(NamedTuple):
 
 
 @inlined
-def balances(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
-    """Whether the pendulum is balanced; the mode's memory begins at ``at``.
+def balances(memory: BalanceMemory, x: np.ndarray, p: Balance) -> bool:
+    """Whether the pendulum is balanced.
 
     Balancing stops beyond the fall angle or the arm's limits, and when the state is unknown (NaN).
     At the start it begins within the catch angle. After a fall the pendulum must also have been
     slow for the catch time, so that a pendulum on its way through upright is not caught.
     """
-    if not _allowed(x, p):
-        leave(memory, at)
+    if not is_allowed(x, p):
+        leave(memory)
         return False
-    if memory[at + BALANCING] == 0.0 and abs(x[THETA]) <= p.catch_angle:
+    if not memory.balancing and abs(x[THETA]) <= p.catch_angle:
         slow = abs(x[THETA_DOT]) <= p.catch_speed
-        memory[at + READY] = memory[at + READY] + 1.0 if slow else 0.0
-        if memory[at + FALLEN] == 0.0 or memory[at + READY] > p.catch_samples:
-            memory[at + BALANCING] = 1.0
-            memory[at + FALLEN] = memory[at + READY] = 0.0
-    elif memory[at + BALANCING] == 0.0:
-        memory[at + READY] = 0.0
-    return memory[at + BALANCING] != 0.0
+        memory.ready = memory.ready + 1 if slow else 0
+        if not memory.fallen or memory.ready > p.catch_samples:
+            begin(memory)
+    elif not memory.balancing:
+        memory.ready = 0
+    return memory.balancing
 
 
 @inlined
-def still_balancing(memory: np.ndarray, at: int, x: np.ndarray, p: Balance) -> bool:
-    """Whether the pendulum was balanced and still is: the usual sample."""
-    return (memory[at + BALANCING] != 0.0) & _allowed(x, p)
-
-
-@inlined
-def _allowed(x: np.ndarray, p: Balance) -> bool:
+def is_allowed(x: np.ndarray, p: Balance) -> bool:
     """Whether the state is known and within the limits."""
     # A comparison with NaN is false.
     return (
@@ -100,38 +107,59 @@ def _allowed(x: np.ndarray, p: Balance) -> bool:
 
 
 @inlined
-def leave(memory: np.ndarray, at: int) -> None:
+def begin(memory: BalanceMemory) -> None:
+    """Start balancing: the pendulum has been caught."""
+    memory.balancing, memory.fallen, memory.ready = True, False, 0
+
+
+@inlined
+def leave(memory: BalanceMemory) -> None:
     """Stop balancing: the pendulum counts as fallen."""
-    memory[at + BALANCING] = memory[at + READY] = 0.0
-    memory[at + FALLEN] = 1.0
-    forget_integrals(memory, at)
+    memory.balancing, memory.fallen, memory.ready = False, True, 0
+    forget_integrals(memory)
 
 
 @inlined
-def reset(memory: np.ndarray, at: int) -> None:
+def reset(memory: BalanceMemory) -> None:
     """Forget a fall and what was integrated: the pendulum has been put back."""
-    memory[at + FALLEN] = 0.0
-    forget_integrals(memory, at)
+    memory.fallen = False
+    forget_integrals(memory)
 
 
 @inlined
-def forget_integrals(memory: np.ndarray, at: int) -> None:
+def forget_integrals(memory: BalanceMemory) -> None:
     """Forget what was integrated: integral action and super-twisting start again."""
-    memory[at + INTEGRAL] = 0.0
-    memory[at + TWISTING + super_twisting.STARTED] = 0.0
+    memory.integral = 0.0
+    memory.super_twisting.started = False
 
 
 @inlined
-def command(memory: np.ndarray, at: int, x: np.ndarray, friction: float, p: Balance) -> float:
+def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for the state estimate ``x`` and friction estimate [V]."""
     error = min(max(x[PHI] - p.arm_reference, -p.arm_error_limit), p.arm_error_limit)
     u = friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
     if p.integral_share > 0.0:
-        integral = memory[at + INTEGRAL] + p.integral_share * error
-        memory[at + INTEGRAL] = min(max(integral, -p.arm_error_limit), p.arm_error_limit)
-        u -= p.l1 * memory[at + INTEGRAL]
+        integral = memory.integral + p.integral_share * error
+        memory.integral = min(max(integral, -p.arm_error_limit), p.arm_error_limit)
+        u -= p.l1 * memory.integral
     if p.super_twisting.rate_bound > 0.0:
         u += super_twisting.correction(
-            memory, at + TWISTING, x, error, p.voltage_limit, p.super_twisting
+            memory.super_twisting, x, error, p.voltage_limit, p.super_twisting
         )
     return u
+
+
+@inlined
+def _drive(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+    """Command u [V]; NaN if the pendulum is not balanced."""
+    if not balances(memory.balance, x, p.balance):
+        return np.nan
+    return command(memory.balance, x, friction, p.balance)
+
+
+MODE = Mode(
+    "balance",
+    "state feedback about upright with friction compensation",
+    _drive,
+    feedback=True,
+)

@@ -77,13 +77,23 @@ def design(
     )
     effort = EFFORT / voltage**2
     cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
-    l1, l2, l3, l4 = (float(each) for each in b @ cost / effort)
-    return Catching(l1, l2, l3, l4, model.gamma / model.beta, frequency, arm_reference), cost
+    l1, l2, l3, l4 = (b @ cost / effort).tolist()
+    feedback = Catching(
+        l1=l1,
+        l2=l2,
+        l3=l3,
+        l4=l4,
+        ratio=model.gamma / model.beta,
+        frequency=frequency,
+        arm_reference=arm_reference,
+    )
+    return feedback, cost
 
 
 def unused() -> tuple[Catching, np.ndarray]:
     """No feedback, for a controller in another mode."""
-    return Catching(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0), np.zeros((RIGID_STATES, RIGID_STATES))
+    nothing = Catching(l1=0.0, l2=0.0, l3=0.0, l4=0.0, ratio=1.0, frequency=1.0, arm_reference=0.0)
+    return nothing, np.zeros((RIGID_STATES, RIGID_STATES))
 
 
 @inlined

@@ -15,6 +15,7 @@ there, and lowered when the pendulum passes upright too fast to be caught.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, pi, sqrt
 from typing import NamedTuple
 
@@ -42,9 +43,16 @@ FALL = 0.04
 # cos θ above which a change of sign of θ is a pass through upright.
 NEAR_UPRIGHT = 0.9
 
-# Indices in the memory: 1 once it has started, sign of the acceleration, target, last θ and θ̇.
-STARTED, SIGN, TARGET, LAST_THETA, LAST_THETA_DOT = range(5)
-MEMORY = 5
+
+@dataclass
+class EnergyShapingMemory:
+    """Whether it has started, sign of the acceleration, target, last θ [rad] and θ̇ [rad/s]."""
+
+    started: bool = False
+    sign: float = 0.0
+    target: float = 0.0
+    last_theta: float = 0.0
+    last_theta_dot: float = 0.0
 
 
 class EnergyShaping(NamedTuple):
@@ -72,39 +80,39 @@ def design(model: FurutaPendulum, voltage: float, limits: ArmLimits) -> EnergySh
         6.6 * limits.travel / half_period**2,
     )
     return EnergyShaping(
-        squared,
-        frequency,
-        acceleration,
-        (CENTRING_FREQUENCY * frequency) ** 2,
-        CENTRING_DAMPING * frequency,
+        squared_frequency=squared,
+        frequency=frequency,
+        acceleration=acceleration,
+        stiffness=(CENTRING_FREQUENCY * frequency) ** 2,
+        damping=CENTRING_DAMPING * frequency,
     )
 
 
 @inlined
-def acceleration(memory: np.ndarray, at: int, x: np.ndarray, p: EnergyShaping) -> float:
-    """Acceleration of the arm [rad/s²] for state ``x``; the law's memory begins at ``at``."""
+def acceleration(memory: EnergyShapingMemory, x: np.ndarray, p: EnergyShaping) -> float:
+    """Acceleration of the arm [rad/s²] for state ``x``."""
     theta, w = x[THETA], x[THETA_DOT]
     c = cos(theta)
-    if memory[at + STARTED] == 0.0:
-        memory[at + STARTED], memory[at + TARGET] = 1.0, FIRST_TARGET
-        memory[at + SIGN] = 1.0 if x[PHI] < 0.0 else -1.0
+    if not memory.started:
+        memory.started, memory.target = True, FIRST_TARGET
+        memory.sign = 1.0 if x[PHI] < 0.0 else -1.0
     else:
-        _adapt_target(memory, at, theta, w, c)
-    memory[at + LAST_THETA], memory[at + LAST_THETA_DOT] = theta, w
-    if memory[at + SIGN] * w * c < -HYSTERESIS * p.frequency:
-        memory[at + SIGN] = -memory[at + SIGN]
+        _adapt_target(memory, theta, w, c)
+    memory.last_theta, memory.last_theta_dot = theta, w
+    if memory.sign * w * c < -HYSTERESIS * p.frequency:
+        memory.sign = -memory.sign
     energy = 0.25 * w * w / p.squared_frequency + 0.5 * (c - 1.0)
-    error = (energy - memory[at + TARGET]) / FULL_ACCELERATION_ERROR
-    shaping = p.acceleration * min(max(error, -1.0), 1.0) * memory[at + SIGN]
+    error = (energy - memory.target) / FULL_ACCELERATION_ERROR
+    shaping = p.acceleration * min(max(error, -1.0), 1.0) * memory.sign
     return shaping - p.stiffness * x[PHI] - p.damping * x[PHI_DOT]
 
 
 @inlined
-def _adapt_target(memory: np.ndarray, at: int, theta: float, w: float, c: float) -> None:
+def _adapt_target(memory: EnergyShapingMemory, theta: float, w: float, c: float) -> None:
     """Raise the target where the pendulum turns back too early; lower it at a fast pass."""
-    target = memory[at + TARGET]
-    if c > 0.0 and w * memory[at + LAST_THETA_DOT] < 0.0:
+    target = memory.target
+    if c > 0.0 and w * memory.last_theta_dot < 0.0:
         target += RISE * 0.5 * (1.0 - c)
-    if c > NEAR_UPRIGHT and theta * memory[at + LAST_THETA] < 0.0:
+    if c > NEAR_UPRIGHT and theta * memory.last_theta < 0.0:
         target -= FALL
-    memory[at + TARGET] = min(max(target, -LARGEST_TARGET), LARGEST_TARGET)
+    memory.target = min(max(target, -LARGEST_TARGET), LARGEST_TARGET)

@@ -11,6 +11,7 @@ are those of Levant (Int. J. Control 58, 1993).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import copysign, sqrt
 from typing import NamedTuple
 
@@ -21,9 +22,14 @@ from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
-# Indices in the memory: 1 once it has started, the arm's speed without friction [rad/s], w [V].
-STARTED, SPEED, CORRECTION = range(3)
-MEMORY = 3
+
+@dataclass
+class SuperTwistingMemory:
+    """Whether it has started, the arm's speed without friction [rad/s], and w [V]."""
+
+    started: bool = False
+    speed: float = 0.0
+    correction: float = 0.0
 
 
 class SuperTwisting(NamedTuple):
@@ -43,23 +49,21 @@ def design(
 ) -> SuperTwisting:
     """The law for the feedback ``gain`` L (4,); ``viscous`` friction [V s/rad] is in the model."""
     a, b = linearize(model, viscous)
-    a1, a2, a3, a4 = (float(each) for each in a[PHI_DOT] - b[PHI_DOT] * np.array(gain))
-    return SuperTwisting(rate_bound, a1, a2, a3, a4, float(b[PHI_DOT]), dt)
+    a1, a2, a3, a4 = (a[PHI_DOT] - b[PHI_DOT] * np.array(gain)).tolist()
+    b_arm = float(b[PHI_DOT])
+    return SuperTwisting(rate_bound=rate_bound, a1=a1, a2=a2, a3=a3, a4=a4, b=b_arm, dt=dt)
 
 
 @inlined
 def correction(
-    memory: np.ndarray, at: int, x: np.ndarray, error: float, limit: float, p: SuperTwisting
+    memory: SuperTwistingMemory, x: np.ndarray, error: float, limit: float, p: SuperTwisting
 ) -> float:
-    """The correction v [V] for state ``x`` and arm error [rad]; |w| ≤ ``limit`` [V].
-
-    The memory begins at ``at``.
-    """
-    if memory[at + STARTED] == 0.0:
-        memory[at + STARTED], memory[at + SPEED], memory[at + CORRECTION] = 1.0, x[PHI_DOT], 0.0
-    s = (x[PHI_DOT] - memory[at + SPEED]) / p.b
+    """The correction v [V] for state ``x`` and arm error [rad]; |w| ≤ ``limit`` [V]."""
+    if not memory.started:
+        memory.started, memory.speed, memory.correction = True, x[PHI_DOT], 0.0
+    s = (x[PHI_DOT] - memory.speed) / p.b
     acceleration = p.a1 * error + p.a2 * x[PHI_DOT] + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
-    memory[at + SPEED] += p.dt * acceleration
-    w = memory[at + CORRECTION] - copysign(1.1 * p.rate_bound * p.dt, s)
-    memory[at + CORRECTION] = min(max(w, -limit), limit)
-    return memory[at + CORRECTION] - copysign(1.5 * sqrt(p.rate_bound * abs(s)), s)
+    memory.speed += p.dt * acceleration
+    w = memory.correction - copysign(1.1 * p.rate_bound * p.dt, s)
+    memory.correction = min(max(w, -limit), limit)
+    return memory.correction - copysign(1.5 * sqrt(p.rate_bound * abs(s)), s)

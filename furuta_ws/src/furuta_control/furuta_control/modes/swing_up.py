@@ -19,16 +19,18 @@ good: only a new start or another mode allows one again.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from math import ceil
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_control.modes import arm_limits, balance, catching, energy_shaping, tracking
 from furuta_control.modes.arm_limits import ArmLimits
-from furuta_control.modes.balance import Balance
+from furuta_control.modes.balance import Balance, BalanceMemory
 from furuta_control.modes.catching import Catching
-from furuta_control.modes.energy_shaping import EnergyShaping
+from furuta_control.modes.energy_shaping import EnergyShaping, EnergyShapingMemory
+from furuta_control.modes.mode import Mode
 from furuta_control.modes.tracking import Tracking
 from furuta_model.compiled import compiled, inlined
 from furuta_model.inverse_dynamics import arm_dynamics
@@ -36,17 +38,11 @@ from furuta_model.parameters import About
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
+if TYPE_CHECKING:
+    from furuta_control.control import ControllerDesign, ControllerMemory
+
 OFF, SWINGING, TRACKING, CATCHING, BALANCING, BRAKING = range(6)
 PHASES = ("off", "swing_up", "track", "catch", "balance", "brake")
-
-# The mode's memory: the phase; 1 once the pendulum has been balanced; 1 once the arm was beyond its
-# travel; samples near upright, or of the trajectory; then that of energy shaping.
-PHASE = 0
-CAUGHT = 1
-BEYOND = 2
-SAMPLES = 3
-ENERGY = 4
-MEMORY = ENERGY + energy_shaping.MEMORY
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
@@ -75,6 +71,25 @@ class SwingUpParameters(NamedTuple):
         ),
     ] = NO_TRAJECTORY
     duration: Annotated[float, About("swing_up: time of the trajectory", "s", 1e-2, 100.0)] = 1.0
+
+
+@dataclass
+class SwingUpMemory:
+    """What the mode remembers.
+
+    Attributes:
+        phase: Index in :data:`PHASES`.
+        caught: Whether the pendulum has been balanced.
+        beyond: Whether the arm has been beyond its travel.
+        samples: Samples near upright, of the trajectory, or of the brake.
+        energy: Memory of energy shaping.
+    """
+
+    phase: int = OFF
+    caught: bool = False
+    beyond: bool = False
+    samples: int = 0
+    energy: EnergyShapingMemory = field(default_factory=EnergyShapingMemory)
 
 
 class SwingUp(NamedTuple):
@@ -122,19 +137,27 @@ def design(
     trajectory = tracking.unused()
     if used and p.torques != NO_TRAJECTORY:
         deviations = (catching.ARM_DEVIATION * limits.travel, limits.speed)
-        trajectory = tracking.design(model, p.torques, p.duration, voltage, deviations, cost, dt)
+        trajectory = tracking.design(
+            model,
+            p.torques,
+            duration=p.duration,
+            voltage=voltage,
+            arm_deviations=deviations,
+            final_cost=cost,
+            dt=dt,
+        )
     return SwingUp(
-        p.recover,
-        model,
-        viscous,
-        limits,
-        arm_limits.for_trajectory(limits),
-        energy_shaping.design(model, voltage, limits),
-        regulator,
-        balancing,
-        trajectory,
-        ceil(SETTLED_TIME / dt),
-        ceil(BRAKE_TIME / dt),
+        recover=p.recover,
+        model=model,
+        viscous=viscous,
+        limits=limits,
+        trajectory_limits=arm_limits.for_trajectory(limits),
+        energy=energy_shaping.design(model, voltage, limits),
+        catching=regulator,
+        balancing=balancing,
+        tracking=trajectory,
+        settled_samples=ceil(SETTLED_TIME / dt),
+        brake_samples=ceil(BRAKE_TIME / dt),
     )
 
 
@@ -153,50 +176,41 @@ def is_possible(model: FurutaPendulum, viscous: float, balancing: Balance, dt: f
 def _limits(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> ArmLimits:
     return arm_limits.design(
         model,
-        balancing.voltage_limit,
-        viscous,
-        balancing.arm_angle_limit,
-        balancing.arm_speed_limit,
-        dt,
+        voltage=balancing.voltage_limit,
+        viscous=viscous,
+        angle_limit=balancing.arm_angle_limit,
+        speed_limit=balancing.arm_speed_limit,
+        dt=dt,
     )
 
 
 @inlined
-def reset(memory: np.ndarray, at: int) -> None:
+def reset(memory: SwingUpMemory) -> None:
     """Forget what has happened: the next sample begins a swing-up."""
-    for i in range(MEMORY):
-        memory[at + i] = 0.0
+    memory.phase, memory.samples = OFF, 0
+    memory.caught = memory.beyond = memory.energy.started = False
 
 
 @compiled
 def command(
-    memory: np.ndarray,
-    at: int,
-    balance_at: int,
-    x: np.ndarray,
-    friction: float,
-    p: SwingUp,
+    memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, friction: float, p: SwingUp
 ) -> float:
-    """Command u [V] for state ``x`` and friction estimate [V]; NaN if the mode does not drive.
-
-    The mode's memory begins at ``at``, that of the mode ``balance`` at ``balance_at``.
-    """
-    phase = _next_phase(memory, at, balance_at, x, p)
-    memory[at + PHASE] = phase
+    """Command u [V] for state ``x`` and friction estimate [V]; NaN if the mode does not drive."""
+    phase = memory.phase = _next_phase(memory, balancing, x, p)
     friction += p.viscous * x[PHI_DOT]
     if phase == OFF:
         return np.nan
     if phase == BALANCING:
-        u = balance.command(memory, balance_at, x, friction, p.balancing)
+        u = balance.command(balancing, x, friction, p.balancing)
     elif phase == CATCHING:
         u = catching.command(x, friction, p.catching)
     elif phase == TRACKING:
-        u = tracking.command(x, memory[at + SAMPLES], friction, p.tracking)
+        u = tracking.command(x, memory.samples, friction, p.tracking)
     else:
         u = np.nan
     inertia, torque = arm_dynamics(x[PHI_DOT], x[THETA], x[THETA_DOT], p.model)
     if phase == SWINGING:
-        wanted = energy_shaping.acceleration(memory, at + ENERGY, x, p.energy)
+        wanted = energy_shaping.acceleration(memory.energy, x, p.energy)
     elif phase == BRAKING:
         wanted = -x[PHI_DOT] / BRAKE_TIME
     else:
@@ -209,111 +223,123 @@ def command(
 
 
 @inlined
-def _next_phase(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
+def _next_phase(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
     """The phase of this sample."""
     if np.isnan(x[PHI] + x[PHI_DOT] + x[THETA] + x[THETA_DOT]):
-        balance.leave(memory, balance_at)
+        balance.leave(balancing)
         return OFF
     if abs(x[PHI]) > p.limits.last_travel:
-        memory[at + BEYOND] = 1.0
-    phase = int(memory[at + PHASE])
+        memory.beyond = True
+    phase = memory.phase
     if phase == OFF:
-        return _begin(memory, at, balance_at, x, p)
-    if _lost(phase, memory, balance_at, x, p):
-        return _brake(memory, at, balance_at)
+        return _begin(memory, balancing, x, p)
+    if _lost(phase, balancing, x, p):
+        return _brake(memory, balancing)
     if phase == CATCHING:
-        return _hand_over(memory, at, balance_at, x, p)
-    return phase if phase == BALANCING else _on_the_way(phase, memory, at, x, p)
+        return _hand_over(memory, balancing, x, p)
+    return phase if phase == BALANCING else _on_the_way(memory, x, p)
 
 
 @inlined
-def _lost(phase: int, memory: np.ndarray, balance_at: int, x: np.ndarray, p: SwingUp) -> bool:
+def _lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> bool:
     """Whether the pendulum has fallen, or the arm can no longer be stopped within its limits."""
     if phase == BRAKING:
         return False
-    if phase == BALANCING and not balance.balances(memory, balance_at, x, p.balancing):
+    if phase == BALANCING and not balance.balances(balancing, x, p.balancing):
         return True
     missed = phase == CATCHING and abs(x[THETA]) > catching.MISSED_ANGLE
     return missed or not arm_limits.can_stop(x[PHI], x[PHI_DOT], p.limits)
 
 
 @inlined
-def _on_the_way(phase: int, memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> int:
+def _on_the_way(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
     """The phase after braking, swinging or tracking."""
-    if phase == BRAKING and _still_brakes(memory, at, x, p):
+    if memory.phase == BRAKING and _still_brakes(memory, x, p):
         return BRAKING
-    if phase == BRAKING and _given_up(memory, at, p):
+    if memory.phase == BRAKING and _given_up(memory, p):
         return OFF
-    return _swing(memory, at, x, p)
+    return _swing(memory, x, p)
 
 
 @inlined
-def _given_up(memory: np.ndarray, at: int, p: SwingUp) -> bool:
+def _given_up(memory: SwingUpMemory, p: SwingUp) -> bool:
     """Whether the pendulum must not be swung up again."""
-    return memory[at + BEYOND] != 0.0 or (memory[at + CAUGHT] != 0.0 and not p.recover)
+    return memory.beyond or (memory.caught and not p.recover)
 
 
 @inlined
-def _begin(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
+def _begin(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
     """The phase after ``off``: the brake, unless only a pendulum held upright will do.
 
     The brake needs the arm's state only, which is measured. The estimate of the pendulum's speed
     settles meanwhile.
     """
-    if not _given_up(memory, at, p):
-        return _brake(memory, at, balance_at)
-    if memory[at + BEYOND] != 0.0:
+    if not _given_up(memory, p):
+        return _brake(memory, balancing)
+    if memory.beyond:
         return OFF
-    return BALANCING if balance.balances(memory, balance_at, x, p.balancing) else OFF
+    return BALANCING if balance.balances(balancing, x, p.balancing) else OFF
 
 
 @inlined
-def _swing(memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> int:
+def _swing(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
     """The phase of a pendulum that is to be swung up."""
     if catching.can_catch(x, p.limits, p.catching):
-        memory[at + SAMPLES] = 0.0
+        memory.samples = 0
         return CATCHING
-    if memory[at + PHASE] == TRACKING:
+    if memory.phase == TRACKING:
         # The time waits for an arm that does not move yet.
-        if memory[at + SAMPLES] > 0.0 or abs(x[PHI_DOT]) > tracking.MOVING:
-            memory[at + SAMPLES] += 1.0
-        if not tracking.lost(x, memory[at + SAMPLES], p.tracking):
+        if memory.samples > 0 or abs(x[PHI_DOT]) > tracking.MOVING:
+            memory.samples += 1
+        if not tracking.lost(x, memory.samples, p.tracking):
             return TRACKING
     elif tracking.can_start(x, p.tracking):
-        memory[at + SAMPLES] = 0.0
+        memory.samples = 0
         return TRACKING
-    if memory[at + PHASE] != SWINGING:
-        memory[at + ENERGY + energy_shaping.STARTED] = 0.0
+    if memory.phase != SWINGING:
+        memory.energy.started = False
     return SWINGING
 
 
 @inlined
-def _hand_over(memory: np.ndarray, at: int, balance_at: int, x: np.ndarray, p: SwingUp) -> int:
+def _hand_over(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
     """Balance once the pendulum has been near upright and slow for long enough."""
     near = (
         abs(x[THETA]) <= p.balancing.catch_angle
         and abs(x[THETA_DOT]) <= p.balancing.catch_speed
         and abs(x[PHI] - p.balancing.arm_reference) <= p.balancing.arm_error_limit
     )
-    memory[at + SAMPLES] = memory[at + SAMPLES] + 1.0 if near else 0.0
-    if memory[at + SAMPLES] <= p.settled_samples:
+    memory.samples = memory.samples + 1 if near else 0
+    if memory.samples <= p.settled_samples:
         return CATCHING
-    balance.leave(memory, balance_at)
-    memory[balance_at + balance.BALANCING] = 1.0
-    memory[balance_at + balance.FALLEN] = 0.0
-    memory[at + CAUGHT] = 1.0
+    balance.leave(balancing)
+    balance.begin(balancing)
+    memory.caught = True
     return BALANCING
 
 
 @inlined
-def _brake(memory: np.ndarray, at: int, balance_at: int) -> int:
-    balance.leave(memory, balance_at)
-    memory[at + SAMPLES] = 0.0
+def _brake(memory: SwingUpMemory, balancing: BalanceMemory) -> int:
+    balance.leave(balancing)
+    memory.samples = 0
     return BRAKING
 
 
 @inlined
-def _still_brakes(memory: np.ndarray, at: int, x: np.ndarray, p: SwingUp) -> bool:
+def _still_brakes(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> bool:
     """Whether the arm is not yet at rest, or the estimate may still be settling."""
-    memory[at + SAMPLES] += 1.0
-    return abs(x[PHI_DOT]) > AT_REST * p.limits.speed or memory[at + SAMPLES] <= p.brake_samples
+    memory.samples += 1
+    return abs(x[PHI_DOT]) > AT_REST * p.limits.speed or memory.samples <= p.brake_samples
+
+
+@inlined
+def _drive(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+    return command(memory.swing_up, memory.balance, x, friction, p.swing_up)
+
+
+MODE = Mode(
+    "swing_up",
+    "swing the pendulum up from any angle, catch it and balance",
+    _drive,
+    feedback=True,
+)

@@ -159,7 +159,7 @@ def can_start(x: np.ndarray, p: Tracking) -> bool:
 
 
 @inlined
-def deviation(x: np.ndarray, k: float, i: int, p: Tracking) -> float:
+def deviation(x: np.ndarray, k: int, i: int, p: Tracking) -> float:
     """Deviation of state i from the trajectory after ``k`` samples; of θ within ±π."""
     row = k / p.samples * (ROWS - 1)
     first = min(int(row), ROWS - 2)
@@ -172,7 +172,7 @@ def deviation(x: np.ndarray, k: float, i: int, p: Tracking) -> float:
 
 
 @inlined
-def lost(x: np.ndarray, k: float, p: Tracking) -> bool:
+def lost(x: np.ndarray, k: int, p: Tracking) -> bool:
     """Whether the pendulum is too far from the trajectory, or the trajectory is over."""
     if k >= p.samples:
         return True
@@ -183,7 +183,7 @@ def lost(x: np.ndarray, k: float, p: Tracking) -> bool:
 
 
 @inlined
-def command(x: np.ndarray, k: float, friction: float, p: Tracking) -> float:
+def command(x: np.ndarray, k: int, friction: float, p: Tracking) -> float:
     """Command u [V], unsaturated, after ``k`` samples, for the friction estimate [V]."""
     row = min(int(k / p.samples * (ROWS - 1)), ROWS - 1)
     u = friction + p.table[row, TORQUE]

@@ -12,23 +12,39 @@ v = 0 the correction would move ẑ without limit. ẑ is therefore limited like
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from furuta_friction.compensator import Compensator
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_level
 from furuta_model.friction.parameters import Friction
+from furuta_model.state import PHI, PHI_DOT
 
-# Index of ẑ [rad] in the compensators' memory.
-BRISTLE = 0
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 
 @inlined
-def observe(memory: np.ndarray, v: float, correction: float, dt: float, p: Friction) -> float:
-    """Move ẑ by one sample at speed v [rad/s] and return F̂ [V]; ``correction`` is −Ke [rad/s]."""
-    z, _ = bristle_after(v, correction, memory[BRISTLE], dt, p)
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V] with the friction parameters as they are."""
+    return observe(memory, x, p.friction, p)
+
+
+@inlined
+def observe(
+    memory: CompensationMemory, x: np.ndarray, p: Friction, design: CompensationDesign
+) -> float:
+    """Move ẑ by one sample and return F̂ [V], with the friction parameters ``p``."""
+    v, correction = x[PHI_DOT], -design.observer_gain * x[PHI]
+    z, _ = bristle_after(v, correction, memory.bristle, design.sample_time, p)
     highest = highest_level(p)
     limit = highest / p.sigma0
     z = min(max(z, -limit), limit)
-    memory[BRISTLE] = z
+    memory.bristle = z
     force = p.sigma0 * z + p.sigma1 * (bristle_rate(v, z, p) + correction)
     return min(max(force, -highest), highest) + p.viscous * v
+
+
+COMPENSATOR = Compensator("lugre", "the observer (9)", estimate, runs_observer=True)

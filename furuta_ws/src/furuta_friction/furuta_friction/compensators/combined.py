@@ -13,19 +13,34 @@ IEEE Trans. Industrial Electronics 63, 2016). The levels start at zero and no fr
 
 from __future__ import annotations
 
-from math import expm1
-from typing import Annotated, NamedTuple
+from dataclasses import dataclass
+from math import expm1, isnan
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
+from furuta_friction.compensator import Compensator
+from furuta_friction.compensators.adaptive import LARGEST_FACTOR
 from furuta_model.compiled import inlined
 from furuta_model.elementary import tanh
+from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import About
+from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
-# Indices in the compensators' memory: learned level [V] for v > 0 and for v < 0, and the rest [V].
-FORWARD, BACKWARD, REST = 3, 4, 5
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
+
 # Multiple of the reversal speed beyond which tanh(v/w) is nearly 1: there the levels are learned.
 SLIDING = 2.0
+
+
+@dataclass
+class CombinedMemory:
+    """Learned level [V] for v > 0 and for v < 0, and the rest [V]."""
+
+    forward: float = 0.0
+    backward: float = 0.0
+    rest: float = 0.0
 
 
 class CombinedParameters(NamedTuple):
@@ -57,22 +72,40 @@ def design(p: CombinedParameters, dt: float) -> Combined:
 
 
 @inlined
-def estimate(
-    memory: np.ndarray, v: float, observed: float, limit: float, viscous: float, p: Combined
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
+    if isnan(x[OBSERVED_FRICTION]):
+        return 0.0
+    v, viscous = x[PHI_DOT], p.friction.viscous * x[PHI_DOT]
+    limit = LARGEST_FACTOR * highest_level(p.friction)
+    force = _dry_friction(memory.combined, v, x[OBSERVED_FRICTION] - viscous, limit, p.combined)
+    return force + viscous
+
+
+@inlined
+def _dry_friction(
+    memory: CombinedMemory, v: float, observed: float, limit: float, p: Combined
 ) -> float:
-    """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; |F̂ − σ₂v| ≤ ``limit`` [V]."""
+    """F̂ [V] at speed v [rad/s], at most ``limit`` [V]; it and ``observed`` without viscous part."""
     forward = v >= 0.0
-    learned = memory[FORWARD] if forward else memory[BACKWARD]
-    dry = observed - viscous * v
+    learned = memory.forward if forward else memory.backward
     if abs(v) > SLIDING * p.reversal_speed:
-        level = min(max(dry if v > 0.0 else -dry, 0.0), limit)
+        level = min(max(observed if v > 0.0 else -observed, 0.0), limit)
         learned += p.level_share * (level - learned)
-    # An index that depends on the speed could not be vectorised.
     if forward:
-        memory[FORWARD] = learned
+        memory.forward = learned
     else:
-        memory[BACKWARD] = learned
+        memory.backward = learned
     model = learned * tanh(v / p.reversal_speed)
-    rest = memory[REST] + p.filter_share * (dry - model - memory[REST])
-    memory[REST] = min(max(rest, -limit), limit)
-    return min(max(model + memory[REST], -limit), limit) + viscous * v
+    rest = memory.rest + p.filter_share * (observed - model - memory.rest)
+    memory.rest = min(max(rest, -limit), limit)
+    return min(max(model + memory.rest, -limit), limit)
+
+
+COMPENSATOR = Compensator(
+    "combined",
+    "that, with levels that are learned",
+    estimate,
+    needs_observed_friction=True,
+    largest_factor=LARGEST_FACTOR,
+)

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from furuta_friction.compensator import Compensator
 from furuta_model.compiled import inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
-from furuta_model.friction.parameters import Friction
+from furuta_model.state import PHI_DOT
+
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 _COULOMB = LAWS.index("coulomb")
 
 
 @inlined
-def estimate(v: float, p: Friction) -> float:
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
     """F̂ [V] with asymmetry and viscous part; 0 at v = 0."""
-    return steady_friction(v, FrictionLaw(_COULOMB, p))
+    return steady_friction(x[PHI_DOT], FrictionLaw(_COULOMB, p.friction))
+
+
+COMPENSATOR = Compensator("coulomb", "eq. (4) with level alpha0", estimate)

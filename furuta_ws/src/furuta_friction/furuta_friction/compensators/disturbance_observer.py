@@ -5,10 +5,33 @@ The estimator's ``friction_process_noise`` sets its bandwidth.
 
 from __future__ import annotations
 
+from math import isnan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from furuta_friction.compensator import Compensator
+from furuta_friction.compensators.adaptive import LARGEST_FACTOR
 from furuta_model.compiled import inlined
+from furuta_model.friction.lugre import highest_level
+from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
+
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 
 @inlined
-def estimate(v: float, observed: float, limit: float, viscous: float) -> float:
-    """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; |F̂ − σ₂v| ≤ ``limit`` [V]."""
-    return min(max(observed - viscous * v, -limit), limit) + viscous * v
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
+    observed, viscous = x[OBSERVED_FRICTION], p.friction.viscous * x[PHI_DOT]
+    limit = LARGEST_FACTOR * highest_level(p.friction)
+    return 0.0 if isnan(observed) else min(max(observed - viscous, -limit), limit) + viscous
+
+
+COMPENSATOR = Compensator(
+    "disturbance_observer",
+    "the observed friction",
+    estimate,
+    needs_observed_friction=True,
+    largest_factor=LARGEST_FACTOR,
+)

@@ -7,21 +7,34 @@ level α₀ + α₁.
 from __future__ import annotations
 
 from math import isnan
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from furuta_friction.compensator import Compensator
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
-from furuta_model.friction.parameters import Friction
+from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
+
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 _STICTION = LAWS.index("stiction")
 
 
 @inlined
-def estimate(v: float, observed: float, p: Friction) -> float:
-    """F̂ [V] at speed v [rad/s] with the ``observed`` friction [V]; 0 at rest if that is NaN."""
-    if abs(v) > p.stribeck_velocity:
-        return coulomb.estimate(v, p)
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V]; 0 at rest if the observed friction is NaN."""
+    observed = x[OBSERVED_FRICTION]
+    if abs(x[PHI_DOT]) > p.friction.stribeck_velocity:
+        return coulomb.estimate(memory, x, p)
     if isnan(observed):
         return 0.0
-    law = FrictionLaw(_STICTION, p)
+    law = FrictionLaw(_STICTION, p.friction)
     return min(max(observed, -breakaway_level(-1.0, law)), breakaway_level(1.0, law))
+
+
+COMPENSATOR = Compensator(
+    "stiction", "that; at rest the observed friction", estimate, needs_observed_friction=True
+)

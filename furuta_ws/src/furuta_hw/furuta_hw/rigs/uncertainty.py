@@ -145,15 +145,14 @@ def uncertainty_from(content: Any, waves: TorqueWaves) -> Uncertainty:
         return CERTAIN
     if not isinstance(content, Mapping) or not isinstance(content.get("standard_errors"), Mapping):
         raise ParameterError("uncertainty must have standard_errors, which map names to numbers")
-    unknown = sorted(str(name) for name in content if name not in _SECTION)
+    unknown = sorted(str(key) for key in content if key not in _SECTION)
     if unknown:
         raise ParameterError(f"unknown: uncertainty.{', uncertainty.'.join(unknown)}")
     known = (*NAMES, *wave_values(waves))
-    errors_by_name = content["standard_errors"]
-    given = {name: _number(name, error, known) for name, error in errors_by_name.items()}
-    correlations = _correlations(content.get("correlations"), len(given))
-    errors = np.array(list(given.values()))
-    return Uncertainty(tuple(given), correlations * np.outer(errors, errors))
+    stated = content["standard_errors"]
+    errors = np.array([_number(name, value, known) for name, value in stated.items()])
+    correlations = _correlations(content.get("correlations"), len(errors))
+    return Uncertainty(tuple(stated), correlations * np.outer(errors, errors))
 
 
 _SECTION = ("standard_errors", "correlations")
@@ -205,7 +204,7 @@ def uncertainty_section(uncertainty: Uncertainty) -> dict[str, Any]:
     errors = uncertainty.standard_errors
     sizes = np.array([error or 1.0 for error in errors.values()])
     correlations = uncertainty.covariance / np.outer(sizes, sizes)
-    rows = [[round(float(number), 6) for number in row[:i]] for i, row in enumerate(correlations)]
+    rows = [[round(float(value), 6) for value in row[:i]] for i, row in enumerate(correlations)]
     return {
         "standard_errors": {name: float(f"{error:.4g}") for name, error in errors.items()},
         "correlations": [[*row, 1.0] for row in rows],

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise
-from furuta_identification.preparation.options import Options
-from furuta_identification.regression.momentum import MomentumFit
+from furuta_identification.model import Model
+from furuta_identification.options import Options
+from furuta_identification.regression.first_estimate import MomentumFit
+from furuta_identification.shooting.optimisation import FINE, Optimum, optimise
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import BODY, LUGRE
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_identification.uncertainty.sensor_errors import noise_of
-from furuta_model.state import PHI
+from furuta_model.state import PHI, THETA
 from furuta_recordings.recording import Recording
 
 # Length of a segment [s]: short compared with the unstable pole, long compared with noise.
@@ -23,6 +23,13 @@ SMALLEST_TRAVEL = 1.0
 SAMPLES_OF_LAG = 3.0
 # Standard errors, and sampling intervals, from which a delay is significant.
 DELAY_ERRORS, DELAY_SAMPLES = 3.0, 0.5
+# Largest pendulum angle [rad] of a pendulum that was balanced.
+LARGEST_ANGLE = 0.7
+
+
+def is_balanced(recording: Recording) -> bool:
+    """Whether the pendulum stays near upright."""
+    return bool(np.max(np.abs(recording.measured[:, THETA])) < LARGEST_ANGLE)
 
 
 def fit_balanced(
@@ -34,22 +41,22 @@ def fit_balanced(
 ) -> Model:
     """Fit segments whose initial states are unknown, growing in length and number of unknowns."""
     window = options.window or SEGMENT
-    scale = np.median([noise_of(each) for each in recordings], axis=0)
+    scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     names, values = _first_unknowns(recordings, start)
     options.report("fitting segments of a balanced pendulum")
-    values = optimise(recordings, names, values, 0.2 * window, scale, tolerance=COARSE).values
+    values = optimise(recordings, names, values, 0.2 * window, scale, False).values
     names += LUGRE
-    values = optimise(recordings, names, values, 0.5 * window, scale, tolerance=COARSE).values
+    values = optimise(recordings, names, values, 0.5 * window, scale, False).values
     names.append("delay")
-    optimum = optimise(recordings, names, values, window, scale, tolerance=COARSE)
+    optimum = optimise(recordings, names, values, window, scale, False)
     values = optimum.values
     if _delay_is_negligible(optimum, recordings[0].interval):
         milliseconds = values["delay"] * 1e3
         findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
         names.remove("delay")
         values = values.changed(["delay"], [0.0])
-    optimum = optimise(recordings, names, values, window, scale)
-    certainty = covariance_and_information(optimum.shooting, optimum.vector, {})
+    optimum = optimise(recordings, names, values, window, scale, False, FINE)
+    certainty = covariance_and_information(optimum, {})
     return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
 
 
@@ -62,14 +69,14 @@ def _first_unknowns(
         names.append("lag")
     else:
         start = start.changed(["lag"], [0.0])
-    if all(np.ptp(each.measured[:, PHI]) > SMALLEST_TRAVEL for each in recordings):
+    if all(np.ptp(r.measured[:, PHI]) > SMALLEST_TRAVEL for r in recordings):
         names += ["tilt_x", "tilt_y"]
     return names, start
 
 
 def _delay_is_negligible(optimum: Optimum, interval: float) -> bool:
     """Whether the delay, the last unknown, is within its error or the sampling ``interval`` [s]."""
-    covariance, _ = covariance_and_information(optimum.shooting, optimum.vector, {})
+    covariance, _ = covariance_and_information(optimum, {})
     error = np.sqrt(covariance[-1, -1])
     smallest = max(DELAY_ERRORS * error, DELAY_SAMPLES * interval)
     return bool(abs(optimum.values["delay"]) < smallest)

@@ -1,25 +1,17 @@
-"""Coulomb friction where a fit cannot find it: assumed, or given a second start."""
+"""Coulomb friction of an arm that turns in one direction only: no fit can find it."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
-from furuta_identification.fitting.optimisation import COARSE, Optimum, best_of, optimise
-from furuta_identification.regression.speeds import with_speeds
+from furuta_identification.regression.speeds import turns_one_way
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import BY_NAME
-from furuta_model.state import PHI_DOT
 from furuta_recordings.recording import Recording
 
 # Assumed Coulomb friction as a part of the largest command, and its upper limit.
 USUAL_PART = 0.03
 LARGEST_PART = 0.25
-# A fitted level below this part of its prior's standard deviation counts as none.
-NEGLIGIBLE_PART = 0.3
-# Part of the largest arm speed that counts as motion in a direction.
-MOVING_PART = 0.1
 
 
 class Setting(NamedTuple):
@@ -35,9 +27,9 @@ def assume_if_one_way(
     recordings: list[Recording], names: list[str], start: ParameterValues
 ) -> Setting:
     """Assume a Coulomb level where the arm never changes direction in any recording."""
-    if not all(turns_one_way(each) for each in recordings):
+    if not all(turns_one_way(recording) for recording in recordings):
         return Setting(names, start, {}, [])
-    largest = max(float(np.max(np.abs(each.command))) for each in recordings)
+    largest = max(recording.largest_command for recording in recordings)
     usual = max(USUAL_PART * largest, BY_NAME["coulomb"].spread)
     level = min(usual, LARGEST_PART * largest)
     finding = (
@@ -47,27 +39,3 @@ def assume_if_one_way(
     rest = [name for name in names if name not in ("coulomb", "asymmetry")]
     start = start.changed(["coulomb", "asymmetry"], [level, 0.0])
     return Setting(rest, start, {"coulomb": level}, [finding])
-
-
-def turns_one_way(recording: Recording) -> bool:
-    """Whether the arm turns in one direction only."""
-    v = with_speeds(recording, 0.0).measured[:, PHI_DOT]
-    fast = MOVING_PART * np.max(np.abs(v))
-    return not (np.any(v > fast) and np.any(v < -fast))
-
-
-def with_second_start(
-    optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
-) -> Optimum:
-    """The better of a fit without Coulomb friction and one that starts with some.
-
-    A fit without Coulomb friction is often a local optimum.
-    """
-    names, level = optimum.shooting.names, BY_NAME["coulomb"].spread
-    if "coulomb" not in names or optimum.values["coulomb"] >= NEGLIGIBLE_PART * level:
-        return optimum
-    speeds = np.concatenate([with_speeds(each, 0.0).measured[:, PHI_DOT] for each in recordings])
-    viscous = optimum.values["viscous"] - level / float(np.sqrt(np.mean(speeds**2)))
-    start = optimum.values.changed(["coulomb", "viscous"], [level, max(viscous, 0.0)])
-    other = optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
-    return best_of((optimum, other))

@@ -11,21 +11,20 @@ divided by β. They say nothing about the arm.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
-from furuta_identification.fitting.validation import fit_percent
-from furuta_identification.preparation.options import Options
+from furuta_identification.model import Prediction
+from furuta_identification.options import Options
 from furuta_identification.preparation.orientation import oriented
+from furuta_identification.preparation.prepare import named
 from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
 from furuta_identification.regression.pendulum_motion import pendulum_motion
+from furuta_identification.shooting.optimisation import FINE, Optimum, optimise, residual_scale
 from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import prior_information
-from furuta_identification.uncertainty.bootstrap import sensor_covariance
-from furuta_identification.uncertainty.jackknife import block_covariance
-from furuta_identification.uncertainty.sensor_errors import noise_of, sensor_errors
+from furuta_identification.uncertainty.covariance import covariance_and_information
+from furuta_identification.uncertainty.sensor_errors import noise_of, quantisation_step
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_recordings.cleaning import cleaned
@@ -58,25 +57,30 @@ class FreeSwing(NamedTuple):
     fit: dict[str, float]
     findings: list[str]
 
+    def as_json(self) -> dict[str, Any]:
+        """The values by name, and the rest."""
+        others = {"standard_errors": self.standard_errors, "fit": self.fit}
+        return {**self.values, **others, "findings": self.findings}
+
 
 def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:
     """Fit recordings of one rig without a command; raises ParameterError if the arm moves."""
     ready, findings = _prepared(recordings, options)
-    gravity = float(np.median([pendulum_motion(each).gravity for each in ready]))
+    gravity = float(np.median([pendulum_motion(recording).gravity for recording in ready]))
     values = ParameterValues.of(
         arm_inertia=HELD, beta=SCALE, gamma=COUPLING, delta=gravity * SCALE, coulomb=0.0, lag=0.0
     )
-    scale = np.median([noise_of(each) for each in ready], axis=0)
-    half = 0.5 * min(each.duration for each in ready)
+    scale = np.median([noise_of(recording) for recording in ready], axis=0)
+    half = 0.5 * min(recording.duration for recording in ready)
     for window in (*FIRST_LENGTHS, half):
         length = min(window, half)
-        optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True, tolerance=COARSE)
+        optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True)
         values, scale = optimum.values, residual_scale(optimum)
-    optimum = optimise(ready, UNKNOWNS, values, half, scale, robust=True)
+    optimum = optimise(ready, UNKNOWNS, values, half, scale, robust=True, tolerance=FINE)
     predictions = optimum.shooting.predictions(optimum.vector)
     fits = {
-        each.name: fit_percent(each.measured[:, THETA], predicted[:, THETA])
-        for each, predicted in zip(ready, predictions, strict=True)
+        recording.name: Prediction(recording, predicted).fits()["pendulum angle"]
+        for recording, predicted in zip(ready, predictions, strict=True)
     }
     return FreeSwing(*_reported(optimum), fits, findings)
 
@@ -85,24 +89,25 @@ def _prepared(recordings: list[Recording], options: Options) -> tuple[list[Recor
     """The recordings in SI units, with θ = 0 upright. The angle's direction does not matter."""
     usable, findings = [], []
     for recording in recordings:
-        ready, found = cleaned(recording, driven=False)
+        ready, remarks = cleaned(recording, driven=False)
         _refuse_moving_arm(ready)
         usable.append(_with_resting_arm(ready))
-        findings += [f"{recording.name}: {each}" for each in found]
-    angles, found = angle_unit(usable, options.angles)
-    findings += found
+        findings += named(recording, remarks)
+    angles, remarks = angle_unit(usable, options.angles)
+    findings += remarks
     turned = []
     for number, recording in enumerate(usable):
-        ready, found = with_usable_speeds(in_unit(recording, angles))
-        ready, _, more = oriented(ready, options.zero, options.direction, 1.0)
+        ready, remarks = with_usable_speeds(in_unit(recording, angles))
+        ready, _, about_zero = oriented(ready, options.zero, options.direction, 1.0)
         turned.append(ready._replace(number=number))
-        findings += [f"{recording.name}: {each}" for each in (*found, *more[:1])]
+        findings += named(recording, [*remarks, *about_zero[:1]])
     return turned, findings
 
 
 def _refuse_moving_arm(recording: Recording) -> None:
-    arm, pendulum = (float(np.ptp(recording.measured[:, each])) for each in (PHI, THETA))
-    if arm > LARGEST_ARM_PART * pendulum + 1.5 * sensor_errors(recording).step[PHI]:
+    arm, pendulum = (float(np.ptp(recording.measured[:, angle])) for angle in (PHI, THETA))
+    step = quantisation_step(recording.measured[:, PHI])
+    if arm > LARGEST_ARM_PART * pendulum + 1.5 * step:
         raise ParameterError(
             f"{recording.name}: the arm moves by {100.0 * arm / pendulum:.2g} % of the pendulum's "
             "motion without a command; hold it, or name the command with --command"
@@ -119,12 +124,7 @@ def _with_resting_arm(recording: Recording) -> Recording:
 
 def _reported(optimum: Optimum) -> tuple[dict[str, float], dict[str, float]]:
     """Values and standard errors by name."""
-    shooting, vector = optimum.shooting, optimum.vector
-    slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
-    information = slopes.T @ slopes + prior_information(shooting.names)
-    gain = np.linalg.pinv(information) @ slopes.T
-    covariance = block_covariance(shooting, slopes, residuals, information)
-    covariance = covariance + sensor_covariance(shooting, vector, residuals, gain)
+    covariance, _ = covariance_and_information(optimum, {})
     errors = np.sqrt(np.diag(covariance))
     omega = float(np.sqrt(optimum.values["delta"] / SCALE))
     values = {
@@ -134,5 +134,5 @@ def _reported(optimum: Optimum) -> tuple[dict[str, float], dict[str, float]]:
     }
     # δ is fitted as its logarithm.
     sizes = (0.5 * omega, 1.0 / SCALE, 1.0 / SCALE)
-    found = (float(size * error) for size, error in zip(sizes, errors, strict=False))
-    return values, dict(zip(values, found, strict=True))
+    scaled = (float(size * error) for size, error in zip(sizes, errors[: len(sizes)], strict=True))
+    return values, dict(zip(values, scaled, strict=True))

@@ -12,24 +12,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.coulomb import turns_one_way
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import Optimum, best_of
 from furuta_identification.fitting.starting_fits import fit_growing_segments
-from furuta_identification.fitting.validation import predict_prepared
-from furuta_identification.preparation.options import silent
+from furuta_identification.model import Model
+from furuta_identification.options import silent
+from furuta_identification.regression.speeds import turns_one_way
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import LUGRE, zero_name
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, by_run
 
 BASE = "coulomb"
 _SIMPLE = ("viscous", "coulomb")
 
 
 class Law(NamedTuple):
-    """A law: the unknowns of its friction, and the law that it contains as a special case."""
+    """A law: the unknowns of its friction, and the law from whose optimum its fit starts.
+
+    That law is a special case: a fit cannot end worse than it started.
+    """
 
     unknowns: tuple[str, ...]
     contains: str = ""
@@ -37,7 +38,7 @@ class Law(NamedTuple):
 
 LAWS = {
     "viscous": Law(("viscous",)),
-    BASE: Law(_SIMPLE, "viscous"),
+    BASE: Law(_SIMPLE),
     "asymmetric": Law((*_SIMPLE, "asymmetry"), BASE),
     "load-dependent": Law((*_SIMPLE, "load"), BASE),
     "stribeck": Law((*_SIMPLE, "alpha1", "stribeck_velocity"), BASE),
@@ -76,9 +77,9 @@ class LawResult(NamedTuple):
 
 def simplest_adequate_law(results: list[LawResult]) -> LawResult:
     """The law with the fewest parameters that no other predicts clearly better than."""
-    best = min(each.mean_error for each in results)
-    good = [each for each in results if (1.0 - CLEARLY) * each.mean_error <= best]
-    return min(good, key=lambda each: (each.parameters, each.mean_error))
+    best = min(result.mean_error for result in results)
+    good = [result for result in results if (1.0 - CLEARLY) * result.mean_error <= best]
+    return min(good, key=lambda result: (result.parameters, result.mean_error))
 
 
 def compare_laws(
@@ -94,7 +95,7 @@ def compare_laws(
     Raises:
         ParameterError: The arm turns in one direction only, where no law differs from another.
     """
-    if all(turns_one_way(each) for each in model.recordings):
+    if all(turns_one_way(recording) for recording in model.recordings):
         raise ParameterError(
             "the arm turns in one direction only: laws of friction need reversals of the arm"
         )
@@ -102,7 +103,7 @@ def compare_laws(
     model = model._replace(window=min(model.window, LONGEST))
     errors: dict[str, dict[str, float]] = {law: {} for law in laws}
     for name, held_out in parts.items():
-        fits = _Fits(model, [each for n, part in parts.items() if n != name for each in part])
+        fits = _Fits(model, [r for other, part in parts.items() if other != name for r in part])
         base = _error(model, fits.of(BASE), held_out)
         for law in laws:
             report(f"predicting {name} with the law {law}")
@@ -112,10 +113,9 @@ def compare_laws(
 
 def _parts(recordings: list[Recording]) -> dict[str, list[Recording]]:
     """What is held out in turn, by name: the recordings, or the halves of a single one."""
-    numbers = sorted({each.number for each in recordings})
-    if len(numbers) > 1:
-        groups = [[each for each in recordings if each.number == number] for number in numbers]
-        return {group[0].name: group for group in groups}
+    runs = by_run(recordings)
+    if len(runs) > 1:
+        return {run[0].name: run for run in runs}
     if len(recordings) > 1:
         middle = len(recordings) // 2
         return {"first half": recordings[:middle], "second half": recordings[middle:]}
@@ -132,39 +132,32 @@ class _Fits:
 
     def __init__(self, model: Model, recordings: list[Recording]) -> None:
         self._model, self._recordings = model, recordings
-        numbers = {each.number for each in model.recordings} - {each.number for each in recordings}
-        friction = {"viscous", *NEUTRAL, *(zero_name(number) for number in numbers)}
+        held_out = {r.number for r in model.recordings} - {r.number for r in recordings}
+        friction = {"viscous", *NEUTRAL, *(zero_name(number) for number in held_out)}
         self._other = [name for name in model.fitted if name not in friction]
-        self._found: dict[str, Optimum] = {}
+        self._fitted: dict[str, ParameterValues] = {}
 
     def of(self, law: str) -> ParameterValues:
-        """The values of a law at the better of two optima.
-
-        One is reached from the model's values, the other from the optimum of the law that this law
-        contains: it cannot fit worse than that one.
-        """
-        if law not in self._found:
+        """The values of a law, fitted from the optimum of the law that it contains."""
+        if law not in self._fitted:
             contained = LAWS[law].contains
-            starts = [self._model.values, *([self.of(contained)] if contained else [])]
-            self._found[law] = best_of(self._optimum(LAWS[law].unknowns, each) for each in starts)
-        return self._found[law].values
+            start = self.of(contained) if contained else self._model.values
+            self._fitted[law] = self._optimum(LAWS[law].unknowns, start)
+        return self._fitted[law]
 
-    def _optimum(self, unknowns: tuple[str, ...], start: ParameterValues) -> Optimum:
+    def _optimum(self, unknowns: tuple[str, ...], start: ParameterValues) -> ParameterValues:
         neutral = {name: value for name, value in NEUTRAL.items() if name not in unknowns}
-        start = start.changed(list(neutral), list(neutral.values()))
         return fit_growing_segments(
             self._recordings,
             [*self._other, *unknowns],
-            start,
+            start.changed(list(neutral), list(neutral.values())),
             self._model.window,
             self._model.scale,
-        )
+        ).values
 
 
 def _error(model: Model, values: ParameterValues, recordings: list[Recording]) -> float:
     """Root mean square of the weighted residuals of all measured channels."""
-    squares = []
-    for each in recordings:
-        predicted = predict_prepared(model._replace(values=values), each).predicted
-        squares.append(((each.measured - predicted) / model.scale) ** 2)
-    return float(np.sqrt(np.nanmean(np.concatenate(squares))))
+    fitted = model._replace(values=values)
+    residuals = [r.measured - fitted.predict(r).predicted for r in recordings]
+    return float(np.sqrt(np.nanmean((np.concatenate(residuals) / model.scale) ** 2)))

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.optimisation import (
-    COARSE,
-    Optimum,
-    best_of,
-    misfit,
-    optimise,
-    residual_scale,
-)
-from furuta_identification.fitting.validation import worst_pendulum_fit
+from furuta_identification.shooting.optimisation import Optimum, optimise, residual_scale
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
@@ -20,12 +12,8 @@ from furuta_identification.shooting.unknowns import is_zero
 from furuta_recordings.recording import Recording
 
 # Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
-# must be. The next schedule is used if the one before does not reach GOOD_FIT.
-SEGMENT_SCHEDULES = ((0.5, 1.5, np.inf), (0.3, 0.6, 1.2, 2.4, np.inf), (0.5, np.inf))
-# Fit of the pendulum's angle [%] that needs no other schedule.
-GOOD_FIT = 95.0
-# Number of recordings whose own fits are starts of the common fit.
-MOST_STARTS = 2
+# must be.
+SEGMENT_LENGTHS = (0.5, 1.5, np.inf)
 
 
 def fit_growing_segments(
@@ -35,28 +23,15 @@ def fit_growing_segments(
     window: float,
     scale: np.ndarray,
 ) -> Optimum:
-    """Fit one recording in ever longer segments; of several schedules the best result.
+    """Fit one recording in ever longer segments of at most ``window`` [s].
 
     The ``excerpts`` of a recording share its zero.
     """
-    reached: list[tuple[float, Optimum]] = []
-    for schedule in SEGMENT_SCHEDULES:
-        values, size = start, scale
-        for length in schedule:
-            optimum = optimise(
-                excerpts,
-                names,
-                values,
-                min(length, window),
-                size,
-                robust=True,
-                tolerance=COARSE,
-            )
-            values, size = optimum.values, residual_scale(optimum)
-        reached.append((float(np.sum((size / scale) ** 2)), optimum))
-        if worst_pendulum_fit(optimum) > GOOD_FIT:
-            break
-    return min(reached, key=lambda each: each[0])[1]
+    lengths = dict.fromkeys(min(length, window) for length in SEGMENT_LENGTHS)
+    for length in lengths:
+        optimum = optimise(excerpts, names, start, length, scale, robust=True)
+        start, scale = optimum.values, residual_scale(optimum)
+    return optimum
 
 
 def fit_together(
@@ -66,28 +41,21 @@ def fit_together(
     window: float,
     scale: np.ndarray,
 ) -> Optimum:
-    """The best common fit of all recordings, started from the fits of single recordings.
+    """The common fit of all recordings, started from the fit of one that suits all best.
 
     Each recording alone leads near the common optimum. A common fit from a worse start can end in
     a local optimum. Each recording has its own zero.
     """
     if len(own_fits) == 1:
         return own_fits[0]
-    own_fits = [_with_all_zeros(fit, names, own_fits) for fit in own_fits]
+    zeros = [fit.values["zero"] for fit in own_fits]
+    zero_names = [name for name in names if is_zero(name)]
+    starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
 
-    def common_misfit(fit: Optimum) -> float:
-        parts = [cut_into_segments(each, window, scale, fit.values) for each in recordings]
-        return misfit(Shooting(parts, names, fit.values), fit.values.vector(names))
+    def common_misfit(start: ParameterValues) -> float:
+        parts = [cut_into_segments(r, window, scale, start) for r in recordings]
+        residuals = Shooting(parts, names, start).residuals(start.vector(names))
+        return float(np.sum(np.log1p(residuals**2)))
 
-    reached = [
-        optimise(recordings, names, fit.values, window, scale, robust=True, tolerance=COARSE)
-        for fit in sorted(own_fits, key=common_misfit)[:MOST_STARTS]
-    ]
-    return best_of(reached)
-
-
-def _with_all_zeros(fit: Optimum, names: list[str], own_fits: list[Optimum]) -> Optimum:
-    """A recording's own fit with the zeros of all recordings."""
-    zeros = [each.values["zero"] for each in own_fits]
-    values = fit.values.changed([name for name in names if is_zero(name)], zeros)
-    return fit._replace(values=values)
+    best = min(starts, key=common_misfit)
+    return optimise(recordings, names, best, window, scale, robust=True)

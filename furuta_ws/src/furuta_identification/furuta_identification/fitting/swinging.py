@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.fitting.coulomb import assume_if_one_way, with_second_start
-from furuta_identification.fitting.identifiability import identifiable
-from furuta_identification.fitting.linearity import is_linear
-from furuta_identification.fitting.model import Model
-from furuta_identification.fitting.optimisation import COARSE, Optimum, optimise, residual_scale
-from furuta_identification.fitting.recording_differences import difference_covariance
+from furuta_identification.fitting.coulomb import assume_if_one_way
 from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
-from furuta_identification.fitting.validation import worst_pendulum_fit
 from furuta_identification.fitting.waves import significant_orders
-from furuta_identification.preparation.options import Options
-from furuta_identification.regression.momentum import MomentumFit
+from furuta_identification.model import Model
+from furuta_identification.options import Options
+from furuta_identification.regression.first_estimate import MomentumFit
+from furuta_identification.shooting.optimisation import (
+    FINE,
+    Optimum,
+    optimise,
+    residual_scale,
+    worst_pendulum_fit,
+)
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import (
     BODY,
@@ -26,9 +28,14 @@ from furuta_identification.shooting.unknowns import (
     wave_names,
     zero_name,
 )
-from furuta_identification.uncertainty.covariance import covariance_and_information
+from furuta_identification.uncertainty.covariance import (
+    covariance_and_information,
+    difference_covariance,
+)
+from furuta_identification.uncertainty.identifiability import identifiable
+from furuta_identification.uncertainty.jackknife import is_linear
 from furuta_identification.uncertainty.sensor_errors import noise_of
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, by_run
 
 # Smallest scale of the residuals [rad, rad/s] at first, while the model is still incomplete.
 FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
@@ -54,27 +61,29 @@ def fit_swinging(
     options.report("fitting each recording")
     own_fits = _own_fits(recordings, [*names, "zero"], start, window)
     options.report("fitting all together")
-    numbers = sorted({each.number for each in recordings})
+    numbers = [run[0].number for run in by_run(recordings)]
     zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
-    optimum, scale = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
+    optimum = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
     options.report("looking for waves of the torque, then the final fit")
-    optimum, found = _final_fit(optimum, recordings, window, scale)
+    optimum = _final_fit(optimum)
     why = _against_free_runs(optimum) if options.window is None else ""
     if why:
         findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, regression, findings, options)
     options.report("computing standard errors")
-    bristle = [name for name in LUGRE if name not in optimum.shooting.names]
+    bristle = [name for name in LUGRE if name not in optimum.names]
     assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
-    covariance, information = covariance_and_information(
-        optimum.shooting, optimum.vector, assumed, swinging=True
-    )
+    covariance, information = covariance_and_information(optimum, assumed, swinging=True)
     covariance = covariance + difference_covariance(optimum, own_fits, assumed)
-    names, certainty = [*optimum.shooting.names, *assumed], (covariance, information)
-    findings = [*findings, *setting.findings, *found]
-    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
+    names, certainty = [*optimum.names, *assumed], (covariance, information)
+    orders = [order for order in optimum.values.wave_orders if order > 1]
+    ripple = [f"torque ripple with {order} waves per turn" for order in orders]
+    findings = [*findings, *setting.findings, *ripple]
+    return Model(
+        optimum.values, names, *certainty, window, optimum.scale, regression, recordings, findings
+    )
 
 
 def _against_free_runs(optimum: Optimum) -> str:
@@ -90,51 +99,30 @@ def _own_fits(
     recordings: list[Recording], names: list[str], start: ParameterValues, window: float
 ) -> list[Optimum]:
     """A fit of each recording alone, with all its excerpts."""
-    scale = np.median([noise_of(each) for each in recordings], axis=0)
+    scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    numbers = sorted({each.number for each in recordings})
-    groups = [[each for each in recordings if each.number == number] for number in numbers]
-    return [fit_growing_segments(each, names, start, window, scale) for each in groups]
+    return [fit_growing_segments(run, names, start, window, scale) for run in by_run(recordings)]
 
 
 def _common_fit(
     recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
-) -> tuple[Optimum, np.ndarray]:
-    """A coarse fit of all recordings together, and the scale of its residuals (4,)."""
-    scale = np.median([residual_scale(each) for each in own_fits], axis=0)
+) -> Optimum:
+    """A coarse fit of all recordings together."""
+    scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
     optimum = fit_together(recordings, names, own_fits, window, scale)
     scale = residual_scale(optimum)
-    optimum = optimise(
-        recordings, names, optimum.values, window, scale, robust=True, tolerance=COARSE
-    )
-    return with_second_start(optimum, recordings, window, scale), scale
+    return optimise(recordings, names, optimum.values, window, scale, robust=True)
 
 
-def _final_fit(
-    optimum: Optimum, recordings: list[Recording], window: float, scale: np.ndarray
-) -> tuple[Optimum, list[str]]:
+def _final_fit(optimum: Optimum) -> Optimum:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
     for _ in range(ROUNDS_OF_WAVES):
-        orders = significant_orders(optimum, recordings, scale)
+        orders = significant_orders(optimum)
         if not orders:
             break
-        optimum = _with_waves(optimum, orders, recordings, window, scale)
-    orders = [order for order in optimum.values.wave_orders if order > 1]
-    found = [f"torque ripple with {order} waves per turn" for order in orders]
-    names = optimum.shooting.names
-    names = [*names, *identifiable(optimum, [name for name in LUGRE if name not in names])]
-    return optimise(recordings, names, optimum.values, window, scale, robust=True), found
-
-
-def _with_waves(
-    optimum: Optimum,
-    orders: list[int],
-    recordings: list[Recording],
-    window: float,
-    scale: np.ndarray,
-) -> Optimum:
-    """A coarse fit with more waves of the torque."""
-    added = [name for order in orders for name in wave_names(order)]
-    start = optimum.values.changed(added, np.zeros(len(added)))
-    names = [*optimum.shooting.names, *added]
-    return optimise(recordings, names, start, window, scale, robust=True, tolerance=COARSE)
+        added = [name for order in orders for name in wave_names(order)]
+        start = optimum.values.changed(added, np.zeros(len(added)))
+        optimum = optimum.refitted([*optimum.names, *added], start)
+    bristle = [name for name in LUGRE if name not in optimum.names]
+    names = [*optimum.names, *identifiable(optimum, bristle)]
+    return optimum.refitted(names, optimum.values, FINE)

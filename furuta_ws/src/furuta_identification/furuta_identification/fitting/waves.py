@@ -20,13 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.optimisation import Optimum
-from furuta_identification.regression.whiteness import correlation_length
+from furuta_identification.regression.autocorrelation import correlation_length
+from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.uncertainty.torque_waves import slopes_in_waves
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES
-from furuta_recordings.recording import Recording
 
 # Waves per turn that are tried, and most waves.
 HIGHEST_ORDER, MOST_WAVES = 60, 6
@@ -48,24 +46,22 @@ class _Problem(NamedTuple):
     samples: float
 
 
-def significant_orders(
-    optimum: Optimum, recordings: list[Recording], scale: np.ndarray
-) -> list[int]:
+def significant_orders(optimum: Optimum) -> list[int]:
     """Orders of the waves that the data contain beyond those of the model."""
-    turns = max(float(np.ptp(each.measured[:, PHI])) for each in recordings) / (2.0 * np.pi)
+    recordings, values = optimum.recordings, optimum.values
+    turns = max(float(np.ptp(r.measured[:, PHI])) for r in recordings) / (2.0 * np.pi)
     if turns < FEWEST_TURNS:
         return []
-    parts = [cut_into_segments(each, SEGMENT, scale, optimum.values) for each in recordings]
-    shooting = Shooting(parts, optimum.shooting.names, optimum.values)
-    known = optimum.values.wave_orders
-    orders = [order for order in range(2, HIGHEST_ORDER + 1) if order not in known]
+    parts = [cut_into_segments(r, SEGMENT, optimum.scale, values) for r in recordings]
+    shooting = Shooting(parts, optimum.names, values)
+    orders = [n for n in range(2, HIGHEST_ORDER + 1) if n not in values.wave_orders]
     problem = _problem(shooting, optimum.vector, orders)
     return sorted(orders[k] for k in _selected(problem))
 
 
 def _problem(shooting: Shooting, vector: np.ndarray, orders: list[int]) -> _Problem:
     others, residuals = shooting.slopes(vector), shooting.residuals(vector)
-    waves = slopes_in_waves(shooting, vector, orders)
+    waves = shooting.slopes_in_waves(vector, orders)
     folds = _folds(shooting)
     for fold in np.unique(folds):
         here = folds == fold

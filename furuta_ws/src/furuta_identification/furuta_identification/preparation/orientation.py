@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from furuta_identification.preparation.options import AUTO_DIRECTION, ZEROS
+from furuta_identification.options import AUTO_DIRECTION, ZEROS
 from furuta_identification.regression.pendulum_motion import PendulumMotion, pendulum_motion
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
@@ -17,15 +15,6 @@ AUTO, UPRIGHT, HANGING = ZEROS
 SURE = 3.0
 # Largest error [rad] of a zero that is meant to be upright or hanging.
 LARGEST_ERROR = 0.5
-
-
-class Orientation(NamedTuple):
-    """θ = direction·measured + zero [rad], in words and with its source."""
-
-    direction: float
-    zero: float
-    words: str
-    source: str
 
 
 def oriented(
@@ -39,30 +28,30 @@ def oriented(
     other recordings, which counts if the motion does not tell it.
     """
     motion = pendulum_motion(recording)
-    direction, found = _direction(recording, motion, direction, usual)
+    direction, remarks = _direction(recording, motion, direction, usual)
     shift, words, source = _zero(recording, motion, zero)
     turned = recording.reoriented(direction * shift, direction, 1.0)
     turns = 2.0 * np.pi * np.round(np.mean(turned.measured[:, THETA]) / (2.0 * np.pi))
     turned.measured[:, THETA] -= turns
     formula = _formula(shift, direction)
-    return turned, direction, [f"pendulum angle 0 is {words} ({source}): θ = {formula}", *found]
+    return turned, direction, [f"pendulum angle 0 is {words} ({source}): θ = {formula}", *remarks]
 
 
 def _direction(
     recording: Recording, motion: PendulumMotion, given: float, usual: float
 ) -> tuple[float, list[str]]:
     """Direction of the pendulum's angle, and where it is from if not from the motion."""
-    found = -1.0 if motion.coupling < 0.0 else 1.0
+    measured = -1.0 if motion.coupling < 0.0 else 1.0
     sure = abs(motion.coupling) > SURE * motion.coupling_error
     if given != AUTO_DIRECTION:
-        if sure and found != given:
+        if sure and measured != given:
             raise ParameterError(
                 f"{recording.name}: the pendulum's direction is given as {given:g}, but it moves "
-                f"as if it were {found:g}"
+                f"as if it were {measured:g}"
             )
         return given, []
     if sure:
-        return found, []
+        return measured, []
     if usual != AUTO_DIRECTION:
         return usual, ["the pendulum's direction is that of the other recordings"]
     raise ParameterError(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from furuta_identification.options import AUTO_DIRECTION, Options
 from furuta_identification.preparation.first_command import with_first_command
-from furuta_identification.preparation.options import AUTO_DIRECTION, Options
 from furuta_identification.preparation.orientation import oriented
 from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
 from furuta_model.parameters import ParameterError
@@ -39,45 +39,48 @@ def prepare_all(
     """The recordings of one rig. They share units; each has its own orientation."""
     ready, findings = [], []
     for recording in recordings:
-        usable, found = cleaned(
+        usable, remarks = cleaned(
             recording._replace(command=options.command_scale * recording.command)
         )
         ready.append(usable)
-        findings += [f"{recording.name}: {each}" for each in found]
-    angles, found = angle_unit(ready, options.angles)
-    findings += found
+        findings += named(recording, remarks)
+    angles, remarks = angle_unit(ready, options.angles)
+    findings += remarks
     moving = []
     for recording in ready:
-        usable, found = _with_speeds_and_command(in_unit(recording, angles))
+        usable, about_speeds = with_usable_speeds(in_unit(recording, angles))
+        usable, about_command = with_first_command(usable)
         moving.append(usable)
-        findings += found
-    return _oriented(moving, options, usual, Prepared([], angles, usual, findings))
+        findings += named(recording, [*about_speeds, *about_command])
+    turned, direction, remarks = _oriented(moving, options, usual)
+    return Prepared(turned, angles, direction, [*findings, *remarks])
 
 
-def _with_speeds_and_command(recording: Recording) -> tuple[Recording, list[str]]:
-    recording, findings = with_usable_speeds(recording)
-    recording, found = with_first_command(recording)
-    return recording, [f"{recording.name}: {each}" for each in (*findings, *found)]
+def named(recording: Recording, remarks: list[str]) -> list[str]:
+    """Remarks with the name of their recording."""
+    return [f"{recording.name}: {remark}" for remark in remarks]
 
 
 def _oriented(
-    recordings: list[Recording], options: Options, usual: float, prepared: Prepared
-) -> Prepared:
-    """Every recording with θ = 0 upright; those that do not tell their direction come last."""
+    recordings: list[Recording], options: Options, usual: float
+) -> tuple[list[Recording], float, list[str]]:
+    """Every recording with θ = 0 upright; those that do not tell their direction come last.
+
+    Also returns the last direction and what was found.
+    """
     turned: dict[int, Recording] = {}
-    findings = prepared.findings
+    findings: list[str] = []
     for last_try in (False, True):
         for number, recording in enumerate(recordings):
             if number in turned:
                 continue
             try:
-                turned[number], usual, found = oriented(
+                turned[number], usual, remarks = oriented(
                     recording, options.zero, options.direction, usual
                 )
             except ParameterError:
                 if last_try or len(recordings) == 1:
                     raise
                 continue
-            findings = [*findings, *(f"{recording.name}: {each}" for each in found)]
-    ready = [turned[k] for k in range(len(recordings))]
-    return Prepared(ready, prepared.angles, usual, findings)
+            findings += named(recording, remarks)
+    return [turned[k] for k in range(len(recordings))], usual, findings

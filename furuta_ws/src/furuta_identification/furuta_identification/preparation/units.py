@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from furuta_identification.preparation.options import ANGLE_UNITS
+from furuta_identification.options import ANGLE_UNITS
 from furuta_identification.regression.pendulum_motion import pendulum_motion
 from furuta_identification.regression.speeds import slope_factor
 from furuta_model.parameters import ParameterError
@@ -30,15 +30,15 @@ def angle_unit(recordings: list[Recording], angles: str) -> tuple[str, list[str]
     The likelihood is that of the pendulum's accelerations: gravity's torque depends on the sine of
     the angle. A small swing fits almost equally well in either unit.
     """
-    unknown = [each for each in recordings if not each.in_radians]
+    unknown = [recording for recording in recordings if not recording.in_radians]
     if angles != AUTO or not unknown:
         given = angles == DEGREES and bool(unknown)
         findings = [f"angles in {DEGREES} (as given)"] if given else []
         return (RADIANS if angles == AUTO else angles), findings
-    odds = USUAL + sum(_log_odds_of_radians(each) for each in unknown)
+    odds = USUAL + sum(_log_odds_of_radians(recording) for recording in unknown)
     if abs(odds) < SURE:
         raise ParameterError(
-            f"{', '.join(each.name for each in unknown)}: the motion does not tell whether angles "
+            f"{', '.join(r.name for r in unknown)}: the motion does not tell whether angles "
             f"are in {RADIANS} or {DEGREES}; give their unit with --angles"
         )
     return (RADIANS, []) if odds > 0.0 else (DEGREES, [f"angles in {DEGREES} (detected)"])
@@ -70,7 +70,7 @@ def with_usable_speeds(recording: Recording) -> tuple[Recording, list[str]]:
         factor = slope_factor(recording, angle, speed)
         if factor is None:
             continue
-        unit, size = min(SPEED_UNITS.items(), key=lambda each: abs(abs(factor) / each[1] - 1.0))
+        unit, size = min(SPEED_UNITS.items(), key=lambda unit: abs(abs(factor) / unit[1] - 1.0))
         if abs(abs(factor) / size - 1.0) > LARGEST_UNIT_ERROR:
             measured[:, speed] = np.nan
             findings.append(

@@ -16,11 +16,11 @@ arm's equation gives the rest in volts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
 
+from furuta_identification.regression.linear_fit import LinearFit, regress
 from furuta_identification.regression.windows import FEWEST_WINDOWS, WINDOW, Windows
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
@@ -31,34 +31,16 @@ SLOW = 0.05
 LARGEST_SLOW_PART = 0.05
 
 
-class Regression(NamedTuple):
-    """Coefficients (k,), their standard errors (k,), and the unexplained part, 0 to 1."""
-
-    coefficients: np.ndarray
-    errors: np.ndarray
-    misfit: float
-
-
-def ratios(recording: Recording) -> np.ndarray:
-    """(β/δ, γ/δ) [s²/rad…] by the pendulum's equation; their signs show the angles' orientation."""
-    return pendulum_equation(recording, Windows(recording.time)).coefficients[:2]
-
-
-def pendulum_misfit(recording: Recording) -> float:
-    """Part of the pendulum's equation that no coefficients explain, 0 to 1."""
-    return pendulum_equation(recording, Windows(recording.time)).misfit
-
-
 def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
     """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
     windows = Windows(recording.time)
     beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
     x, moving = _arm_columns(recording, windows, beta, gamma)
     delayed = (recording.with_delayed_command(delay) for delay in delays)
-    return np.array([_regress(x, _commanded(each, windows)[moving]).misfit for each in delayed])
+    return np.array([regress(x, _commanded(r, windows)[moving]).misfit for r in delayed])
 
 
-def pendulum_equation(recording: Recording, windows: Windows) -> Regression:
+def pendulum_equation(recording: Recording, windows: Windows) -> LinearFit:
     """β/δ, γ/δ, the joint's viscous/δ and Coulomb/δ friction, then zero and tilt."""
     phi, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
@@ -71,17 +53,17 @@ def pendulum_equation(recording: Recording, windows: Windows) -> Regression:
     ]
     if np.ptp(phi) > 1.0:
         columns += [-windows.mean(c * np.sin(phi)), windows.mean(c * np.cos(phi))]
-    return _regress(np.array(columns).T, windows.mean(s))
+    return regress(np.array(columns).T, windows.mean(s))
 
 
-def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> Regression:
+def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> LinearFit:
     """α, δ, viscous friction, Coulomb level forward and backward, with β and γ in units of δ.
 
     Windows in which the arm rests do not count. If the arm always turned in one direction, its
     Coulomb friction cannot be distinguished from a smaller voltage and is assumed to be zero.
     """
     x, moving = _arm_columns(recording, windows, beta, gamma)
-    return _regress(x, _commanded(recording, windows)[moving])
+    return regress(x, _commanded(recording, windows)[moving])
 
 
 def ceiling_misfits(
@@ -143,23 +125,3 @@ def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray
     if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
         return np.zeros_like(forward), np.zeros_like(backward), moving
     return forward, backward, moving
-
-
-def _regress(x: np.ndarray, y: np.ndarray) -> Regression:
-    """Fit y (n,) = x (n, k) · coefficients.
-
-    Windows overlap by half, which doubles the variance. A coefficient whose column is zero stays
-    zero, and its standard error is infinite.
-    """
-    scale = np.linalg.norm(x, axis=0)
-    used = scale > 0.0
-    coefficients, errors = np.zeros(len(scale)), np.full(len(scale), np.inf)
-    x, scale = x[:, used] / scale[used], scale[used]
-    solution, _, _, _ = np.linalg.lstsq(x, y, rcond=1e-6)
-    residual = y - x @ solution
-    variance = 2.0 * residual @ residual / max(1, len(y) - len(scale))
-    coefficients[used] = solution / scale
-    errors[used] = np.sqrt(variance * np.diag(np.linalg.pinv(x.T @ x, rcond=1e-12))) / scale
-    size = float(np.linalg.norm(y))
-    misfit = float(np.linalg.norm(residual)) / size if size else 1.0
-    return Regression(coefficients, errors, misfit)

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_identification.regression.linear_fit import regress
 from furuta_identification.regression.speeds import REACH, with_speeds
-from furuta_identification.regression.whiteness import correlation_length
 from furuta_identification.regression.windows import WINDOW, Windows
 from furuta_model.state import PHI_DOT, THETA_DOT
 from furuta_recordings.recording import Recording
@@ -34,8 +34,6 @@ LARGEST_TURN, SHORTEST_WINDOW = 3.0, 0.04
 FAST = 15.0
 # Farthest turn [rad] over which a slope is taken, and slowest motion [rad/s].
 LARGEST_STEP, SLOWEST = 0.2, 1e-6
-# Size of a regressor, relative to the largest, that rounding can have: that of an arm at rest.
-ROUNDING = 1e-9
 
 
 class PendulumMotion(NamedTuple):
@@ -84,13 +82,13 @@ def _from_zero(recording: Recording, windows: Windows, zero: float) -> PendulumM
 
     The zero hardly changes the misfit of a slow motion, but gravity is known at the right one only.
     """
-    found = []
+    motions = []
     for _ in range(STEPS):
         step, motion = _regression(recording.reoriented(zero, 1.0, 1.0), windows, zero)
-        found.append(motion)
+        motions.append(motion)
         zero = (zero + step + np.pi) % (2.0 * np.pi) - np.pi
-    best = min(found, key=lambda motion: motion.misfit)
-    return found[-1] if found[-1].misfit <= SAME * best.misfit else best
+    best = min(motions, key=lambda motion: motion.misfit)
+    return motions[-1] if motions[-1].misfit <= SAME * best.misfit else best
 
 
 def _regression(
@@ -109,27 +107,10 @@ def _regression(
     )
     weights = _weights(v, w, windows)
     x, y = weights[:, None] * np.array(columns).T, weights * y
-    scale = np.linalg.norm(x, axis=0)
-    nothing = scale <= ROUNDING * np.max(scale)
-    x[:, nothing], scale[nothing] = 0.0, 1.0
-    solution = np.where(nothing, 0.0, np.linalg.lstsq(x / scale, y, rcond=1e-9)[0])
-    residual = y - x @ (solution / scale)
-    # Windows overlap by half, so at most every other one counts.
-    correlated = max(2.0, correlation_length(residual))
-    variance = correlated * float(residual @ residual) / len(y)
-    inverse = np.linalg.pinv((x / scale).T @ (x / scale), rcond=1e-12)
-    errors = np.sqrt(np.maximum(variance * np.diag(inverse), 0.0)) / scale
-    errors[nothing] = np.inf
-    gravity, across, coupling = (solution / scale)[:3]
-    size = float(np.linalg.norm(y))
+    fit = regress(x, y)
+    gravity, across, coupling = fit.coefficients[:3]
     motion = PendulumMotion(
-        zero,
-        coupling,
-        errors[2],
-        gravity,
-        errors[0],
-        float(np.linalg.norm(residual)) / size if size else 1.0,
-        len(y) / correlated,
+        zero, coupling, fit.errors[2], gravity, fit.errors[0], fit.misfit, fit.samples
     )
     return float(np.arctan2(across, gravity)), motion.upright()
 

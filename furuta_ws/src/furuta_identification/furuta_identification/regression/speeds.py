@@ -10,18 +10,20 @@ from furuta_recordings.recording import Recording
 
 # Time [s] to either side of a sample over which the slope of an angle is taken.
 REACH = 0.01
+# Part of the largest arm speed that counts as motion in a direction.
+MOVING_PART = 0.1
 
 
 def speed_lag(recording: Recording) -> float:
     """How far measured arm speeds lag behind measured angles [s]; 0 if either is missing."""
-    found = _speed_as_slope(recording, PHI, PHI_DOT)
-    return 0.0 if found is None else float(np.clip(found[1] / (found[0] or 1.0), 0.0, 0.05))
+    fit = _speed_as_slope(recording, PHI, PHI_DOT)
+    return 0.0 if fit is None else float(np.clip(fit[1] / (fit[0] or 1.0), 0.0, 0.05))
 
 
 def slope_factor(recording: Recording, angle: int, speed: int) -> float | None:
     """The slope of the channel ``angle`` over the channel ``speed``; None without motion."""
-    found = _speed_as_slope(recording, angle, speed)
-    return None if found is None else float(found[0])
+    fit = _speed_as_slope(recording, angle, speed)
+    return None if fit is None else float(fit[0])
 
 
 def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray | None:
@@ -31,8 +33,8 @@ def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray 
         return None
     windows = Windows(recording.time)
     columns = np.array([windows.mean(v), -windows.slope(v)]).T
-    found: np.ndarray = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
-    return found
+    factors: np.ndarray = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
+    return factors
 
 
 def with_speeds(recording: Recording, lag: float, reach: float = REACH) -> Recording:
@@ -65,3 +67,10 @@ def _slope(time: np.ndarray, angle: np.ndarray, seconds: float) -> np.ndarray:
     tt = np.convolve(t * t, kernel, "valid") / count - t_mean * t_mean
     slope: np.ndarray = ty / tt
     return slope
+
+
+def turns_one_way(recording: Recording) -> bool:
+    """Whether the arm turns in one direction only."""
+    v = with_speeds(recording, 0.0).measured[:, PHI_DOT]
+    fast = MOVING_PART * np.max(np.abs(v))
+    return not (np.any(v > fast) and np.any(v < -fast))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from furuta_identification.shooting.rig_model import NO_RIPPLE, RigModel
+from furuta_identification.shooting.rig_model import RigModel
 from furuta_identification.shooting.unknowns import (
     LOGARITHMIC,
     UNKNOWNS,
@@ -19,6 +19,8 @@ from furuta_identification.shooting.unknowns import (
     zero_name,
 )
 from furuta_model.friction.parameters import Friction
+from furuta_model.parts.motion import PendulumFriction
+from furuta_model.parts.tilt import Tilt
 from furuta_model.pendulum import FurutaPendulum
 
 # How far a logarithm may move from its starting value in one fit: a factor of 20.
@@ -34,7 +36,7 @@ class ParameterValues:
     @classmethod
     def of(cls, **given: float) -> ParameterValues:
         """From physical values; all others are at the mean of their prior, without a ceiling."""
-        coordinates = {each.name: each.mean for each in UNKNOWNS} | {"ceiling": math.inf}
+        coordinates = {about.name: about.mean for about in UNKNOWNS} | {"ceiling": math.inf}
         for name, value in given.items():
             coordinates[name] = math.log(value) if name in LOGARITHMIC else value
         return cls(coordinates)
@@ -74,7 +76,7 @@ class ParameterValues:
     def waves(self) -> np.ndarray:
         """Order, cosine and sine amplitude [V] of each wave of the torque (k, 3)."""
         rows = [(o, *(self[name] for name in wave_names(o))) for o in self.wave_orders]
-        return np.array([row for row in rows if row[1] or row[2]] or NO_RIPPLE, dtype=float)
+        return np.array([row for row in rows if row[1] or row[2]], dtype=float).reshape(-1, 3)
 
     @property
     def body(self) -> FurutaPendulum:
@@ -103,10 +105,8 @@ class ParameterValues:
         return RigModel(
             self.body,
             self.friction,
-            self["pendulum_viscous"],
-            self["pendulum_coulomb"],
-            self["tilt_x"],
-            self["tilt_y"],
+            PendulumFriction(self["pendulum_viscous"], self["pendulum_coulomb"]),
+            Tilt(self["tilt_x"], self["tilt_y"]),
             self.waves,
             self["load"],
         )

@@ -10,11 +10,12 @@ from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.rig_model import (
     RigModel,
     longest_step,
-    model_accelerations,
     move,
+    rig_accelerations,
 )
 from furuta_model.compiled import compiled
-from furuta_model.state import BRISTLE, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA_DOT
+from furuta_model.elementary import sin_cos
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
 # Speed [rad/s] that no rig reaches: beyond it a simulation has diverged.
@@ -70,14 +71,15 @@ def _predict(
         while upcoming < len(command) and command_time[upcoming] <= time[first]:
             upcoming += 1
         u = command[upcoming - 1] if upcoming > 0 else 0.0
-        torque = u - model.arm.sigma0 * x[BRISTLE] - model.arm.viscous * x[PHI_DOT]
-        rates = model_accelerations(x[0], x[1], x[2], x[3], torque, model)
+        torque = u - model.friction.sigma0 * x[BRISTLE] - model.friction.viscous * x[PHI_DOT]
+        sine, cosine = sin_cos(x[THETA])
+        rates = rig_accelerations(x[PHI], x[PHI_DOT], sine, cosine, x[THETA_DOT], torque, model)
         # States of the tracking loop after a long time at these accelerations.
         arm1, arm2 = x[PHI_DOT] - 0.5 * lag * rates[0], x[PHI_DOT] - lag * rates[0]
         pendulum1, pendulum2 = x[THETA_DOT] - 0.5 * lag * rates[1], x[THETA_DOT] - lag * rates[1]
         for k in range(first, end):
-            predicted[k, 0], predicted[k, 1] = x[0], arm2
-            predicted[k, 2], predicted[k, 3] = x[2], pendulum2
+            predicted[k, PHI], predicted[k, PHI_DOT] = x[PHI], arm2
+            predicted[k, THETA], predicted[k, THETA_DOT] = x[THETA], pendulum2
             if k + 1 == end:
                 break
             now = time[k]

@@ -1,30 +1,28 @@
-r"""The model that is fitted: (1) with friction in both joints, a tilted base and torque ripple.
+r"""The model that is fitted: the simulated rig's equations with smooth friction in the joint.
 
-If the base is tilted by small angles, the vertical is n = (t_x, t_y, 1) in coordinates of the
-base, and the potential is
-
-.. math::
-    V = δ(\cosθ + \sinθ(t_y\cosφ - t_x\sinφ))
-
-The motor's torque is u + Σ aₖ cos kφ + bₖ sin kφ. Order 1 is an unbalanced arm on the tilted
-base, higher orders are torque ripple of the motor. The arm has LuGre friction. The pendulum's
-joint, which never sticks, has c₂θ̇ + f₂ tanh(θ̇/w₀). The arm's Coulomb level may grow with the
-motor's torque, as in a gear: α₀ + l|u|.
+Body, LuGre friction, tilt, waves of the torque and integrator are those of the simulation
+(:mod:`furuta_model.parts.motion`). Two things differ. The Coulomb friction of the pendulum's joint
+is f tanh(θ̇/w₀), because a joint that truly sticks forgets its speed, and with it how the motion
+depends on the parameters. And the arm's Coulomb level may grow with the motor's torque, as in a
+gear: α₀ + l|u|.
 """
 
 from __future__ import annotations
 
-from math import cos, sin, tanh
 from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.shooting.bristle import bristle_after
-from furuta_model.compiled import compiled
-from furuta_model.friction.laws import LAWS, FrictionLaw
+from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import tanh
+from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
-from furuta_model.pendulum import FurutaPendulum, accelerations
+from furuta_model.parts.motion import PendulumFriction, mobilities
+from furuta_model.parts.pushes import Push, push_torques
+from furuta_model.parts.tilt import Tilt, with_tilt
+from furuta_model.parts.torque_waves import wave_torque
+from furuta_model.pendulum import FurutaPendulum, accelerations_at
 
 # Pendulum speed w₀ [rad/s] over which its joint's Coulomb friction changes its sign.
 JOINT_SPEED = 0.05
@@ -32,52 +30,42 @@ JOINT_SPEED = 0.05
 LONGEST_STEP = 1e-3
 # Shortest step [s]: a model that needs a shorter one does not describe a real rig.
 SHORTEST_STEP = 3e-5
-NO_RIPPLE = np.zeros((0, 3))
 LUGRE = LAWS.index("lugre")
 
 
 class RigModel(NamedTuple):
     """Parameters of the model.
 
-    ``ripple`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque. ``load``:
+    ``waves`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque. ``load``:
     increase of the Coulomb level with the motor's torque [V/V].
     """
 
-    body: FurutaPendulum = FurutaPendulum()
-    arm: Friction = Friction()
-    pendulum_viscous: float = 0.0
-    pendulum_coulomb: float = 0.0
-    tilt_x: float = 0.0
-    tilt_y: float = 0.0
-    ripple: np.ndarray = NO_RIPPLE
-    load: float = 0.0
+    body: FurutaPendulum
+    friction: Friction
+    pendulum_friction: PendulumFriction
+    tilt: Tilt
+    waves: np.ndarray
+    load: float
 
 
-@compiled
-def model_accelerations(
-    phi: float, v: float, theta: float, w: float, torque: float, m: RigModel
+@inlined
+def rig_accelerations(
+    phi: float, v: float, sine: float, cosine: float, w: float, torque: float, rig: RigModel
 ) -> tuple[float, float]:
-    """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V]."""
-    joint = -m.pendulum_viscous * w
-    if m.pendulum_coulomb != 0.0:
-        joint -= m.pendulum_coulomb * tanh(w / JOINT_SPEED)
-    if m.tilt_x != 0.0 or m.tilt_y != 0.0:
-        sine, cosine = sin(phi), cos(phi)
-        torque += m.body.delta * sin(theta) * (m.tilt_x * cosine + m.tilt_y * sine)
-        joint -= m.body.delta * cos(theta) * (m.tilt_y * cosine - m.tilt_x * sine)
-    for k in range(m.ripple.shape[0]):
-        order, a, b = m.ripple[k]
-        torque += a * cos(order * phi) + b * sin(order * phi)
-    v_dot, w_dot = accelerations(v, theta, w, torque, m.body)
+    """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V], sine and cosine are those of θ."""
+    tilted = with_tilt(Push(0.0, 0.0, 0.0, 0.0), rig.tilt)
+    arm, joint = push_torques(phi, sine, cosine, rig.body.delta, tilted)
+    joint -= rig.pendulum_friction.damping * w
+    if rig.pendulum_friction.coulomb != 0.0:
+        joint -= rig.pendulum_friction.coulomb * tanh(w / JOINT_SPEED)
+    torque += arm + wave_torque(phi, rig.waves)
+    v_dot, w_dot = accelerations_at(v, sine, cosine, w, torque, rig.body)
     # (1) has no torque on the joint; it acts through the inverse of the inertia matrix.
-    s, c = sin(theta), cos(theta)
-    inertia = m.body.alpha + m.body.beta * s * s
-    coupling = m.body.gamma * c
-    determinant = inertia * m.body.beta - coupling * coupling
-    return v_dot - coupling * joint / determinant, w_dot + inertia * joint / determinant
+    _, coupling, joint_mobility = mobilities(sine, cosine, rig.body)
+    return v_dot + coupling * joint, w_dot + joint_mobility * joint
 
 
-@compiled
+@inlined
 def _stage(
     phi: float,
     v: float,
@@ -85,18 +73,17 @@ def _stage(
     sine: float,
     cosine: float,
     w: float,
-    before: float,
+    start_speed: float,
     u: float,
     memory: float,
     h: float,
-    m: RigModel,
+    rig: RigModel,
     law: FrictionLaw,
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
-    arm = law.parameters
-    end, mean = bristle_after(v, memory, h, arm)
-    force = arm.sigma0 * mean + arm.sigma1 * (end - memory) / h + arm.viscous * v
-    v_dot, w_dot = model_accelerations(phi, v, theta, w, u - force, m)
+    friction, end = bristle_force(v, memory, h, law)
+    torque = u - law.parameters.viscous * v - friction
+    v_dot, w_dot = rig_accelerations(phi, v, sine, cosine, w, torque, rig)
     return v_dot, w_dot, end
 
 
@@ -104,9 +91,9 @@ _advance = integrator(_stage)
 
 
 @compiled
-def move(x: np.ndarray, u: float, dt: float, steps: int, m: RigModel) -> None:
+def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    _advance(x, u, dt, steps, m, FrictionLaw(LUGRE, _loaded(m.arm, m.load * abs(u))))
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, _loaded(rig.friction, rig.load * abs(u))))
 
 
 @compiled
@@ -117,7 +104,7 @@ def _loaded(p: Friction, more: float) -> Friction:
     )
 
 
-def longest_step(m: RigModel) -> float:
+def longest_step(rig: RigModel) -> float:
     """Integration step [s] that resolves the vibration of a stuck arm on its bristle."""
-    resolved = 0.01 / substeps_for(0.01, m.body, m.arm)
+    resolved = 0.01 / substeps_for(0.01, rig.body, rig.friction)
     return min(LONGEST_STEP, max(resolved, SHORTEST_STEP))

@@ -19,6 +19,7 @@ from furuta_identification.shooting.initial_states import (
 from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.prediction import predict
 from furuta_identification.shooting.segments import Segments
+from furuta_identification.shooting.unknowns import wave_names
 from furuta_model.state import PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
 # Gauss-Newton steps for the initial states after each change of the parameters, and for
@@ -50,11 +51,13 @@ class Shooting:
         self._solve(vector)
         return np.concatenate(self._solved)
 
-    def with_unknowns(self, names: list[str], added: np.ndarray) -> Shooting:
-        """With more unknowns ``names``, at the values ``added``, and the same initial states."""
-        wider = Shooting(self.parts, [*self.names, *names], self.values.changed(names, added))
+    def slopes_in_waves(self, vector: np.ndarray, orders: list[int]) -> np.ndarray:
+        """∂residuals/∂amplitude of the cosine and the sine wave of each order (n, 2k) [1/V]."""
+        added = [name for order in orders for name in wave_names(order)]
+        nothing = np.zeros(len(added))
+        wider = Shooting(self.parts, [*self.names, *added], self.values.changed(added, nothing))
         wider._initial = [initial.copy() for initial in self._initial]
-        return wider
+        return wider.slopes(np.append(vector, nothing), first=len(vector))
 
     def slopes(self, vector: np.ndarray, first: int = 0) -> np.ndarray:
         """∂residuals/∂vector, from element ``first`` on.

@@ -64,7 +64,7 @@ UNKNOWNS = (
     _positive("sigma1", "V s/rad", math.log(_BRISTLE.sigma1), 1.0),
     Unknown("load", "V/V", 0.0, 0.9, 0.0, 0.1),
 )
-BY_NAME = {each.name: each for each in UNKNOWNS}
+BY_NAME = {about.name: about for about in UNKNOWNS}
 _WAVE = re.compile(r"wave(\d+)_(cos|sin)")
 _ZERO = re.compile(r"zero\d+")
 

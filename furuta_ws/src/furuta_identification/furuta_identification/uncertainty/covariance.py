@@ -1,44 +1,80 @@
-"""Covariance of the fitted parameters: prior, noise, model errors, assumed values."""
+"""Covariance of the fitted parameters: scatter between blocks of time, and what it does not show.
+
+What it does not show are the priors, torque that varies with the arm's angle, values that had to be
+assumed, and differences between recordings.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from furuta_identification.regression.speeds import turns_one_way
+from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import prior_information
-from furuta_identification.uncertainty.bootstrap import sensor_covariance
+from furuta_identification.shooting.unknowns import is_zero, prior_information
 from furuta_identification.uncertainty.jackknife import block_covariance
-from furuta_identification.uncertainty.torque_waves import wave_slopes
+from furuta_identification.uncertainty.sensor_errors import noise_of
+from furuta_model.state import PHI
+
+# Waves per turn that unmodelled torque may have.
+ORDERS = range(2, 43)
+# Usual size of all waves together, as a part of the largest command. It applies where the
+# residuals show that the model is incomplete; they need not show its size on a short travel.
+USUAL_PART = 0.01
 
 
 def covariance_and_information(
-    shooting: Shooting, vector: np.ndarray, assumed: dict[str, float], swinging: bool = False
+    optimum: Optimum, assumed: dict[str, float], swinging: bool = False
 ) -> tuple[np.ndarray, np.ndarray]:
     """Covariance of the unknowns, then of the ``assumed`` ones (name: spread); and information.
 
     The information is that of the data alone. The covariance is a sum:
 
     - the part of the prior;
-    - for short segments, the effect of the sensors' errors (:func:`sensor_covariance`);
-    - for a ``swinging`` pendulum, the scatter between blocks of time (:func:`block_covariance`) and
-      the effect of a torque that varies with the arm's angle (:func:`wave_slopes`);
+    - the scatter between blocks of time (:func:`block_covariance`);
+    - for a ``swinging`` pendulum, the effect of a torque that varies with the arm's angle;
     - the effect of an error of the assumed values.
     """
+    shooting, vector = optimum.shooting, optimum.vector
     slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
     information = slopes.T @ slopes
     of_prior = prior_information(shooting.names)
     inverse = np.linalg.pinv(information + of_prior)
     gain = inverse @ slopes.T
     covariance = inverse @ of_prior @ inverse
-    if all(len(part.starts) > 1 for part in shooting.parts):
-        covariance += sensor_covariance(shooting, vector, residuals, gain)
+    covariance += block_covariance(shooting, slopes, residuals, information + of_prior)
     if swinging:
-        covariance += block_covariance(shooting, slopes, residuals, information + of_prior)
-        waves = wave_slopes(shooting, vector, residuals)
-        if waves is not None:
-            shifts = gain @ waves
-            covariance += shifts @ shifts.T
+        covariance += _wave_covariance(shooting, vector, residuals, gain)
     return _with_assumed(shooting, vector, assumed, covariance, information, gain)
+
+
+def _wave_covariance(
+    shooting: Shooting, vector: np.ndarray, residuals: np.ndarray, gain: np.ndarray
+) -> np.ndarray:
+    """The effect of waves of the torque at their expected size; 0 if noise explains everything.
+
+    Waves that are part of the model do not count. The others together are at least as large as the
+    residuals beyond the sensors' noise.
+    """
+    excess = float(residuals @ residuals) - _noise(shooting)
+    turns = max(np.ptp(part.recording.measured[:, PHI]) for part in shooting.parts)
+    if excess <= 0.0 or turns == 0.0:
+        return np.zeros((len(vector), len(vector)))
+    fitted = shooting.values.changed(shooting.names, vector).wave_orders
+    waves = shooting.slopes_in_waves(vector, [order for order in ORDERS if order not in fitted])
+    largest = max(part.recording.largest_command for part in shooting.parts)
+    usual = USUAL_PART * largest / np.sqrt(waves.shape[1] / 2)
+    size = max(usual, np.sqrt(excess / float(np.sum(waves**2))))
+    shifts: np.ndarray = size * (gain @ waves)
+    return shifts @ shifts.T
+
+
+def _noise(shooting: Shooting) -> float:
+    """The sum of squares that the sensors' noise explains."""
+    return sum(
+        len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
+        for part in shooting.parts
+    )
 
 
 def _with_assumed(
@@ -50,16 +86,14 @@ def _with_assumed(
     gain: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Both matrices enlarged by the assumed values and by what their errors change."""
-    for name, spread in assumed.items():
-        shift = -gain @ _slope_in(shooting, vector, name, spread) * spread
-        n = len(covariance)
-        covariance = np.pad(covariance, ((0, 1), (0, 1)))
-        information = np.pad(information, ((0, 1), (0, 1)))
-        covariance[:n, :n] += np.outer(shift[:n], shift[:n])
-        covariance[n, :n] = covariance[:n, n] = shift[:n] * spread
-        covariance[n, n] = spread**2
-        gain = np.vstack((gain, np.zeros(gain.shape[1])))
-    return covariance, information
+    fitted = len(covariance)
+    covariance = np.pad(covariance, ((0, len(assumed)), (0, len(assumed))))
+    for index, (name, spread) in enumerate(assumed.items(), start=fitted):
+        shift = np.zeros(len(covariance))
+        shift[:fitted] = -gain @ _slope_in(shooting, vector, name, spread) * spread
+        shift[index] = spread
+        covariance += np.outer(shift, shift)
+    return covariance, np.pad(information, ((0, len(assumed)), (0, len(assumed))))
 
 
 def _slope_in(shooting: Shooting, vector: np.ndarray, name: str, spread: float) -> np.ndarray:
@@ -68,3 +102,37 @@ def _slope_in(shooting: Shooting, vector: np.ndarray, name: str, spread: float) 
     values = shooting.values.changed([name], [shooting.values.coordinates[name] + step])
     changed = Shooting(shooting.parts, shooting.names, values)
     return (changed.residuals(vector) - shooting.residuals(vector)) / step
+
+
+def difference_covariance(
+    common: Optimum, own_fits: list[Optimum], assumed: dict[str, float]
+) -> np.ndarray:
+    """Covariance of the differences between the recordings' own fits and the common one.
+
+    What exceeds a recording's own errors is a difference between recordings that the model does
+    not describe: random effects as in DerSimonian and Laird (1986).
+    """
+    names = [*common.shooting.names, *assumed]
+    covariance = np.zeros((len(names), len(names)))
+    if len(own_fits) == 1:
+        return covariance
+    for fit in own_fits:
+        excess = _excess(common, fit, names, assumed)
+        covariance += np.outer(excess, excess) / len(own_fits)
+    return covariance
+
+
+def _excess(
+    common: Optimum, fit: Optimum, names: list[str], assumed: dict[str, float]
+) -> np.ndarray:
+    """The difference of each unknown beyond the standard error of the recording's own fit."""
+    one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
+    own, _ = covariance_and_information(fit, assumed, swinging=True)
+    excess = np.zeros(len(names))
+    for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):
+        if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
+            continue
+        difference = value - common.values.coordinates[name]
+        size = np.sqrt(max(0.0, difference**2 - own[k, k]))
+        excess[names.index(name)] = np.sign(difference) * size
+    return excess

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 
 # Smallest level [V], so that the rate of the bristle stays finite without friction.
@@ -27,3 +28,17 @@ class Friction(NamedTuple):
         float,
         About("levels are (1 + asymmetry) times for v > 0, (1 - asymmetry) for v < 0", "", -1, 1),
     ] = 0.0
+
+
+@inlined
+def with_levels(p: Friction, alpha0: float, alpha1: float, asymmetry: float) -> Friction:
+    """The parameters with other levels [V]; compiled code has no ``_replace``."""
+    return Friction(
+        sigma0=p.sigma0,
+        sigma1=p.sigma1,
+        alpha0=alpha0,
+        alpha1=alpha1,
+        stribeck_velocity=p.stribeck_velocity,
+        viscous=p.viscous,
+        asymmetry=asymmetry,
+    )

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.bristle import decay_fractions
 from furuta_model.parameters import About
-from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY, MOVED, TORQUE, VOLTAGES
+from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY, PlantMemory
 
 
 class Drive(NamedTuple):
@@ -28,23 +26,23 @@ class Drive(NamedTuple):
 
 
 @inlined
-def mean_torque(x: np.ndarray, voltage: float, dt: float, p: Drive) -> float:
+def mean_torque(memory: PlantMemory, voltage: float, dt: float, p: Drive) -> float:
     """Mean torque [V] over a sample of ``dt`` [s] at the drive's ``voltage`` [V]."""
-    sample = int(x[MOVED])
-    x[VOLTAGES + sample % DELAY_SLOTS] = voltage
+    sample = memory.moved
+    memory.voltages[sample % DELAY_SLOTS] = voltage
     if p.delay > 0:
         voltage = 0.0
         if sample >= p.delay:
-            voltage = x[VOLTAGES + (sample - p.delay) % DELAY_SLOTS]
+            voltage = memory.voltages[(sample - p.delay) % DELAY_SLOTS]
     voltage = without_dead_band(voltage, p.dead_band)
     if p.lag == 0.0:
-        x[TORQUE] = voltage
+        memory.torque = voltage
         return voltage
     d = dt / p.lag
     to_end, to_mean = decay_fractions(d)
-    step = d * (voltage - x[TORQUE])
-    mean = x[TORQUE] + step * to_mean
-    x[TORQUE] += step * to_end
+    step = d * (voltage - memory.torque)
+    mean = memory.torque + step * to_mean
+    memory.torque += step * to_end
     return mean
 
 

@@ -15,13 +15,11 @@ from __future__ import annotations
 from math import exp, pi, sin
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw
-from furuta_model.friction.parameters import Friction
+from furuta_model.friction.parameters import with_levels
 from furuta_model.parameters import About
-from furuta_model.parts.plant_memory import HEAT, LEVEL_CHANGE, MOVED
+from furuta_model.parts.plant_memory import PlantMemory
 
 
 class FrictionVariation(NamedTuple):
@@ -43,16 +41,21 @@ class FrictionVariation(NamedTuple):
 
 @inlined
 def vary_level(
-    x: np.ndarray, torque: float, friction: float, speed: float, dt: float, p: FrictionVariation
+    memory: PlantMemory,
+    torque: float,
+    friction: float,
+    speed: float,
+    dt: float,
+    p: FrictionVariation,
 ) -> None:
     """Move heat and level by a sample of ``dt`` [s].
 
     ``friction`` [V] and ``speed`` [rad/s] are those at its beginning, ``torque`` [V] is the mean.
     """
     cooling = exp(-dt / p.cooling_time)
-    x[HEAT] = x[HEAT] * cooling + friction * speed * p.cooling_time * (1.0 - cooling)
-    drift = p.drift * (1.0 - exp(-x[MOVED] * dt / p.drift_time))
-    x[LEVEL_CHANGE] = drift + p.heat * x[HEAT] + p.load * abs(torque)
+    memory.heat = memory.heat * cooling + friction * speed * p.cooling_time * (1.0 - cooling)
+    drift = p.drift * (1.0 - exp(-memory.moved * dt / p.drift_time))
+    memory.level_change = drift + p.heat * memory.heat + p.load * abs(torque)
 
 
 @compiled
@@ -61,16 +64,8 @@ def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) ->
     if p.angle != 0.0:
         change += p.angle * sin(p.angle_periods * phi + p.angle_phase)
     factor = max(1.0 + change, 0.0)
-    friction = law.parameters
+    levels = law.parameters
     return FrictionLaw(
         law.kind,
-        Friction(
-            friction.sigma0,
-            friction.sigma1,
-            friction.alpha0 * factor,
-            friction.alpha1 * factor,
-            friction.stribeck_velocity,
-            friction.viscous,
-            friction.asymmetry,
-        ),
+        with_levels(levels, levels.alpha0 * factor, levels.alpha1 * factor, levels.asymmetry),
     )

@@ -25,7 +25,7 @@ from furuta_model.friction.laws import (
 from furuta_model.integration import integrator
 from furuta_model.parameters import About
 from furuta_model.parts.friction_variation import FrictionVariation, varied
-from furuta_model.parts.plant_memory import LEVEL_CHANGE
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.pushes import Push, push_torques
 from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
 from furuta_model.parts.torque_waves import wave_torque
@@ -52,7 +52,7 @@ class Cogging(NamedTuple):
 
 
 class Body(NamedTuple):
-    """The rig in one sample, for the integrator. ``x`` is the plant's whole memory."""
+    """The rig in one sample, for the integrator."""
 
     model: FurutaPendulum
     variation: FrictionVariation
@@ -61,7 +61,7 @@ class Body(NamedTuple):
     springs: int
     push: Push
     waves: np.ndarray
-    x: np.ndarray
+    memory: PlantMemory
 
 
 @inlined
@@ -81,7 +81,7 @@ def _stage(
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
     model, joint_friction = body.model, body.pendulum_friction
-    law = varied(law, phi, body.x[LEVEL_CHANGE], body.variation)
+    law = varied(law, phi, body.memory.level_change, body.variation)
     arm, joint = push_torques(phi, sine, cosine, model.delta, body.push)
     torque = u - law.parameters.viscous * v + arm + cogging_torque(phi, body.cogging)
     torque += wave_torque(phi, body.waves)
@@ -89,7 +89,7 @@ def _stage(
     arm_sticks = not HAS_BRISTLE[law.kind]
     end = 0.0
     if HAS_SPRINGS[law.kind]:
-        friction, end = springs_force(body.x, v, h, body.springs, law)
+        friction, end = springs_force(body.memory, v, h, body.springs, law)
         torque -= friction
     elif not arm_sticks:
         friction, end = bristle_force(v, memory, h, law)
@@ -104,7 +104,7 @@ def _stage(
         v,
         start_speed,
         start_speed / h + v_dot,
-        body.x[THETA_DOT] / h + w_dot,
+        body.memory.x[THETA_DOT] / h + w_dot,
         mobility,
         coupling,
         joint_mobility,
@@ -166,8 +166,8 @@ def cogging_torque(phi: float, p: Cogging) -> float:
 
 
 @inlined
-def _keep(x: np.ndarray, body: Body) -> None:
-    keep_springs(x, body.springs)
+def _keep(body: Body) -> None:
+    keep_springs(body.memory, body.springs)
 
 
 advance_with_parts = integrator(_stage, _keep)
@@ -175,11 +175,11 @@ advance_with_parts = integrator(_stage, _keep)
 
 @inlined
 def varied_friction(
-    x: np.ndarray, law: FrictionLaw, springs: int, variation: FrictionVariation
+    memory: PlantMemory, law: FrictionLaw, springs: int, variation: FrictionVariation
 ) -> float:
     """Friction F [V] of the arm, with viscous part."""
-    law = varied(law, x[PHI], x[LEVEL_CHANGE], variation)
-    v = x[PHI_DOT]
+    law = varied(law, memory.x[PHI], memory.level_change, variation)
+    v = memory.x[PHI_DOT]
     if HAS_SPRINGS[law.kind]:
-        return springs_friction(x, v, springs, law) + law.parameters.viscous * v
-    return friction_force(v, x[BRISTLE], law)
+        return springs_friction(memory, v, springs, law) + law.parameters.viscous * v
+    return friction_force(v, memory.x[BRISTLE], law)

@@ -1,13 +1,13 @@
-"""Names what the plant remembers from sample to sample, beyond its state x (5,).
-
-One array holds all of it: the first five numbers are the plant state (:mod:`furuta_model.state`),
-the others belong to the parts of :mod:`furuta_model.parts`. They stay zero if no part needs them.
-"""
+"""What the plant remembers from sample to sample."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
+from furuta_model.block import zeros
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.state import PLANT_STATES, RIGID_STATES
 
@@ -15,21 +15,33 @@ from furuta_model.state import PLANT_STATES, RIGID_STATES
 MAX_DELAY: Final = 100
 DELAY_SLOTS: Final = MAX_DELAY + 1
 
-# Deflections of the springs of the Maxwell-slip law [rad]: now, and at the end of the substep.
-SPRINGS: Final = PLANT_STATES
-NEXT_SPRINGS: Final = SPRINGS + MAX_SPRINGS
-# Samples moved, readings taken.
-MOVED: Final = NEXT_SPRINGS + MAX_SPRINGS
-READ: Final = MOVED + 1
-# Relative change of the friction level by time, heat and load.
-LEVEL_CHANGE: Final = READ + 1
-# Heat of the friction, less what has been cooled [V rad].
-HEAT: Final = LEVEL_CHANGE + 1
-# Torque at the end of the last sample, behind the lag [V].
-TORQUE: Final = HEAT + 1
-# Last reading of each signal, which a stuck sensor repeats.
-LAST_READING: Final = TORQUE + 1
-# The last voltages of the drive [V] and the last states, for the delays.
-VOLTAGES: Final = LAST_READING + RIGID_STATES
-STATES: Final = VOLTAGES + DELAY_SLOTS
-PLANT_MEMORY: Final = STATES + RIGID_STATES * DELAY_SLOTS
+
+@dataclass
+class PlantMemory:
+    """The plant state, and what the parts of the rig remember, zero if no part needs it.
+
+    Attributes:
+        x: Plant state (5,), see :mod:`furuta_model.state`.
+        springs: Deflections of the springs of the Maxwell-slip law [rad].
+        next_springs: The same at the end of the substep.
+        moved: Samples that the plant has moved.
+        readings: Readings taken.
+        level_change: Relative change of the friction level by time, heat and load.
+        heat: Heat of the friction, less what has been cooled [V rad].
+        torque: Torque at the end of the last sample, behind the lag [V].
+        last_reading: Last reading of each signal, which a stuck sensor repeats.
+        voltages: The last voltages of the drive [V], for its delay.
+        states: The last states, for the delay of the sensors.
+    """
+
+    x: np.ndarray = zeros(PLANT_STATES)
+    springs: np.ndarray = zeros(MAX_SPRINGS)
+    next_springs: np.ndarray = zeros(MAX_SPRINGS)
+    moved: int = 0
+    readings: int = 0
+    level_change: float = 0.0
+    heat: float = 0.0
+    torque: float = 0.0
+    last_reading: np.ndarray = zeros(RIGID_STATES)
+    voltages: np.ndarray = zeros(DELAY_SLOTS)
+    states: np.ndarray = zeros(DELAY_SLOTS, RIGID_STATES)

@@ -12,7 +12,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import About
-from furuta_model.parts.plant_memory import DELAY_SLOTS, LAST_READING, MAX_DELAY, READ, STATES
+from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY, PlantMemory
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
 
 SENSORS = ("none", "encoder", "tachometer", "potentiometer")
@@ -61,13 +61,11 @@ def design_faults(p: SensorFaults, dt: float, seed: int) -> FaultySensors:
 
 
 @inlined
-def faulty_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
+def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
     """State i as the sensors see it: some samples ago, with bias."""
-    value = x[i]
-    if p.delay > 0:
-        reading = int(x[READ])
-        slot = max(reading - p.delay, 0) % DELAY_SLOTS
-        value = x[STATES + RIGID_STATES * slot + i] if reading > 0 else value
+    value = memory.x[i]
+    if p.delay > 0 and memory.readings > 0:
+        value = memory.states[max(memory.readings - p.delay, 0) % DELAY_SLOTS, i]
     bias = 0.0
     if i == PHI:
         bias = p.arm_bias
@@ -79,18 +77,17 @@ def faulty_state(x: np.ndarray, i: int, p: FaultySensors) -> float:
 
 
 @inlined
-def apply_faults(x: np.ndarray, measurement: np.ndarray, p: FaultySensors) -> None:
+def apply_faults(memory: PlantMemory, measurement: np.ndarray, p: FaultySensors) -> None:
     """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
-    reading = int(x[READ])
-    slot = STATES + RIGID_STATES * (reading % DELAY_SLOTS)
+    reading = memory.readings
     for i in range(RIGID_STATES):
-        x[slot + i] = x[i]
+        memory.states[reading % DELAY_SLOTS, i] = memory.x[i]
         if i == p.stuck and reading >= max(p.stuck_from, 1.0):
-            measurement[i] = x[LAST_READING + i]
-        x[LAST_READING + i] = measurement[i]
+            measurement[i] = memory.last_reading[i]
+        memory.last_reading[i] = measurement[i]
         if p.missing > 0.0 and uniform(p.seed, reading, i) < p.missing:
             measurement[i] = np.nan
-    x[READ] += 1.0
+    memory.readings += 1
 
 
 @compiled

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from furuta_model.compiled import inlined
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.friction.maxwell_slip import slip_deflection, stretched
-from furuta_model.parts.plant_memory import NEXT_SPRINGS, SPRINGS
+from furuta_model.parts.plant_memory import PlantMemory
 
 
 @inlined
 def springs_force(
-    x: np.ndarray, v: float, h: float, springs: int, law: FrictionLaw
+    memory: PlantMemory, v: float, h: float, springs: int, law: FrictionLaw
 ) -> tuple[float, float]:
     """Mean friction [V] of the springs over ``h`` [s] at speed v [rad/s], without viscous part.
 
@@ -24,27 +22,27 @@ def springs_force(
     end = mean = 0.0
     for i in range(springs):
         slip = slip_deflection(i, springs, level, p)
-        x[NEXT_SPRINGS + i], mean_deflection = stretched(x[SPRINGS + i], v * h, slip)
-        end += x[NEXT_SPRINGS + i]
+        memory.next_springs[i], mean_deflection = stretched(memory.springs[i], v * h, slip)
+        end += memory.next_springs[i]
         mean += mean_deflection
     return p.sigma0 * mean / springs, end / springs
 
 
 @inlined
-def keep_springs(x: np.ndarray, springs: int) -> None:
+def keep_springs(memory: PlantMemory, springs: int) -> None:
     """Take the deflections that :func:`springs_force` computed last."""
     for i in range(springs):
-        x[SPRINGS + i] = x[NEXT_SPRINGS + i]
+        memory.springs[i] = memory.next_springs[i]
 
 
 @inlined
-def springs_friction(x: np.ndarray, v: float, springs: int, law: FrictionLaw) -> float:
+def springs_friction(memory: PlantMemory, v: float, springs: int, law: FrictionLaw) -> float:
     """Friction [V] of the springs at speed v [rad/s], without viscous part."""
     p = law.parameters
     level = sliding_level(v, v, law)
     force = 0.0
     for i in range(springs):
-        z, slip = x[SPRINGS + i], slip_deflection(i, springs, level, p)
+        z, slip = memory.springs[i], slip_deflection(i, springs, level, p)
         if v > 0.0:
             z = min(z, slip)
         elif v < 0.0:

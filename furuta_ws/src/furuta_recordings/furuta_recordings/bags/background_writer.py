@@ -17,7 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.pipe_protocol import PIPE_CAPACITY, READY, header_frame, message_head
 
 # Most bytes that may wait for space in the pipe; a disk that needs more is too slow.

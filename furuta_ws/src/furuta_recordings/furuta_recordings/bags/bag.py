@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,10 +18,8 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_recordings.bags.bag_files import BagFiles, bag_files
 from furuta_recordings.bags.decompression import decompress_file, decompress_message
-from furuta_recordings.bags.mcap_bounds import check_mcap
-from furuta_recordings.bags.mcap_index import McapIndex
 from furuta_recordings.bags.message_types import definition_of, typestore_of
-from furuta_recordings.bags.sqlite_bounds import check_sqlite
+from furuta_recordings.bags.sqlite_files import check_sqlite
 from furuta_ros.time_stamps import NANOSECONDS
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
@@ -36,24 +34,11 @@ class Topic(NamedTuple):
     msgcount: int
 
 
-# Times (n,) [ns] of messages, and a function that reads one of them.
-_Part = tuple[np.ndarray, Callable[[int], bytes]]
+class Messages(NamedTuple):
+    """Messages of one topic: ``times`` (n,) [ns] in order, and their serialized content."""
 
-
-class Messages:
-    """Messages of one topic in the order of their ``times`` (n,) [ns]."""
-
-    def __init__(self, parts: Sequence[_Part]) -> None:
-        times = np.concatenate([np.zeros(0, np.int64), *(each for each, _ in parts)])
-        order = np.argsort(times, kind="stable")
-        self.times: np.ndarray = times[order]
-        places = [(read, number) for each, read in parts for number in range(len(each))]
-        self._places = [places[number] for number in order]
-
-    def __getitem__(self, number: int) -> bytes:
-        """The serialized content of a message."""
-        read, own = self._places[number]
-        return read(own)
+    times: np.ndarray
+    data: list[bytes]
 
 
 class Bag:
@@ -61,7 +46,7 @@ class Bag:
 
     ``connections`` are its topics with types and counts, ``start`` its first time [ns], ``seconds``
     its duration [s]. Nothing outside the bag is read, and no more memory used than
-    :mod:`furuta_recordings.bags.bounds` allows.
+    :mod:`furuta_recordings.bags.limits` allows.
     """
 
     def __init__(self, path: Path) -> None:
@@ -69,17 +54,16 @@ class Bag:
         self._readers: list[Reader] = []
         self._definitions: dict[str, str] = {}
         self._types: dict[str, Typestore] = {}
-        self._indexes: dict[int, McapIndex | None] = {}
         if not path.exists():
             raise ParameterError(f"no bag {path}")
 
     def __enter__(self) -> Bag:
         with self._one_line_errors(), ExitStack() as opened:
-            found = bag_files(self._path)
-            self._compression = found.compression
-            self._files = opened.enter_context(checked_files(found))
-            self._readers = [opened.enter_context(Reader(file)) for file in self._files]
-            self._describe(found.topics)
+            content = bag_files(self._path)
+            self._compression = content.compression
+            files = opened.enter_context(checked_files(content))
+            self._readers = [opened.enter_context(Reader(file)) for file in files]
+            self._describe(content.topics)
             self._opened = opened.pop_all()
         return self
 
@@ -90,10 +74,10 @@ class Bag:
         """Topics and times, from the files; the metadata adds topics without a message."""
         counts = dict.fromkeys(named, 0)
         for reader in self._readers:
-            for each in reader.connections:
-                key = (each.topic, each.msgtype)
-                counts[key] = counts.get(key, 0) + each.msgcount
-                self._definitions.setdefault(each.msgtype, each.msgdef.data)
+            for topic in reader.connections:
+                key = (topic.topic, topic.msgtype)
+                counts[key] = counts.get(key, 0) + topic.msgcount
+                self._definitions.setdefault(topic.msgtype, topic.msgdef.data)
         self.connections = [Topic(*key, count) for key, count in counts.items()]
         used = [reader for reader in self._readers if reader.message_count]
         self.message_count: int = sum(reader.message_count for reader in used)
@@ -112,8 +96,8 @@ class Bag:
         file is read.
         """
         chosen = {
-            (each.topic, each.msgtype): each
-            for each in (self.connections if connections is None else connections)
+            (topic.topic, topic.msgtype): topic
+            for topic in (self.connections if connections is None else connections)
         }
         with self._one_line_errors():
             for reader in self._readers:
@@ -132,44 +116,11 @@ class Bag:
             yield chosen[c.topic, c.msgtype], time, self._plain(data)
 
     def find(self, topic: Topic, first: int, last: int) -> Messages:
-        """Messages of a topic with ``first`` <= time < ``last`` [ns].
-
-        Of an indexed file only those are read that are taken from the result, while the bag is
-        open. Of another file all are read at once.
-        """
-        with self._one_line_errors():
-            return Messages(
-                [
-                    self._part(number, topic, first, last)
-                    for number, reader in enumerate(self._readers)
-                    if reader.start_time < last and reader.end_time > first
-                ]
-            )
-
-    def _part(self, file: int, topic: Topic, first: int, last: int) -> _Part:
-        """The messages of one file."""
-        index = self._index(file)
-        if index is None:
-            found = list(self._messages_of(self._readers[file], {topic[:2]: topic}, first, last))
-            times = np.array([time for _, time, _ in found], np.int64)
-            return times, lambda number: found[number][2]
-        places = index.find(topic.topic, topic.msgtype, first, last)
-
-        def read(number: int) -> bytes:
-            with self._one_line_errors():
-                _, chunk, offset = places[number].item()
-                return self._plain(index.read(chunk, offset))
-
-        return places["time"], read
-
-    def _index(self, file: int) -> McapIndex | None:
-        """The index of a file, if it has one."""
-        if file not in self._indexes:
-            path, found = self._files[file], None
-            if path.suffix == ".mcap":
-                found = self._opened.enter_context(closing(McapIndex(path)))
-            self._indexes[file] = found if found and found.is_complete else None
-        return self._indexes[file]
+        """Messages of a topic with ``first`` <= time < ``last`` [ns]."""
+        messages = [(time, data) for _, time, data in self.messages([topic], (first, last))]
+        messages.sort(key=lambda message: message[0])
+        times = np.array([time for time, _ in messages], np.int64)
+        return Messages(times, [data for _, data in messages])
 
     def messages_in_memory(self, connections: Iterable[Topic]) -> Iterator[tuple[Topic, int, Any]]:
         """Messages, deserialized; refuses topics that do not fit into memory.
@@ -225,17 +176,15 @@ def checked_files(bag: BagFiles) -> Iterator[list[Path]]:
         for file in files:
             if file.suffix == ".db3":
                 check_sqlite(file)
-            else:
-                check_mcap(file)
         yield files
 
 
 def refuse_too_long(path: Path, connections: Iterable[Topic]) -> None:
     """Refuse topics that do not fit into memory, before any message is read."""
-    for each in connections:
-        if each.msgcount > MOST_IN_MEMORY:
+    for topic in connections:
+        if topic.msgcount > MOST_IN_MEMORY:
             raise ParameterError(
-                f"{path}: {each.msgcount} messages on {each.topic}, at most {MOST_IN_MEMORY} fit "
+                f"{path}: {topic.msgcount} messages on {topic.topic}, at most {MOST_IN_MEMORY} fit "
                 "into memory; record shorter bags"
             )
 

@@ -9,8 +9,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bounds import MOST_TOPICS
-from furuta_recordings.bags.damaged_message import DamagedError
+from furuta_recordings.bags.limits import MOST_TOPICS, DamagedError
 from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE, VERSION
 from furuta_ros.yaml_files import read_yaml
 

@@ -13,8 +13,7 @@ import zstandard
 from lz4.frame import LZ4FrameDecompressor
 from rosbags.rosbag2 import storage_mcap
 
-from furuta_recordings.bags.bounds import LARGEST_CHUNK, largest_expanded
-from furuta_recordings.bags.damaged_message import DamagedError
+from furuta_recordings.bags.limits import LARGEST_CHUNK, DamagedError, largest_expanded
 
 # Bytes that are decompressed at a time from a compressed file.
 _BLOCK = 2**20

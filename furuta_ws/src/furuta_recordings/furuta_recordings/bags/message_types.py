@@ -10,8 +10,7 @@ from rosbags.interfaces.typing import Typesdict
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from furuta_recordings.bags.bounds import LARGEST_CHUNK, LARGEST_DESCRIPTION
-from furuta_recordings.bags.damaged_message import DamagedError
+from furuta_recordings.bags.limits import LARGEST_CHUNK, LARGEST_DESCRIPTION, DamagedError
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 

@@ -10,8 +10,6 @@ from typing import NamedTuple
 
 import yaml
 
-from furuta_recordings.bags.mcap_records import BagTopic
-
 # The parameters of all nodes at the start of a recording.
 PARAMETERS_FILE = "parameters.yaml"
 METADATA_FILE = "metadata.yaml"
@@ -21,6 +19,20 @@ VERSION = 9
 DISTRIBUTION = "jazzy"
 # Characters reserved for a number that changes: enough for any time [ns].
 WIDTH = 19
+
+
+class BagTopic(NamedTuple):
+    """A recorded topic.
+
+    ``definition`` and ``type_hash`` describe its message type, ``qos`` (YAML) the quality of
+    service that its publishers offer.
+    """
+
+    name: str
+    type_name: str
+    definition: str
+    qos: str
+    type_hash: str = ""
 
 
 class BagFile(NamedTuple):
@@ -58,7 +70,7 @@ def metadata(topics: list[BagTopic], counts: list[int], files: list[BagFile]) ->
 
 
 def information(topics: list[BagTopic], counts: list[int], files: list[BagFile]) -> str:
-    """What rosbag2 knows about a bag; it stores the same text in each MCAP file."""
+    """What rosbag2 knows about a bag; it stores the same text in the file."""
     lines = _totals(counts, files)
     lines.append("topics_with_message_count:" + ("" if topics else " []"))
     for topic, count in zip(topics, counts, strict=True):
@@ -79,7 +91,7 @@ def _totals(counts: list[int], files: list[BagFile]) -> list[str]:
     end = max((file.end for file in used), default=0)
     return [
         f"version: {VERSION}",
-        "storage_identifier: mcap",
+        "storage_identifier: sqlite3",
         f"duration: {{nanoseconds: {end - start:<{WIDTH}}}}",
         f"starting_time: {{nanoseconds_since_epoch: {start:<{WIDTH}}}}",
         f"message_count: {sum(counts):<{WIDTH}}",

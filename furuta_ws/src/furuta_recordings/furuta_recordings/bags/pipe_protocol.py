@@ -9,7 +9,7 @@ import json
 import struct
 from collections.abc import Iterator
 
-from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.metadata import BagTopic
 
 # Capacity of the pipe [bytes]: a second of the graph at 1 kHz.
 PIPE_CAPACITY = 2**20

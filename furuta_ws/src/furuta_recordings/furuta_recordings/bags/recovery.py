@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import os
-import sqlite3
-from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag_files import file_in
-from furuta_recordings.bags.bounds import MOST_TOPICS
-from furuta_recordings.bags.damaged_mcap import mcap_messages
-from furuta_recordings.bags.damaged_message import DamagedError, FoundMessage, note
-from furuta_recordings.bags.damaged_sqlite import sqlite_messages
-from furuta_recordings.bags.mcap_records import BagTopic
+from furuta_recordings.bags.damaged_bags import readable_messages
+from furuta_recordings.bags.limits import MOST_TOPICS, DamagedError, note
 from furuta_recordings.bags.message_types import JAZZY, definition_of, type_hash, typestore_of
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
 from furuta_recordings.bags.writer import BagWriter
 from furuta_ros.regular_files import read_text
 from furuta_ros.yaml_files import LARGEST_FILE, parse_yaml
@@ -32,8 +27,8 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
     problems: list[str] = []
     files = _data_files(bag, problems)
     if not files:
-        found = "".join(f" ({each})" for each in problems[:1])
-        raise ParameterError(f"{bag} has no .mcap and no .db3 file: nothing to recover{found}")
+        reason = "".join(f" ({problem})" for problem in problems[:1])
+        raise ParameterError(f"{bag} has no .mcap and no .db3 file: nothing to recover{reason}")
     if os.path.lexists(out):
         raise ParameterError(f"{out} already exists; name another directory for the bag")
     topics = _topics(files, problems)
@@ -49,13 +44,13 @@ def _data_files(bag: Path, problems: list[str]) -> list[Path]:
     if bag.is_file():
         return [bag] if bag.suffix in _SUFFIXES else []
     names = [file.name for file in bag.iterdir()] if bag.is_dir() else []
-    found = []
+    files = []
     for name in sorted(names, key=lambda name: (len(name), name)):  # bag_2 before bag_10
         try:
-            found += [file_in(bag, name)] if Path(name).suffix in _SUFFIXES else []
+            files += [file_in(bag, name)] if Path(name).suffix in _SUFFIXES else []
         except DamagedError as damage:
             note(problems, str(damage))
-    return found
+    return files
 
 
 def _parameters(bag: Path, problems: list[str]) -> dict[str, str]:
@@ -74,29 +69,19 @@ def _copy(files: list[Path], topics: list[BagTopic], writer: BagWriter, problems
     """Write all readable messages of the known topics; returns their number."""
     place = {(topic.name, topic.type_name): index for index, topic in enumerate(topics)}
     messages = 0
-    for found in readable_messages(files, problems):
-        index = place.get((found.topic.name, found.topic.type_name))
+    for message in readable_messages(files, problems):
+        index = place.get((message.topic.name, message.topic.type_name))
         if index is not None:
-            writer.add(index, found.time, found.data)
+            writer.add(index, message.time, message.data)
             messages += 1
     return messages
-
-
-def readable_messages(files: list[Path], problems: list[str]) -> Iterator[FoundMessage]:
-    """All messages that can be read; why others cannot is appended to ``problems``."""
-    for file in files:
-        read = sqlite_messages if file.suffix == ".db3" else mcap_messages
-        try:
-            yield from read(file, problems)
-        except (DamagedError, OSError, ValueError, sqlite3.Error) as error:
-            note(problems, f"{file.name}: {error}")
 
 
 def _topics(files: list[Path], problems: list[str]) -> list[BagTopic]:
     """Topics of all messages whose type is known, ordered by their first message."""
     topics: dict[tuple[str, str], BagTopic] = {}
-    for found in readable_messages(files, []):
-        topics.setdefault((found.topic.name, found.topic.type_name), found.topic)
+    for message in readable_messages(files, []):
+        topics.setdefault((message.topic.name, message.topic.type_name), message.topic)
         if len(topics) > MOST_TOPICS:
             raise ParameterError(f"{files[0].parent} has more than {MOST_TOPICS} topics")
     usable = []

@@ -1,24 +1,57 @@
-"""Writes a rosbag2 directory whose MCAP files are complete at every moment."""
+"""Writes a rosbag2 directory with one sqlite3 file.
+
+The file is in write-ahead mode: what a flush has committed survives the end of this process,
+however it ends, and sqlite3 restores a consistent file when it is opened next.
+"""
 
 from __future__ import annotations
 
+import os
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.mcap_file import McapFile
-from furuta_recordings.bags.mcap_records import BagTopic
-from furuta_recordings.bags.metadata import BagFile, information, write_metadata
+from furuta_recordings.bags.metadata import (
+    DISTRIBUTION,
+    VERSION,
+    BagFile,
+    BagTopic,
+    information,
+    write_metadata,
+)
 
-# Largest chunk [bytes]: a damaged chunk is lost as a whole.
-LARGEST_CHUNK = 2**18
+# The tables of rosbag2's sqlite3 storage in Jazzy.
+_SCHEMA_VERSION = 4
+_SCHEMA = """
+CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
+CREATE TABLE metadata(
+    id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
+CREATE TABLE topics(
+    id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+    serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL,
+    type_description_hash TEXT NOT NULL);
+CREATE TABLE message_definitions(
+    id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL,
+    encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);
+CREATE TABLE messages(
+    id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
+    data BLOB NOT NULL);
+CREATE INDEX timestamp_idx ON messages(timestamp ASC);
+"""
+# Most bytes that wait for a flush.
+LARGEST_PENDING = 2**20
 
 
 class BagWriter:
     """Writes messages into the bag ``path``, which must not exist yet.
 
     The bag is created under a temporary name and renamed when it is complete. ``parameters`` (file
-    name: text) are stored beside the data and in it.
+    name: text) are stored beside the data.
+
+    Raises:
+        OSError: The disk does not take the data.
     """
 
     def __init__(self, path: Path, topics: list[BagTopic], parameters: dict[str, str]) -> None:
@@ -26,63 +59,80 @@ class BagWriter:
             raise ParameterError(f"{path} already exists; name another directory for the bag")
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path, self._topics = path, topics
-        described = information(topics, [0] * len(topics), [])
-        self._metadata = {name: {"text": text} for name, text in parameters.items()}
-        self._metadata["rosbag2"] = {"serialized_metadata": described}
-        self._finished_files: list[BagFile] = []
-        self._finished_counts = [0] * len(topics)
+        self._name = f"{path.name}_0.db3"
+        self._counts = [0] * len(topics)
+        self._start, self._end = 2**63 - 1, 0
+        self._rows: list[tuple[int, int, bytes]] = []
+        self.pending_bytes = 0
         new = path.with_name(f".{path.name}.new")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         for name, text in parameters.items():
             (new / name).write_text(text)
-        self._file = McapFile(new / self._file_name, topics, self._metadata)
+        create_file(new / self._name, topics)
         self._update_metadata(new)
         new.rename(path)
+        self._database = sqlite3.connect(path / self._name)
+        self._database.execute("PRAGMA synchronous = OFF")
 
     def add(self, topic: int, time: int, data: bytes) -> None:
         """Take a message of one of the topics (index), received at ``time`` [ns]."""
-        self._file.add(topic, time, data)
-        if self._file.pending_bytes > LARGEST_CHUNK:
+        self._rows.append((topic + 1, time, data))
+        self._counts[topic] += 1
+        self._start, self._end = min(self._start, time), max(self._end, time)
+        self.pending_bytes += len(data)
+        if self.pending_bytes > LARGEST_PENDING:
             self.flush()
 
     def flush(self) -> None:
         """Write all messages taken so far, so that they survive the end of this process."""
-        self._file.flush()
+        try:
+            with self._database:
+                self._database.executemany(
+                    "INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)", self._rows
+                )
+        except sqlite3.Error as error:
+            raise OSError(0, str(error), str(self.path)) from None
+        self._rows.clear()
+        self.pending_bytes = 0
         self._update_metadata(self.path)
-        if self._file.full:
-            self._start_next_file()
 
     def close(self) -> None:
-        """Finish the bag."""
-        self._file.close()
-        self._update_metadata(self.path)
-
-    @property
-    def pending_bytes(self) -> int:
-        """Size of the messages that are not on the disk yet [bytes]."""
-        return self._file.pending_bytes
-
-    @property
-    def _file_name(self) -> str:
-        return f"{self.path.name}_{len(self._finished_files)}.mcap"
-
-    @property
-    def _current_file(self) -> BagFile:
-        file = self._file
-        return BagFile(self._file_name, sum(file.counts), file.start, file.end)
-
-    @property
-    def _counts(self) -> list[int]:
-        return [a + b for a, b in zip(self._finished_counts, self._file.counts, strict=True)]
+        """Finish the bag: one file, without a journal beside it."""
+        try:
+            self.flush()
+            self._database.execute("PRAGMA journal_mode = DELETE")
+        finally:
+            self._database.close()
 
     def _update_metadata(self, directory: Path) -> None:
-        files = [*self._finished_files, self._current_file]
-        write_metadata(directory, self._topics, self._counts, files)
+        file = BagFile(self._name, sum(self._counts), self._start, self._end)
+        write_metadata(directory, self._topics, self._counts, [file])
 
-    def _start_next_file(self) -> None:
-        self._file.close()
-        self._finished_counts = self._counts
-        self._finished_files.append(self._current_file)
-        self._file = McapFile(self.path / self._file_name, self._topics, self._metadata)
-        self._update_metadata(self.path)
+
+def create_file(file: Path, topics: list[BagTopic]) -> None:
+    """Make a bag file without messages."""
+    distribution = os.environ.get("ROS_DISTRO") or DISTRIBUTION
+    described = information(topics, [0] * len(topics), [])
+    definitions = {topic.type_name: topic for topic in reversed(topics)}
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("PRAGMA journal_mode = WAL")
+        database.executescript(_SCHEMA)
+        database.execute("INSERT INTO schema VALUES (?, ?)", (_SCHEMA_VERSION, distribution))
+        database.execute("INSERT INTO metadata VALUES (1, ?, ?)", (VERSION, described))
+        database.executemany(
+            "INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?, ?)",
+            (
+                (number, topic.name, topic.type_name, topic.qos, topic.type_hash)
+                for number, topic in enumerate(topics, 1)
+            ),
+        )
+        database.executemany(
+            "INSERT INTO message_definitions"
+            "(topic_type, encoding, encoded_message_definition, type_description_hash) "
+            "VALUES (?, 'ros2msg', ?, ?)",
+            (
+                (topic.type_name, topic.definition, topic.type_hash)
+                for topic in definitions.values()
+            ),
+        )

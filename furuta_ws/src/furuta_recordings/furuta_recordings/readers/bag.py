@@ -11,7 +11,7 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.converter import Actuator
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import file_in
-from furuta_recordings.bags.damaged_message import DamagedError
+from furuta_recordings.bags.limits import DamagedError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 from furuta_recordings.readers.bag_topics import command_topic, states_topic
 from furuta_recordings.readers.drive import through_drive

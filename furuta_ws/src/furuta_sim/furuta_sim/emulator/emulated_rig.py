@@ -10,6 +10,8 @@ from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any
 
+import numpy as np
+
 from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import build_from_known
@@ -19,7 +21,7 @@ from furuta_sim.emulator.compiled_firmware import CompiledFirmware
 from furuta_sim.emulator.faults import Faults, FaultyLine
 from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.plant import Noise, design_plant, initial_state, move
+from furuta_sim.plant import Noise, design_plant, initial_plant, move
 
 # Both execute the same rules.
 AnyFirmware = Firmware | CompiledFirmware
@@ -69,11 +71,17 @@ class EmulatedRig:
         self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
         self._inbox = b""
         self.volts = 0.0  # applied over the last sample
-        self.x = initial_state(self.plant)
+        self._memory = initial_plant(self.plant)
         self._arm_code = self._arm.to_code(self.x[PHI])
         self.held = True
         self._driven_before = 0
-        move(self.x.copy(), 0.0, self._plant)  # compile before time matters
+        move(self._memory.copy()[0], 0.0, self._plant)  # compile before time matters
+
+    @property
+    def x(self) -> np.ndarray:
+        """Plant state (5,)."""
+        state: np.ndarray = self._memory["x"][0]
+        return state
 
     @property
     def drive_volts(self) -> float:
@@ -84,7 +92,7 @@ class EmulatedRig:
         """Hold the pendulum in its initial state, or another one, until the rig is driven."""
         if initial is not None:
             self.plant = self.plant._replace(initial=initial)
-        self.x = initial_state(self.plant)
+        self._memory = initial_plant(self.plant)
         self.held = True
         self._driven_before = self.firmware.driven
 
@@ -104,7 +112,7 @@ class EmulatedRig:
         self.held = self.held and firmware.driven == self._driven_before
         self.volts = self.drive_volts
         if not self.held:
-            move(self.x, self.volts, self._plant)
+            move(self._memory[0], self.volts, self._plant)
         firmware.fault = self.faults.rig_fault
         return self._line_to_host.carry(firmware.sample(*self._codes()), self.faults)
 

@@ -1,10 +1,10 @@
 """Lanes: many samples of the same compiled functions side by side, in one block of memory.
 
-A block has a row for every number of a named tuple and a column for every lane. Compiled code
-gets a :class:`LanesType`; ``lanes[i]`` has the fields of the named tuple, and its arrays can be
-read and written. The functions of a sample are therefore used in lanes as they are. Neighbouring
-lanes are neighbours in memory, so the compiler turns a loop over the lanes into vector
-instructions. It does so only if the loop has no call and no index that depends on a value.
+A block has a row for every number of a record and a column for every lane. A record is a named
+tuple or a memory. Compiled code gets a :class:`LanesType`; ``lanes[i]`` has the fields of the
+record, which can be read and written. The functions of a sample are therefore used in lanes as they
+are. Neighbouring lanes are neighbours in memory, so the compiler turns a loop over the lanes into
+vector instructions. It does so only if the loop has no call and no index that depends on a value.
 
 Numbers that are equal in all lanes and select what is computed, such as the kind of a friction law,
 are constants of the block's type. Each combination of them is compiled for itself.
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.core.imputils import lower_builtin, lower_getattr_generic
+from numba.core.imputils import lower_builtin, lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import (
     AbstractTemplate,
     AttributeTemplate,
@@ -36,6 +36,7 @@ from numba.extending import (
     unbox,
 )
 
+from furuta_model.block import field_names
 from furuta_model.compiled import make_intrinsic
 
 # Numbers in a line of the cache.
@@ -68,14 +69,22 @@ class Lanes:
         return int(self.data.ctypes.data)
 
     def rows(self, name: str) -> np.ndarray:
-        """The numbers of an array that is a field of the named tuple, (size, width)."""
-        row, layout = _field(self.layout, name)
+        """The numbers of a field (size, width)."""
+        row, layout = field_of(self.layout, name)
         return self.data[row : row + rows_of(layout)]
 
-    def constant(self, record: str, name: str) -> Any:
-        """The value of a field that is a constant of the block."""
-        _, layout = _field(self.layout, record)
-        return _field(layout, name)[1][2]
+    def values(self, name: str, lane: int) -> tuple[Any, ...]:
+        """A memory in a lane, as a tuple like that of a structured array's element."""
+        row, layout = field_of(self.layout, name)
+        return _values(layout, self.data[row:, lane])
+
+
+def _values(layout: Layout, numbers: np.ndarray) -> Any:
+    if layout[0] == "record":
+        return tuple(_values(inner, numbers[row:]) for _, row, inner in layout[1])
+    if layout[1] == REAL:
+        return float(numbers[0])
+    return (int if layout[1] == INTEGER else bool)(numbers[:1].view(np.int64)[0])
 
 
 def _aligned(size: int) -> np.ndarray:
@@ -86,19 +95,24 @@ def _aligned(size: int) -> np.ndarray:
 
 
 def layout_of(value: Any, is_constant: IsConstant, name: str = "") -> tuple[Layout, int]:
-    """The layout of a named tuple, an array or a number, and the rows that it takes."""
-    if hasattr(value, "_fields"):
-        fields, rows = [], 0
-        for inner_name, each in zip(value._fields, value, strict=True):
-            layout, size = layout_of(each, is_constant, inner_name)
-            fields.append((inner_name, rows, layout))
-            rows += size
-        return ("record", tuple(fields)), rows
+    """The layout of a record, an array or a number, and the rows that it takes."""
+    if names := field_names(value):
+        inner = [layout_of(getattr(value, name), is_constant, name)[0] for name in names]
+        return joined(names, inner)
     if isinstance(value, np.ndarray):
         return ("array", value.shape, _kind(value.flat[0])), value.size
     if is_constant(name, value):
         return ("constant", _kind(value), value), 1
     return ("number", _kind(value)), 1
+
+
+def joined(names: Iterable[str], layouts: Iterable[Layout]) -> tuple[Layout, int]:
+    """The layout of a record with these fields, and the rows that it takes."""
+    fields, rows = [], 0
+    for name, layout in zip(names, layouts, strict=True):
+        fields.append((name, rows, layout))
+        rows += rows_of(layout)
+    return ("record", tuple(fields)), rows
 
 
 def rows_of(layout: Layout) -> int:
@@ -142,7 +156,8 @@ def _as_doubles(integers: np.ndarray) -> np.ndarray:
     return integers.astype(np.int64).view(np.float64)
 
 
-def _field(layout: Layout, name: str) -> tuple[int, Layout]:
+def field_of(layout: Layout, name: str) -> tuple[int, Layout]:
+    """First row and layout of a field."""
     for field, row, inner in layout[1]:
         if field == name:
             return row, inner
@@ -275,6 +290,14 @@ def _load(builder: Any, kind: str, address: Any) -> Any:
     return bits if kind == INTEGER else builder.icmp_signed("!=", bits, _INTEGER(0))
 
 
+def _store(builder: Any, kind: str, address: Any, value: Any) -> None:
+    if kind == REAL:
+        builder.store(value, address)
+    else:
+        bits = builder.zext(value, _INTEGER) if kind == TRUTH else value
+        builder.store(bits, builder.bitcast(address, _INTEGER.as_pointer()))
+
+
 @infer_getattr
 class _Attributes(AttributeTemplate):  # type: ignore[misc]
     key = LaneType
@@ -282,15 +305,22 @@ class _Attributes(AttributeTemplate):  # type: ignore[misc]
     def generic_resolve(self, lane: Any, name: str) -> Any:  # type: ignore[override]
         if lane.layout[0] != "record" or name not in [each[0] for each in lane.layout[1]]:
             return None
-        _, inner = _field(lane.layout, name)
+        _, inner = field_of(lane.layout, name)
         single = inner[0] in ("number", "constant")
         return _NUMBA[inner[1]] if single else LaneType(inner, lane.width)
 
 
 @lower_getattr_generic(LaneType)
 def _lower_attribute(context: Any, builder: Any, lane: LaneType, address: Any, name: str) -> Any:
-    row, inner = _field(lane.layout, name)
+    row, inner = field_of(lane.layout, name)
     if inner[0] == "constant":
         return context.get_constant(_NUMBA[inner[1]], inner[2])
     inner_address = builder.gep(address, [_INTEGER(row * lane.width)], inbounds=True)
     return _load(builder, inner[1], inner_address) if inner[0] == "number" else inner_address
+
+
+@lower_setattr_generic(LaneType)
+def _lower_set_attribute(context: Any, builder: Any, sig: Any, arguments: Any, name: str) -> None:
+    row, inner = field_of(sig.args[0].layout, name)
+    address = builder.gep(arguments[0], [_INTEGER(row * sig.args[0].width)], inbounds=True)
+    _store(builder, inner[1], address, arguments[1])

@@ -9,15 +9,15 @@ that sample.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_control import control as controller
-from furuta_control import estimation as estimator
-from furuta_control.control import ControllerDesign
-from furuta_control.estimation import EstimatorDesign
-from furuta_friction.compensation import Compensator, estimate_without_switch
+from furuta_control.control import ControllerDesign, ControllerMemory, control
+from furuta_control.estimation import EstimatorDesign, EstimatorMemory, estimate_state
+from furuta_friction.compensation import CompensationDesign, CompensationMemory
+from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import FrictionLaw, friction_force
@@ -25,25 +25,46 @@ from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, 
 from furuta_model.parts.converter import Actuator, drive
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, THETA
+from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
+from furuta_sim.lanes import usual_sample
 from furuta_sim.lanes.lane_compiler import widest_vectors
-from furuta_sim.plant import measure
-from furuta_sim.simulation.closed_loop import measure_sample, note_fall
+from furuta_sim.plant import NOISE_CHANNELS, measure
+from furuta_sim.simulation.closed_loop import Sums, measure_sample, note_fall
 from furuta_sim.simulation.oscillation import accumulate_midpoint
 
-# Indices of the signals between the stages.
-(
-    FRICTION_ESTIMATE,
-    COMMAND,
-    TORQUE,
-    SUBSTEPS,
-    STEP,
-    SINE,
-    COSINE,
-    V_MID,
-    W_MID,
-    LANE_SIGNALS,
-) = range(10)
+
+@dataclass
+class LaneMemory:
+    """What a lane remembers, and the signals between its stages.
+
+    Attributes:
+        x: Plant state (5,).
+        noise, measurement, estimate: As in a single run.
+        estimator, observer, controller: As in a single run.
+        friction_estimate, command, torque: F̂, u and the torque applied [V].
+        substeps: Integration steps of this sample; ``step``: their length [s].
+        sine, cosine: Of θ at the start of the step.
+        v_mid, w_mid: Speeds of arm and pendulum in the middle of the step [rad/s].
+        sums: What is measured.
+    """
+
+    x: np.ndarray = zeros(PLANT_STATES)
+    noise: np.ndarray = zeros(NOISE_CHANNELS)
+    measurement: np.ndarray = zeros(SIGNALS)
+    estimate: np.ndarray = zeros(SIGNALS)
+    estimator: EstimatorMemory = field(default_factory=EstimatorMemory)
+    observer: CompensationMemory = field(default_factory=CompensationMemory)
+    controller: ControllerMemory = field(default_factory=ControllerMemory)
+    friction_estimate: float = 0.0
+    command: float = 0.0
+    torque: float = 0.0
+    substeps: int = 0
+    step: float = 0.0
+    sine: float = 0.0
+    cosine: float = 0.0
+    v_mid: float = 0.0
+    w_mid: float = 0.0
+    sums: Sums = field(default_factory=Sums)
 
 
 class LanePlant(NamedTuple):
@@ -56,24 +77,14 @@ class LanePlant(NamedTuple):
     substeps: int
 
 
-class Lane(NamedTuple):
-    """A closed loop in a lane."""
+class LaneDesign(NamedTuple):
+    """A closed loop, as a lane computes it."""
 
     plant: LanePlant
     sensors: Sensors
     estimator_design: EstimatorDesign
-    compensator: Compensator
+    compensation: CompensationDesign
     controller_design: ControllerDesign
-    x: np.ndarray
-    noise: np.ndarray
-    measurement: np.ndarray
-    estimate: np.ndarray
-    estimator: np.ndarray
-    observer: np.ndarray
-    controller: np.ndarray
-    signals: np.ndarray
-    accumulator: np.ndarray
-    sums: np.ndarray
 
 
 def _in_each_lane(step: Callable[[Any], None]) -> Callable[[Any, int], None]:
@@ -94,15 +105,14 @@ def read_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         measure(lane.x, lane.noise, lane.sensors, lane.measurement)
-        lane.measurement[APPLIED_TORQUE] = lane.signals[TORQUE]
+        lane.measurement[APPLIED_TORQUE] = lane.torque
 
 
 @_in_each_lane
 @inlined
 def _estimate_singly(lane: Any) -> None:
     """Estimate the state as a single run does."""
-    p = lane.estimator_design
-    estimator.estimate_state(lane.estimator, lane.measurement, p, lane.estimate)
+    estimate_state(lane.estimator, lane.measurement, lane.estimator_design, lane.estimate)
 
 
 @compiled
@@ -112,15 +122,16 @@ def estimate_lanes(lanes: Any, count: int) -> None:
     unusual = 0
     for i in range(count):
         lane = lanes[i]
-        usual = estimator.continues(lane.estimator, lane.measurement, lane.estimator_design)
+        p, measurement = lane.estimator_design, lane.measurement
+        usual = usual_sample.estimate_continues(lane.estimator, measurement, p)
         unusual += 0 if usual else 1
     if unusual > 0:
         _estimate_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
-        p = lane.estimator_design
-        estimator.continue_estimate(lane.estimator, lane.measurement, p, lane.estimate)
+        p, measurement = lane.estimator_design, lane.measurement
+        usual_sample.continue_estimate(lane.estimator, measurement, p, lane.estimate)
 
 
 @compiled
@@ -129,8 +140,8 @@ def observe_lanes(lanes: Any, count: int) -> None:
     widest_vectors()
     for i in range(count):
         lane = lanes[i]
-        lane.signals[FRICTION_ESTIMATE] = estimate_without_switch(
-            lane.observer, lane.estimate, lane.compensator
+        lane.friction_estimate = usual_sample.estimate_friction(
+            lane.observer, lane.estimate, lane.compensation
         )
 
 
@@ -138,8 +149,8 @@ def observe_lanes(lanes: Any, count: int) -> None:
 @inlined
 def _control_singly(lane: Any) -> None:
     """Compute the command as a single run does."""
-    p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
-    lane.signals[COMMAND] = controller.control(lane.controller, lane.estimate, friction, p)
+    p, friction = lane.controller_design, lane.friction_estimate
+    lane.command = control(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -149,17 +160,16 @@ def control_lanes(lanes: Any, count: int) -> None:
     unusual = 0
     for i in range(count):
         lane = lanes[i]
-        usual = controller.continues(lane.controller, lane.estimate, lane.controller_design)
+        p = lane.controller_design
+        usual = usual_sample.balancing_continues(lane.controller, lane.estimate, p)
         unusual += 0 if usual else 1
     if unusual > 0:
         _control_singly(lanes, count)
         return
     for i in range(count):
         lane = lanes[i]
-        p, friction = lane.controller_design, lane.signals[FRICTION_ESTIMATE]
-        lane.signals[COMMAND] = controller.continue_control(
-            lane.controller, lane.estimate, friction, p
-        )
+        p, friction = lane.controller_design, lane.friction_estimate
+        lane.command = usual_sample.continue_balancing(lane.controller, lane.estimate, friction, p)
 
 
 @compiled
@@ -167,7 +177,7 @@ def midpoint_lanes(lanes: Any, count: int) -> None:
     """Include the sample in the midpoint of the motion."""
     widest_vectors()
     for i in range(count):
-        accumulate_midpoint(lanes[i].accumulator, lanes[i].x)
+        accumulate_midpoint(lanes[i].sums.oscillation, lanes[i].x)
 
 
 @compiled
@@ -177,18 +187,14 @@ def measure_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         friction = friction_force(lane.x[PHI_DOT], lane.x[BRISTLE], lane.plant.friction)
-        estimated = lane.signals[FRICTION_ESTIMATE]
-        measure_sample(
-            lane.accumulator, lane.sums, lane.x, lane.signals[COMMAND], friction, estimated
-        )
+        measure_sample(lane.sums, lane.x, lane.command, friction, lane.friction_estimate)
 
 
 @inlined
 def _finish(lane: Any) -> None:
     """Finish a substep."""
-    signals, p = lane.signals, lane.plant
-    u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
-    v_mid, w_mid = signals[V_MID], signals[W_MID]
+    p, u, h = lane.plant, lane.torque, lane.step
+    sine, cosine, v_mid, w_mid = lane.sine, lane.cosine, lane.v_mid, lane.w_mid
     advance_whole(lane.x, u, h, sine, cosine, v_mid, w_mid, p.model, p.friction)
 
 
@@ -203,23 +209,21 @@ def move_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         note_fall(lane.sums, lane.x)
-        lane.signals[TORQUE] = drive(lane.signals[COMMAND], lane.plant.actuator)
-        substeps = sufficient_substeps(lane.x, lane.plant.sample_time, lane.plant.substeps)
-        lane.signals[SUBSTEPS] = float(substeps)
-        most, least = max(most, substeps), min(least, substeps)
+        lane.torque = drive(lane.command, lane.plant.actuator)
+        lane.substeps = sufficient_substeps(lane.x, lane.plant.sample_time, lane.plant.substeps)
+        most, least = max(most, lane.substeps), min(least, lane.substeps)
     # Several short loops are faster than a long one: the processor works on several vectors of a
     # short one at a time, because it looks only some hundred instructions ahead.
     for substep in range(most):
         for i in range(count):
-            signals = lanes[i].signals
-            signals[SINE], signals[COSINE] = sin_cos(lanes[i].x[THETA])
-            signals[STEP] = lanes[i].plant.sample_time / signals[SUBSTEPS]
+            lane = lanes[i]
+            lane.sine, lane.cosine = sin_cos(lane.x[THETA])
+            lane.step = lane.plant.sample_time / lane.substeps
         for i in range(count):
             lane = lanes[i]
-            signals, p = lane.signals, lane.plant
-            u, h, sine, cosine = signals[TORQUE], signals[STEP], signals[SINE], signals[COSINE]
-            signals[V_MID], signals[W_MID] = advance_half(
-                lane.x, u, h, sine, cosine, p.model, p.friction
+            p, u, h = lane.plant, lane.torque, lane.step
+            lane.v_mid, lane.w_mid = advance_half(
+                lane.x, u, h, lane.sine, lane.cosine, p.model, p.friction
             )
         if substep < least:
             _finish_all(lanes, count)
@@ -231,7 +235,7 @@ def move_lanes(lanes: Any, count: int) -> None:
 def _finish_some(lanes: Any, count: int, substep: int) -> None:
     widest_vectors()
     for i in range(count):
-        if substep < lanes[i].signals[SUBSTEPS]:
+        if substep < lanes[i].substeps:
             _finish(lanes[i])
 
 
@@ -242,19 +246,21 @@ class Stage(NamedTuple):
     fields: tuple[str, ...]
 
 
-_READ = Stage(read_lanes, ("sensors", "x", "noise", "measurement", "signals"))
-_ESTIMATE = Stage(
-    estimate_lanes, ("estimator_design", "measurement", "estimate", "estimator", "signals")
+_READ = Stage(read_lanes, ("sensors", "x", "noise", "measurement", "torque"))
+_ESTIMATE = Stage(estimate_lanes, ("estimator_design", "measurement", "estimate", "estimator"))
+_OBSERVE = Stage(observe_lanes, ("compensation", "estimate", "observer", "friction_estimate"))
+_CONTROL = Stage(
+    control_lanes,
+    ("controller_design", "estimate", "controller", "friction_estimate", "command"),
 )
-_OBSERVE = Stage(observe_lanes, ("compensator", "estimate", "observer", "signals"))
-_CONTROL = Stage(control_lanes, ("controller_design", "estimate", "controller", "signals"))
-_MIDPOINT = Stage(midpoint_lanes, ("x", "accumulator"))
-_MEASURE = Stage(measure_lanes, ("plant", "x", "signals", "accumulator", "sums"))
-_MOVE = Stage(move_lanes, ("plant", "x", "signals", "sums"))
+_MIDPOINT = Stage(midpoint_lanes, ("x", "sums"))
+_MEASURE = Stage(measure_lanes, ("plant", "x", "friction_estimate", "command", "sums"))
+_SUBSTEP = ("substeps", "step", "sine", "cosine", "v_mid", "w_mid")
+_MOVE = Stage(move_lanes, ("plant", "x", "command", "torque", *_SUBSTEP, "sums"))
 # The stages of a sample in the three parts of a run: transient, midpoint of the motion, measured.
 PARTS = (
     (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MOVE),
     (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MIDPOINT, _MOVE),
     (_READ, _ESTIMATE, _OBSERVE, _CONTROL, _MEASURE, _MOVE),
 )
-MOST_STAGES = 6
+STAGES = tuple(dict.fromkeys(stage for part in PARTS for stage in part))

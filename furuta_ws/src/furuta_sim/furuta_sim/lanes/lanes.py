@@ -20,30 +20,34 @@ import numpy as np
 from numba import types
 from numba.core import cgutils
 
-from furuta_control import control as controller
-from furuta_control import estimation as estimator
-from furuta_control.control import ControllerParameters, design_controller
+from furuta_control.control import design_controller
 from furuta_control.estimation import EstimatorParameters, design_estimator
-from furuta_friction import compensation
-from furuta_friction.compensation import ObserverParameters, design_compensator
+from furuta_friction.compensation import design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_model.state import BRISTLE, PLANT_STATES, SIGNALS
-from furuta_sim.lanes.lane_compiler import Lanes, LanesType, Layout, layout_of, numbers_of, rows_of
+from furuta_model.state import BRISTLE, PLANT_STATES
+from furuta_sim.lanes.lane_compiler import (
+    Lanes,
+    LanesType,
+    Layout,
+    field_of,
+    joined,
+    layout_of,
+    numbers_of,
+)
 from furuta_sim.lanes.lane_stages import (
-    LANE_SIGNALS,
-    MOST_STAGES,
     PARTS,
-    Lane,
+    STAGES,
+    LaneDesign,
+    LaneMemory,
     LanePlant,
     Stage,
 )
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
-from furuta_sim.simulation.closed_loop import SUMS, Loop, Outcome, summary
-from furuta_sim.simulation.oscillation import ACCUMULATOR_SIZE
+from furuta_sim.simulation.closed_loop import Loop, Outcome, summary
 
 # Most lanes of a block: many, because starting a loop over them costs time, but what a sample uses
 # of the block has to stay in the processor's first cache. That is some 70 numbers per lane with
@@ -65,18 +69,6 @@ SELECTORS = frozenset({"kind", "method", "mode"})
 OFF_AT_ZERO = frozenset(
     {"bits", "encoder_counts", "tachometer_bits", "potentiometer_bits", "patience"}
     | {"integral_share", "rate_bound"}
-)
-# The fields of a lane that are zero at the start, and their sizes.
-_START = (
-    NOISE_CHANNELS,
-    SIGNALS,
-    SIGNALS,
-    estimator.MEMORY,
-    compensation.MEMORY,
-    controller.MEMORY,
-    LANE_SIGNALS,
-    ACCUMULATOR_SIZE,
-    SUMS,
 )
 
 
@@ -122,25 +114,31 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     if plant.parts.any or plant.faults.any:
         return None
     moved = LanePlant(
-        plant.model, plant.friction, plant.actuator, plant.sample_time, plant.substeps
+        model=plant.model,
+        friction=plant.friction,
+        actuator=plant.actuator,
+        sample_time=plant.sample_time,
+        substeps=plant.substeps,
     )
     estimation = _needed_estimator(loop)
     parts = (
-        _plant(moved),
-        _sensors(loop.plant.sensors),
-        _estimator(estimation),
-        _compensator(loop.observer),
-        _controller(control),
+        (_plant_layout(plant.friction.kind, plant.actuator), numbers_of(moved)),
+        _part(Sensors._make, loop.plant.sensors),
+        _part(design_estimator, estimation),
+        _part(design_compensator, loop.observer),
+        _part(design_controller, control),
     )
     x = np.zeros(PLANT_STATES)
     x[:BRISTLE] = loop.plant.initial
     return PreparedLoop(
-        Group(
-            tuple(layout for layout, _ in parts), samples, _width(loop.plant.sensors, estimation)
+        group=Group(
+            layouts=tuple(layout for layout, _ in parts),
+            samples=samples,
+            width=_width(loop.plant.sensors, estimation),
         ),
-        (*(numbers for _, numbers in parts), x),
-        loop.plant.seed,
-        loop.plant.sample_time,
+        numbers=(*(numbers for _, numbers in parts), x),
+        seed=loop.plant.seed,
+        sample_time=loop.plant.sample_time,
     )
 
 
@@ -151,30 +149,26 @@ def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:
 
 def _needed_estimator(loop: Loop) -> EstimatorParameters:
     """The estimator without a filter if the sensors are ideal and nothing uses its friction."""
-    observer = loop.observer
-    guarded = observer.guard_time > 0.0 and observer.compensation != "none"
-    used = observer.chosen.needs_observed_friction or guarded
+    used = loop.observer.chosen.needs_observed_friction or loop.observer.is_guarded
     if used or not loop.estimator.sensors.ideal:
         return loop.estimator
     return loop.estimator._replace(method="lowpass")
 
 
-# A part of a lane: the number of its layout in _LAYOUTS, and its numbers.
-Part = tuple[int, np.ndarray]
+# The layouts of designs, numbered, so that groups compare fast.
 _LAYOUTS: dict[Layout, int] = {}
 
 
-def _part(design: Any) -> Part:
-    return _layout_number(design), numbers_of(design)
+@lru_cache(maxsize=4096)
+def _part(design: Callable[[Any], Any], parameters: Any) -> tuple[int, np.ndarray]:
+    """The number of a design's layout, and its numbers."""
+    designed = design(parameters)
+    return _layout_number(designed), numbers_of(designed)
 
 
 def _layout_number(design: Any) -> int:
     layout, _ = layout_of(design, is_constant)
     return _LAYOUTS.setdefault(layout, len(_LAYOUTS))
-
-
-def _plant(p: LanePlant) -> Part:
-    return _plant_layout(p.friction.kind, p.actuator), numbers_of(p)
 
 
 @lru_cache(maxsize=256)
@@ -183,54 +177,27 @@ def _plant_layout(kind: int, actuator: Actuator) -> int:
     return _layout_number(LanePlant(FurutaPendulum(), FrictionLaw(kind), actuator, 0.0, 1))
 
 
-@lru_cache(maxsize=4096)
-def _sensors(p: Sensors) -> Part:
-    return _part(p)
-
-
-@lru_cache(maxsize=256)
-def _estimator(p: EstimatorParameters) -> Part:
-    return _part(design_estimator(p))
-
-
-@lru_cache(maxsize=256)
-def _compensator(p: ObserverParameters) -> Part:
-    return _part(design_compensator(p))
-
-
-@lru_cache(maxsize=256)
-def _controller(p: ControllerParameters) -> Part:
-    return _part(design_controller(p))
-
-
 @lru_cache(maxsize=256)
 def _layout(group: Group) -> tuple[Layout, int]:
-    """Layout and rows of a group's blocks."""
+    """Layout and rows of a group's blocks: the fields of the design, then those of the memory."""
     layouts = list(_LAYOUTS)
-    arrays = [np.zeros(PLANT_STATES), *(np.zeros(size) for size in _START)]
-    parts = [layouts[each] for each in group.layouts]
-    parts += [layout_of(each, is_constant)[0] for each in arrays]
-    fields, rows = [], 0
-    for name, layout in zip(Lane._fields, parts, strict=True):
-        fields.append((name, rows, layout))
-        rows += rows_of(layout)
-    return ("record", tuple(fields)), rows
+    (_, memory), _ = layout_of(LaneMemory(), lambda name, value: False)
+    names = (*LaneDesign._fields, *(name for name, _, _ in memory))
+    parts = (*(layouts[number] for number in group.layouts), *(part for _, _, part in memory))
+    return joined(names, parts)
 
 
 def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     """Outcomes of at most ``width`` loops of one group; lanes to spare repeat the first loop."""
     group, block = loops[0].group, block_of(loops)
-    measured = max(1, round(settled * group.samples))
-    _run_samples(block, loops, group, group.samples - measured)
-    accumulators, sums = block.rows("accumulator").T, block.rows("sums").T
-    memories = block.rows("observer").T
-    found = []
-    for i, each in enumerate(loops):
-        accumulator, off = accumulators[i].copy(), compensation.switched_off(memories[i])
-        found.append(
-            summary(accumulator, sums[i].copy(), each.sample_time, off, group.samples, measured)
-        )
-    return found
+    samples, measured = group.samples, max(1, round(settled * group.samples))
+    _run_samples(block, loops, samples - measured)
+    outcomes = []
+    for i, loop in enumerate(loops):
+        off = bool(block.values("observer", i)[-1][-1])
+        sums = block.values("sums", i)
+        outcomes.append(summary(sums, loop.sample_time, samples, measured, off))
+    return outcomes
 
 
 def block_of(loops: Sequence[PreparedLoop]) -> Lanes:
@@ -251,11 +218,15 @@ def _used(loops: Sequence[PreparedLoop]) -> int:
     return -(-len(loops) // VECTOR) * VECTOR
 
 
-def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, transient: int) -> None:
+def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], transient: int) -> None:
     """Run all samples; the noise of each lane is that of its loop's own seed."""
-    stages = np.array([[stage_address(each, group) for each in part] for part in _padded_parts()])
-    ideal = block.constant("sensors", "ideal")
-    generators = [] if ideal else [np.random.default_rng(each.seed) for each in loops]
+    group = loops[0].group
+    stages = np.zeros((len(PARTS), len(STAGES)), dtype=np.int64)
+    for part, addresses in zip(PARTS, stages, strict=True):
+        addresses[: len(part)] = [stage_address(stage, group) for stage in part]
+    _, sensors = field_of(block.layout, "sensors")
+    _, (_, _, ideal) = field_of(sensors, "ideal")
+    generators = [] if ideal else [np.random.default_rng(loop.seed) for loop in loops]
     noise = np.zeros((_used(loops), NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
     rows = block.rows("noise")[:, : len(noise)]
     for first in range(0, group.samples, NOISE_SAMPLES):
@@ -265,29 +236,23 @@ def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], group: Group, tran
         run_stages(stages, block.address, rows, noise, first, last, transient)
 
 
-def _padded_parts() -> list[list[Stage | None]]:
-    return [[*part, *[None] * (MOST_STAGES - len(part))] for part in PARTS]
-
-
 def compile_stages(loops: Iterable[Loop]) -> None:
     """Compile the stages of the groups of ``loops``; later batches find them on the disk."""
     for loop in loops:
         prepared = prepare(loop, 1.0)
         if prepared is not None:
-            for stage in {stage for part in PARTS for stage in part}:
+            for stage in STAGES:
                 stage_address(stage, prepared.group)
 
 
 def is_compiled(group: Group) -> bool:
     """Whether the machine code of the group's stages exists, in memory or on the disk."""
-    return all(_exists(stage, group) for part in PARTS for stage in part)
+    return all(_exists(stage, group) for stage in STAGES)
 
 
 @lru_cache(maxsize=1024)
-def stage_address(stage: Stage | None, group: Group) -> int:
-    """Address of the machine code of a stage, which is compiled if need be; 0 for no stage."""
-    if stage is None:
-        return 0
+def stage_address(stage: Stage, group: Group) -> int:
+    """Address of the machine code of a stage, which is compiled if need be."""
     arguments = _argument_types(stage, group)
     function: Any = stage.function
     function.compile(arguments)
@@ -305,7 +270,7 @@ def _exists(stage: Stage, group: Group) -> bool:
 
 def _argument_types(stage: Stage, group: Group) -> tuple[Any, Any]:
     layout, _ = _layout(group)
-    fields = tuple(each for each in layout[1] if each[0] in stage.fields)
+    fields = tuple(field for field in layout[1] if field[0] in stage.fields)
     return LanesType(("record", fields), group.stride), types.intp
 
 

@@ -21,18 +21,26 @@ from furuta_sim.parameters import PlantNodeParameters
 
 
 class NodeDescription(NamedTuple):
-    """A node: its name, the package and executable that run it, its parameters, its class.
+    """A node: its name, which is that of its executable too, its parameters and its class.
 
     ``node_class`` is ``module:class``. A node with ``controlled`` is the controlled system: a graph
     has exactly one of these.
     """
 
     name: str
-    package: str
-    executable: str
     parameters: type[NamedTuple]
     node_class: str
     controlled: bool = False
+
+    @property
+    def package(self) -> str:
+        """The package that holds the node and its executable."""
+        return self.node_class.partition(".")[0]
+
+    @property
+    def executable(self) -> str:
+        """The executable that runs the node."""
+        return self.name
 
     def load_class(self) -> Any:
         """The node's class, a function of a list of parameter overrides."""
@@ -41,44 +49,30 @@ class NodeDescription(NamedTuple):
 
 
 PLANT = "plant"
+ESTIMATOR = "estimator"
+FRICTION_OBSERVER = "friction_observer"
+CONTROLLER = "controller"
 HARDWARE_BRIDGE = "hardware_bridge"
 
 NODES: dict[str, NodeDescription] = {
-    each.name: each
-    for each in (
+    node.name: node
+    for node in (
         NodeDescription(
-            PLANT,
-            "furuta_sim",
-            "plant",
-            PlantNodeParameters,
-            "furuta_sim.plant_node:PlantNode",
-            controlled=True,
+            PLANT, PlantNodeParameters, "furuta_sim.plant_node:PlantNode", controlled=True
         ),
         NodeDescription(
-            "estimator",
-            "furuta_control",
-            "estimator",
-            EstimatorParameters,
-            "furuta_control.estimator_node:EstimatorNode",
+            ESTIMATOR, EstimatorParameters, "furuta_control.estimator_node:EstimatorNode"
         ),
         NodeDescription(
-            "friction_observer",
-            "furuta_friction",
-            "friction_observer",
+            FRICTION_OBSERVER,
             ObserverParameters,
             "furuta_friction.friction_observer_node:FrictionObserverNode",
         ),
         NodeDescription(
-            "controller",
-            "furuta_control",
-            "controller",
-            ControllerParameters,
-            "furuta_control.controller_node:ControllerNode",
+            CONTROLLER, ControllerParameters, "furuta_control.controller_node:ControllerNode"
         ),
         NodeDescription(
             HARDWARE_BRIDGE,
-            "furuta_hw",
-            "hardware_bridge",
             BridgeParameters,
             "furuta_hw.bridge.bridge_node:HardwareBridgeNode",
             controlled=True,
@@ -91,50 +85,54 @@ def graph_nodes(
     controlled: str = PLANT, without: Collection[str] = ()
 ) -> tuple[NodeDescription, ...]:
     """The nodes of a graph: the controlled system first, then the others but ``without``."""
-    others = [each for each in NODES.values() if not each.controlled]
+    others = [node for node in NODES.values() if not node.controlled]
+    names = [node.name for node in others]
     for name in without:
-        if name not in (each.name for each in others):
-            names = ", ".join(each.name for each in others)
-            raise ParameterError(f"the graph can run without {names}; given {name}")
-    return (NODES[controlled], *(each for each in others if each.name not in without))
+        if name not in names:
+            raise ParameterError(f"the graph can run without {', '.join(names)}; given {name}")
+    return (NODES[controlled], *(node for node in others if node.name not in without))
 
 
 def check_graph(parameters: Mapping[str, Any]) -> None:
-    """Check that the parameters of the nodes of a graph fit together.
+    """Check that the parameters of the nodes of a graph fit together; some nodes may be left out.
 
     Raises:
         ParameterError: They do not.
     """
-    check_sample_times(parameters)
-    check_observed_friction(parameters)
-    check_whole_circle(parameters)
+    _check_sample_times(parameters)
+    estimator = parameters.get(ESTIMATOR)
+    if estimator is not None:
+        _check_observed_friction(parameters.get(FRICTION_OBSERVER), estimator)
+        _check_whole_circle(parameters.get(CONTROLLER), estimator)
 
 
-def check_sample_times(parameters: Mapping[str, Any]) -> None:
+def _check_sample_times(parameters: Mapping[str, Any]) -> None:
     """All nodes must have the same sample time."""
-    given = {node: values(each) for node, each in parameters.items()}
-    times = {node: each["sample_time"] for node, each in given.items() if "sample_time" in each}
+    given = {node: values(group) for node, group in parameters.items()}
+    times = {node: of["sample_time"] for node, of in given.items() if "sample_time" in of}
     if len(set(times.values())) > 1:
         listed = ", ".join(f"{node} {time:g} s" for node, time in times.items())
         raise ParameterError(f"sample_time must be the same for all nodes, given {listed}")
 
 
-def check_observed_friction(parameters: Mapping[str, Any]) -> None:
+def _check_observed_friction(
+    observer: ObserverParameters | None, estimator: EstimatorParameters
+) -> None:
     """Some compensations need an estimator that estimates the friction too."""
-    observer, estimator = parameters.get("friction_observer"), parameters.get("estimator")
-    if observer is None or estimator is None:
+    if observer is None or not observer.chosen.needs_observed_friction:
         return
-    if observer.chosen.needs_observed_friction and not estimator.chosen.observes_friction:
+    if not estimator.chosen.observes_friction:
         raise ParameterError(
             f"compensation {observer.compensation} needs an estimator that observes the friction, "
             f"such as estimator.method=kalman; given {estimator.method}"
         )
 
 
-def check_whole_circle(parameters: Mapping[str, Any]) -> None:
+def _check_whole_circle(
+    controller: ControllerParameters | None, estimator: EstimatorParameters
+) -> None:
     """The controller can swing up only with a sensor and an estimator for any pendulum angle."""
-    controller, estimator = parameters.get("controller"), parameters.get("estimator")
-    if controller is None or estimator is None or controller.mode != "swing_up":
+    if controller is None or controller.mode != "swing_up":
         return
     sensors = estimator.sensors
     if not sensors.ideal and sensors.potentiometer_range < pi:

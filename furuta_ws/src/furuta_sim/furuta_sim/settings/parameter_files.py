@@ -16,8 +16,8 @@ def settings_file(settings: Settings) -> str:
     """A ROS parameter file with every value of these settings, defaults included."""
     return yaml.safe_dump(
         {
-            node: {"ros__parameters": values(build(each.parameters, settings[node]))}
-            for node, each in NODES.items()
+            name: {"ros__parameters": values(build(node.parameters, settings[name]))}
+            for name, node in NODES.items()
         },
         sort_keys=False,
     )
@@ -37,21 +37,25 @@ def parameter_file(node: str) -> str:
 
 
 def _lines(group: type[NamedTuple]) -> Iterator[str]:
-    open_group = ""
-    # Names without a group first: a mapping cannot be continued after another one.
-    for each in sorted(declared(group), key=lambda each: each.name.rpartition(".")[0]):
-        section, _, name = each.name.rpartition(".")
-        if section != open_group:
+    open_section = ""
+    # Names without a section first: a mapping cannot be continued after another one.
+    for parameter in sorted(declared(group), key=_section):
+        section, name = _section(parameter), parameter.name.rpartition(".")[2]
+        if section != open_section:
             yield f"    {section}:"
-            open_group = section
+            open_section = section
         indent = "      " if section else "    "
-        yield f"{indent}# {describe(each)}"
-        yield f"{indent}{name}: {_yaml(each.default)}"
+        yield f"{indent}# {describe(parameter)}"
+        yield f"{indent}{name}: {_yaml(parameter.default)}"
 
 
-def describe(each: Declared) -> str:
+def _section(parameter: Declared) -> str:
+    return parameter.name.rpartition(".")[0]
+
+
+def describe(parameter: Declared) -> str:
     """Meaning, unit and range in one line."""
-    about = each.about
+    about = parameter.about
     allowed = "" if about.allowed == "any" or about.choices else f", {about.allowed}"
     fixed = "; at start only" if about.read_only else ""
     unit = f" [{about.unit}]" if about.unit else ""
@@ -60,20 +64,24 @@ def describe(each: Declared) -> str:
 
 def parameter_table(node: str) -> str:
     """The parameters of ``node`` as a table in Markdown."""
-    rows = [
-        f"| `{each.name}` | {_yaml(each.default)} | {each.about.unit} | {each.about.allowed} "
-        f"| {each.about.meaning}{'; at start only' if each.about.read_only else ''} |"
-        for each in declared(NODES[node].parameters)
-    ]
     return "\n".join(
         [
             f"## {node}",
             "",
             "| parameter | default | unit | allowed | meaning |",
             "|---|---|---|---|---|",
-            *rows,
+            *map(_row, declared(NODES[node].parameters)),
             "",
         ]
+    )
+
+
+def _row(parameter: Declared) -> str:
+    about = parameter.about
+    fixed = "; at start only" if about.read_only else ""
+    return (
+        f"| `{parameter.name}` | {_yaml(parameter.default)} | {about.unit} | {about.allowed} "
+        f"| {about.meaning}{fixed} |"
     )
 
 

@@ -1,43 +1,24 @@
-"""Finding parameters of the graph by name, today's or earlier ones."""
+"""Finding parameters of the graph by name."""
 
 from __future__ import annotations
 
 import difflib
-import logging
-from collections.abc import Iterator
-from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from furuta_model.parameters import Declared, ParameterError, declared
-from furuta_ros.renamed_parameters import Renamed, renamed
 from furuta_sim.settings.nodes import NODES
 
 EVERY_NODE = "/**"
-_LOG = logging.getLogger(__name__)
 
 
 class Match(NamedTuple):
-    """A parameter of a node; ``renamed`` if it was found by an earlier name."""
+    """A parameter of a node."""
 
     node: str
     parameter: Declared
-    renamed: Renamed | None = None
-
-    def parsed(self, value: Any) -> Any:
-        """The value as the parameter has it; warns about an earlier name."""
-        if self.renamed is not None:
-            warn_once(f"{self.node}: {self.renamed.warning(value)}")
-            value = self.renamed.current_value(value)
-        return self.parameter.parsed(value)
 
 
-@cache
-def warn_once(message: str) -> None:
-    """Log a warning; the same one only once, since studies read the same settings many times."""
-    _LOG.warning(message)
-
-
-def find_parameters(name: str) -> list[Match]:
+def parameters_named(name: str) -> list[Match]:
     """Parameters that a name on the command line means.
 
     ``node.parameter`` means one. Any other name means every parameter with that full name or that
@@ -46,36 +27,31 @@ def find_parameters(name: str) -> list[Match]:
     """
     node, _, rest = name.partition(".")
     if node in NODES:
-        found = [match for full, match in _names(node) if full == rest]
+        matches = [match for match in _parameters(node) if match.parameter.name == rest]
     else:
-        every = (named for node in NODES for named in _names(node))
-        found = [match for full, match in every if name in (full, _last_part(full))]
-    if not found:
+        matches = [
+            match
+            for node in NODES
+            for match in _parameters(node)
+            if name in (match.parameter.name, _last_part(match.parameter.name))
+        ]
+    if not matches:
         raise ParameterError(f"no parameter {name}{_suggestion(name)}")
-    return found
+    return matches
 
 
-def parameters_named(name: str) -> list[tuple[str, Declared]]:
-    """Node and declaration of the parameters that a name on the command line means."""
-    return [(match.node, match.parameter) for match in find_parameters(name)]
-
-
-def find_in_node(node: str, name: str) -> list[Match]:
+def parameters_in(node: str, name: str) -> list[Match]:
     """The parameter of a node by its full name; for ``/**`` that of every node that has it."""
     nodes = NODES if node == EVERY_NODE else [node]
-    found = [match for each in nodes for full, match in _names(each) if full == name]
-    if not found:
+    parameters = (match for name_of_node in nodes for match in _parameters(name_of_node))
+    matches = [match for match in parameters if match.parameter.name == name]
+    if not matches:
         raise ParameterError(f"{node} has no parameter {name}{_suggestion(name)}")
-    return found
+    return matches
 
 
-def _names(node: str) -> Iterator[tuple[str, Match]]:
-    """Full names of a node's parameters, earlier ones included."""
-    group = NODES[node].parameters
-    for each in declared(group):
-        yield each.name, Match(node, each)
-    for name, found in renamed(group).items():
-        yield name, Match(node, found.parameter, found)
+def _parameters(node: str) -> list[Match]:
+    return [Match(node, parameter) for parameter in declared(NODES[node].parameters)]
 
 
 def _last_part(name: str) -> str:
@@ -83,7 +59,7 @@ def _last_part(name: str) -> str:
 
 
 def _suggestion(name: str) -> str:
-    every = {each.name for node in NODES.values() for each in declared(node.parameters)}
-    known = every | {_last_part(each) for each in every}
+    full_names = {match.parameter.name for node in NODES for match in _parameters(node)}
+    known = full_names | {_last_part(full_name) for full_name in full_names}
     near = difflib.get_close_matches(_last_part(name), sorted(known), n=3)
     return f"; did you mean {', '.join(near)}?" if near else ""

@@ -1,15 +1,15 @@
-"""Rigs by name or file, and the parameters that a rig determines."""
+"""Rigs by name or file, and the parameters of every node that a rig determines."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
 from furuta_hw.rigs.uncertainty import Uncertainty
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, values
 from furuta_ros.installed_files import share_directory
-from furuta_sim.settings.settings import Settings, parameters_of
 
 SUFFIX = ".yaml"
 
@@ -29,7 +29,7 @@ def rig_file(name: str) -> Path:
     path = Path(name)
     if path.suffix == SUFFIX or path.exists():
         return path.absolute()
-    known = {each.stem: each for each in sorted(rig_directory().glob(f"*{SUFFIX}"))}
+    known = {file.stem: file for file in sorted(rig_directory().glob(f"*{SUFFIX}"))}
     if name not in known:
         raise ParameterError(
             f"no rig {name}; rigs are {', '.join(known)}, or name a file that ends in {SUFFIX}"
@@ -47,11 +47,38 @@ def find_uncertain_rig(name: str) -> tuple[Rig, Uncertainty]:
     return load_uncertain_rig(rig_file(name))
 
 
-def check_sample_time(rig: Rig | None, settings: Settings) -> None:
-    """Raise ParameterError if the rig samples at another time than the nodes expect."""
-    of_rig = (rig or Rig()).line.sample_time
-    of_nodes = parameters_of(settings)["estimator"].sample_time
-    if of_rig != of_nodes:
-        raise ParameterError(
-            f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
-        )
+def rig_parameters(rig: Rig) -> dict[str, dict[str, Any]]:
+    """Model, friction, sensors, sample time and limits, by node and full parameter name.
+
+    Viscous friction, which contains back-EMF, is part of the model of estimator and pole placement.
+    The friction observer therefore compensates the rest of the friction.
+    """
+    model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
+    nominal = model | {"model_viscous": rig.friction.viscous}
+    time = {"sample_time": rig.line.sample_time}
+    return {
+        "plant": model | sensors | values(rig.friction, "friction.") | time | _plant_parts(rig),
+        "estimator": nominal | sensors | time,
+        "friction_observer": values(rig.friction._replace(viscous=0.0)) | time,
+        "controller": nominal | time | values(rig.poles) | _limits(rig),
+    }
+
+
+def _plant_parts(rig: Rig) -> dict[str, Any]:
+    """What else acts on the simulated plant."""
+    return {
+        "actuator.voltage_range": rig.drive.range,
+        "actuator.bits": rig.drive.bits,
+        **values(rig.drive_dynamics, "drive."),
+        **values(rig.pendulum_friction, "pendulum_friction."),
+        **values(rig.waves, "waves."),
+        **values(rig.tilt, "tilt."),
+    }
+
+
+def _limits(rig: Rig) -> dict[str, Any]:
+    return {
+        "voltage_limit": rig.limits.voltage,
+        "arm_angle_limit": rig.limits.arm_angle,
+        "arm_speed_limit": rig.limits.arm_speed,
+    }

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, shortened
-from furuta_ros.renamed_parameters import with_current_names
 from furuta_ros.ros_parameters import by_full_name, is_of_ros
 from furuta_ros.yaml_files import parse_yaml, read_yaml
 from furuta_sim.settings.nodes import NODES, check_graph
-from furuta_sim.settings.parameter_names import EVERY_NODE, find_in_node, find_parameters, warn_once
-from furuta_sim.settings.rig_parameters import rig_parameters
+from furuta_sim.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
+from furuta_sim.settings.rigs import rig_parameters
 from furuta_sim.simulation.closed_loop import Loop
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
 MOST_REPORTED = 10
+_LOG = logging.getLogger(__name__)
 
 # Values that differ from the defaults, by node and full parameter name.
 Settings = dict[str, dict[str, Any]]
@@ -51,24 +53,27 @@ def collect_settings(
     files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
 ) -> Settings:
     """Like :func:`load_settings`, without the checks of several parameters together."""
-    settings = merge_settings(default_settings(), base or default_settings())
+    settings = base or default_settings()
     for file in files:
         settings = merge_settings(settings, read_file(file))
-    for assignment in assignments:
-        name, separator, text = assignment.partition("=")
-        if not separator:
-            raise ParameterError(f"expected NAME=VALUE, given {assignment!r}")
-        for match in find_parameters(name.strip()):
-            settings[match.node][match.parameter.name] = match.parsed(_value(text, name))
-    return settings
+    return settings_with(settings, map(parse_assignment, assignments))
 
 
-def with_current_parameter_names(node: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """A node's values by today's parameter names; warns about earlier names."""
-    current, warnings = with_current_names(NODES[node].parameters, given)
-    for warning in warnings:
-        warn_once(f"{node}: {warning}")
-    return current
+def parse_assignment(text: str) -> tuple[str, Any]:
+    """Name and value of NAME=VALUE."""
+    name, separator, value = text.partition("=")
+    if not separator:
+        raise ParameterError(f"expected NAME=VALUE, given {text!r}")
+    return name.strip(), _value(value, name)
+
+
+def settings_with(settings: Settings, values: Iterable[tuple[str, Any]]) -> Settings:
+    """Settings with further values, each by a name as on the command line."""
+    changed = merge_settings(settings, default_settings())
+    for name, value in values:
+        for match in parameters_named(name):
+            changed[match.node][match.parameter.name] = match.parameter.parsed(value)
+    return changed
 
 
 def merge_settings(under: Settings, over: Settings) -> Settings:
@@ -78,7 +83,7 @@ def merge_settings(under: Settings, over: Settings) -> Settings:
 
 def parameters_of(settings: Settings) -> dict[str, Any]:
     """Every node's parameters."""
-    return {node: build(each.parameters, settings[node]) for node, each in NODES.items()}
+    return {name: build(node.parameters, settings[name]) for name, node in NODES.items()}
 
 
 def loop(settings: Settings) -> Loop:
@@ -87,9 +92,15 @@ def loop(settings: Settings) -> Loop:
 
 
 def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:
-    """The loop with further values by name, checked as :func:`load_settings` does."""
-    assignments = [f"{name}={value}" for name, value in values.items()]
-    made = parameters_of(collect_settings([], assignments, settings))
+    """The loop with further values by name, checked as :func:`load_settings` does.
+
+    A value can also be text as in an assignment.
+    """
+    plain = (
+        (name, _value(value, name) if isinstance(value, str) else value)
+        for name, value in values.items()
+    )
+    made = parameters_of(settings_with(settings, plain))
     check_graph(made)
     return _loop(made)
 
@@ -127,7 +138,7 @@ def _parameters(section: Any, key: Any, file: Path) -> dict[str, Any]:
     """The parameters of a section by full name."""
     if not isinstance(section, Mapping) or not isinstance(section.get("ros__parameters"), Mapping):
         raise ParameterError(f"{file}: {key} has no ros__parameters")
-    beside = [each for each in section if each != "ros__parameters"]
+    beside = [key for key in section if key != "ros__parameters"]
     if beside:
         raise ParameterError(f"{file}: {key} has ros__parameters and also {shortened(beside)}")
     return dict(by_full_name(section["ros__parameters"]))
@@ -151,16 +162,22 @@ def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Pat
                 warn_once(f"{file}: use_sim_time is ignored, no node of the graph needs it")
             continue
         try:
-            matches = find_in_node(node, name)
+            matches = parameters_in(node, name)
         except ParameterError as error:
             unknown.append(str(error))
             if len(unknown) == MOST_REPORTED:
                 break
             continue
         for match in matches:
-            settings[match.node][match.parameter.name] = match.parsed(value)
+            settings[match.node][match.parameter.name] = match.parameter.parsed(value)
     if unknown:
         raise ParameterError(f"{file}: {'; '.join(unknown)}")
+
+
+@cache
+def warn_once(message: str) -> None:
+    """Log a warning; the same one only once, since studies read the same settings many times."""
+    _LOG.warning(message)
 
 
 def _value(text: str, name: str) -> Any:

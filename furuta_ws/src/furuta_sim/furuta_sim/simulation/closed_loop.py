@@ -7,34 +7,37 @@ measured during the run; series are kept only on request.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters, allow, switched_off
+from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import APPLIED_TORQUE, PHI, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
     Plant,
     design_plant,
-    initial_state,
+    initial_plant,
     move,
     read,
     true_friction,
 )
 from furuta_sim.simulation.control_system import (
+    ControlMemory,
     ControlSystem,
-    Memory,
     control_sample,
     design_control_system,
-    initial_memory,
 )
 from furuta_sim.simulation.oscillation import (
-    ACCUMULATOR_SIZE,
+    OscillationSums,
     accumulate,
     accumulate_midpoint,
     oscillation,
@@ -43,12 +46,29 @@ from furuta_sim.simulation.oscillation import (
 # Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
 
-# Sums over the measured part: squares of φ, u and F − F̂; and whether the pendulum fell.
-_PHI_SQUARED = 0
-_COMMAND_SQUARED = 1
-_ERROR_SQUARED = 2
-_FELL = 3
-SUMS = 4
+
+@dataclass
+class Sums:
+    """What is accumulated in a run: the oscillation, and sums over the measured part.
+
+    ``phi``, ``command`` and ``error`` are those of the squares of φ [rad²], u and F − F̂ [V²].
+    ``fell``: whether the pendulum has been below the horizontal, in the whole run.
+    """
+
+    oscillation: OscillationSums = field(default_factory=OscillationSums)
+    phi: float = 0.0
+    command: float = 0.0
+    error: float = 0.0
+    fell: bool = False
+
+
+@dataclass
+class LoopMemory:
+    """What a loop remembers; ``torque`` [V] is that applied since the last measurement."""
+
+    plant: PlantMemory = field(default_factory=PlantMemory)
+    control: ControlMemory = field(default_factory=ControlMemory)
+    torque: float = 0.0
 
 
 class Loop(NamedTuple):
@@ -110,17 +130,22 @@ class Simulation:
     """
 
     def __init__(self, loop: Loop) -> None:
-        self._memory = initial_memory()
+        self._memory = new_memory(LoopMemory)
+        self._memory["plant"] = initial_plant(loop.plant)
+        self._noise = np.random.default_rng(loop.plant.seed)
         self._loop = loop
         self.loop = loop
-        self._state = initial_state(loop.plant)
-        self._noise = np.random.default_rng(loop.plant.seed)
-        self._torque = np.zeros(1)
+
+    @property
+    def state(self) -> np.ndarray:
+        """Plant state (5,); it can be changed between two runs."""
+        state: np.ndarray = self._memory["plant"]["x"][0]
+        return state
 
     @property
     def switched_off(self) -> bool:
         """Whether the guard has switched the friction compensation off, as worse than none."""
-        return switched_off(self._memory.observer)
+        return switched_off(self._memory["control"]["observer"])
 
     @property
     def loop(self) -> Loop:
@@ -130,7 +155,7 @@ class Simulation:
     @loop.setter
     def loop(self, loop: Loop) -> None:
         if loop.observer != self._loop.observer:
-            allow(self._memory.observer)
+            allow(self._memory["control"]["observer"][0])
         self._loop = loop
         self._plant = design_plant(loop.plant)
         self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
@@ -152,36 +177,38 @@ class Simulation:
         """Continue for ``seconds``; write the series into ``record`` unless it has no rows."""
         samples = self._samples(seconds)
         measured = max(1, round(settled * samples))
-        accumulator, sums = np.zeros(ACCUMULATOR_SIZE), np.zeros(SUMS)
+        sums = new_memory(Sums)
         _run(
-            self._state,
+            self._memory,
             self._noise,
             self._plant,
             self._control_system,
-            self._memory,
-            self._torque,
-            samples,
-            samples - measured,
-            record,
-            accumulator,
-            sums,
+            samples=samples,
+            transient=samples - measured,
+            record=record,
+            sums=sums,
         )
-        sample_time, off = self.loop.plant.sample_time, self.switched_off
-        return summary(accumulator, sums, sample_time, off, samples, measured)
+        return summary(sums[0].item(), record.sample_time, samples, measured, off=self.switched_off)
 
 
 def summary(
-    accumulator: np.ndarray,
-    sums: np.ndarray,
-    sample_time: float,
-    off: bool,
-    samples: int,
-    measured: int,
+    sums: tuple[Any, ...], sample_time: float, samples: int, measured: int, off: bool
 ) -> Outcome:
-    """The outcome of a run of ``samples`` samples, of which the last ``measured`` count."""
-    motion = oscillation(accumulator, sample_time)
-    phi, command, error = (float(each) for each in np.sqrt(sums[:_FELL] / measured))
-    return Outcome(*motion, phi, command, error, bool(sums[_FELL]), off, samples)
+    """The outcome of a run of ``samples`` samples, of which the last ``measured`` count.
+
+    ``sums`` are the fields of :class:`Sums`; ``off``: whether the compensation is switched off.
+    """
+    oscillation_sums, phi, command, error, fell = sums
+    motion = oscillation(OscillationSums(*oscillation_sums), sample_time)
+    return Outcome(
+        *motion,
+        phi_rms_rad=sqrt(phi / measured),
+        command_rms_v=sqrt(command / measured),
+        friction_error_rms_v=sqrt(error / measured),
+        fell=fell,
+        switched_off=off,
+        steps=samples,
+    )
 
 
 def simulate(loop: Loop, seconds: float) -> Record:
@@ -208,69 +235,48 @@ def _empty_record(sample_time: float, samples: int) -> Record:
 
 
 @inlined
-def measure_sample(
-    accumulator: np.ndarray,
-    sums: np.ndarray,
-    x: np.ndarray,
-    u: float,
-    friction: float,
-    estimated: float,
-) -> None:
+def measure_sample(sums: Sums, x: np.ndarray, u: float, friction: float, estimated: float) -> None:
     """Include a sample in what is measured: true state, u, F and F̂ [V]."""
-    accumulate(accumulator, x)
-    sums[_PHI_SQUARED] += x[PHI] * x[PHI]
-    sums[_COMMAND_SQUARED] += u * u
-    sums[_ERROR_SQUARED] += (friction - estimated) * (friction - estimated)
+    accumulate(sums.oscillation, x)
+    sums.phi += x[PHI] * x[PHI]
+    sums.command += u * u
+    sums.error += (friction - estimated) * (friction - estimated)
 
 
 @inlined
-def note_fall(sums: np.ndarray, x: np.ndarray) -> None:
+def note_fall(sums: Sums, x: np.ndarray) -> None:
     """Remember whether the pendulum has been below the horizontal."""
     if abs(x[THETA]) > 0.5 * np.pi:
-        sums[_FELL] = 1.0
+        sums.fell = True
 
 
 @compiled
 def _run(
-    x: np.ndarray,
+    memory: np.ndarray,
     generator: np.random.Generator,
     plant: Plant,
     control_system: ControlSystem,
-    memory: Memory,
-    applied: np.ndarray,
     samples: int,
     transient: int,
     record: Record,
-    accumulator: np.ndarray,
     sums: np.ndarray,
 ) -> None:
-    """Run ``samples`` samples; the first ``transient`` are not measured.
-
-    ``applied`` (1,) is the torque applied since the last measurement [V], kept between runs.
-    """
+    """Run ``samples`` samples; the first ``transient`` are not measured."""
     measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
     noise = np.zeros(NOISE_CHANNELS)
     keep = len(record.command) > 0
-    # Taken before the loop, because taking an array from a tuple costs as much as a filter.
-    estimator_memory, observer_memory = memory.estimator, memory.observer
-    controller_memory, torque = memory.controller, applied[0]
+    loop, result = memory[0], sums[0]
+    x = loop.plant.x
     for k in range(samples):
         if not plant.sensors.ideal:
             for channel in range(NOISE_CHANNELS):
                 noise[channel] = generator.standard_normal()
-        read(x, noise, plant, measurement)
-        measurement[APPLIED_TORQUE] = torque
-        estimated, u = control_sample(
-            estimator_memory,
-            observer_memory,
-            controller_memory,
-            measurement,
-            control_system,
-            estimate,
-        )
+        read(loop.plant, noise, plant, measurement)
+        measurement[APPLIED_TORQUE] = loop.torque
+        estimated, u = control_sample(loop.control, measurement, control_system, estimate)
         friction = 0.0
         if keep or k >= transient:
-            friction = true_friction(x, plant)
+            friction = true_friction(loop.plant, plant)
         if keep:
             record.state[k] = x[:RIGID_STATES]
             record.estimate[k] = estimate
@@ -279,9 +285,8 @@ def _run(
             record.command[k] = u
             record.measurement[k] = measurement
         if transient // 2 <= k < transient:
-            accumulate_midpoint(accumulator, x)
+            accumulate_midpoint(result.oscillation, x)
         if k >= transient:
-            measure_sample(accumulator, sums, x, u, friction, estimated)
-        note_fall(sums, x)
-        torque = move(x, u, plant)
-    applied[0] = torque
+            measure_sample(result, x, u, friction, estimated)
+        note_fall(result, x)
+        loop.torque = move(loop.plant, u, plant)

@@ -5,30 +5,31 @@ The three nodes call the same functions in the same order and exchange messages 
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_control import control as controller
-from furuta_control.control import MEMORY as CONTROLLER_MEMORY
 from furuta_control.control import (
     ControllerDesign,
+    ControllerMemory,
     ControllerParameters,
     control,
     design_controller,
 )
-from furuta_control.estimation import MEMORY as ESTIMATOR_MEMORY
 from furuta_control.estimation import (
     EstimatorDesign,
+    EstimatorMemory,
     EstimatorParameters,
     design_estimator,
     estimate_state,
     restart,
 )
 from furuta_friction import compensation
-from furuta_friction.compensation import MEMORY as OBSERVER_MEMORY
 from furuta_friction.compensation import (
-    Compensator,
+    CompensationDesign,
+    CompensationMemory,
     ObserverParameters,
     design_compensator,
     estimate_friction,
@@ -40,16 +41,17 @@ class ControlSystem(NamedTuple):
     """The control system as :func:`control_sample` uses it."""
 
     estimator: EstimatorDesign
-    observer: Compensator
+    observer: CompensationDesign
     controller: ControllerDesign
 
 
-class Memory(NamedTuple):
-    """Memory of estimator, friction observer and controller from sample to sample."""
+@dataclass
+class ControlMemory:
+    """What estimator, friction observer and controller remember."""
 
-    estimator: np.ndarray
-    observer: np.ndarray
-    controller: np.ndarray
+    estimator: EstimatorMemory = field(default_factory=EstimatorMemory)
+    observer: CompensationMemory = field(default_factory=CompensationMemory)
+    controller: ControllerMemory = field(default_factory=ControllerMemory)
 
 
 def design_control_system(
@@ -61,13 +63,8 @@ def design_control_system(
     )
 
 
-def initial_memory() -> Memory:
-    """The memory of a control system before its first measurement."""
-    sizes = (ESTIMATOR_MEMORY, OBSERVER_MEMORY, CONTROLLER_MEMORY)
-    return Memory(*(np.zeros(size) for size in sizes))
-
-
-def reset(memory: Memory) -> None:
+@inlined
+def reset(memory: ControlMemory) -> None:
     """Prepare for a measurement that does not continue the ones before, as the nodes do."""
     restart(memory.estimator)
     compensation.reset(memory.observer)
@@ -76,18 +73,12 @@ def reset(memory: Memory) -> None:
 
 @inlined
 def control_sample(
-    estimator_memory: np.ndarray,
-    observer_memory: np.ndarray,
-    controller_memory: np.ndarray,
-    measurement: np.ndarray,
-    p: ControlSystem,
-    estimate: np.ndarray,
+    memory: ControlMemory, measurement: np.ndarray, p: ControlSystem, estimate: np.ndarray
 ) -> tuple[float, float]:
     """Friction estimate F̂ [V] and command u [V] for a ``measurement`` (5,).
 
-    The memories are updated, ``estimate`` (5,) is written. The memories are separate arguments,
-    because taking an array from a tuple in a loop costs as much as a filter.
+    ``memory`` is updated, ``estimate`` (5,) is written.
     """
-    estimate_state(estimator_memory, measurement, p.estimator, estimate)
-    friction = estimate_friction(observer_memory, estimate, p.observer)
-    return friction, control(controller_memory, estimate, friction, p.controller)
+    estimate_state(memory.estimator, measurement, p.estimator, estimate)
+    friction = estimate_friction(memory.observer, estimate, p.observer)
+    return friction, control(memory.controller, estimate, friction, p.controller)

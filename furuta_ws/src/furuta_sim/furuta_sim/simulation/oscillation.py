@@ -1,16 +1,18 @@
 """Measures an oscillation sample by sample: peak to peak, period, fraction of time stuck.
 
-A run of any length needs one small array, the accumulator (ACCUMULATOR_SIZE,). It first accumulates
-the midpoint of the motion and then everything else. In a run these are two successive parts; a
+A run of any length needs one small memory, :class:`OscillationSums`. It first accumulates the
+midpoint of the motion and then everything else. In a run these are two successive parts; a
 recorded series is passed twice.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
 
@@ -22,22 +24,37 @@ STUCK_SPEED = 1e-2
 # Peak to peak of the arm [rad] below which there is no period.
 SMALLEST_OSCILLATION = 1e-6
 
-# Indices of the accumulator.
-_MIDPOINT_SAMPLES = 0
-_MIDPOINT_LOW = 1  # extremes of φ that give the midpoint
-_MIDPOINT_HIGH = 2
-_SAMPLES = 3
-_STUCK = 4
-_PHI_LOW = 5
-_PHI_HIGH = 6
-_THETA_LOW = 7
-_THETA_HIGH = 8
-_PREVIOUS_PHI = 9
-_WAS_BELOW = 10  # whether φ has been well below the midpoint since the last upward crossing
-_CROSSINGS = 11
-_FIRST_CROSSING = 12  # sample of the first and of the last upward crossing
-_LAST_CROSSING = 13
-ACCUMULATOR_SIZE = 14
+
+@dataclass
+class OscillationSums:
+    """What is accumulated of an oscillation.
+
+    Attributes:
+        midpoint_samples: Samples in the midpoint.
+        midpoint_low: Lowest φ that gives the midpoint [rad]; ``midpoint_high``: the highest.
+        samples: Samples of the part that is measured.
+        stuck: Those in which the arm is stuck.
+        phi_low: Lowest φ [rad]; ``phi_high``: the highest; for θ ``theta_low``, ``theta_high``.
+        previous_phi: φ of the previous sample [rad].
+        was_below: Whether φ has been well below the midpoint since the last upward crossing.
+        crossings: Upward crossings of the midpoint.
+        first_crossing: Sample of the first one; ``last_crossing``: of the last.
+    """
+
+    midpoint_samples: int = 0
+    midpoint_low: float = 0.0
+    midpoint_high: float = 0.0
+    samples: int = 0
+    stuck: int = 0
+    phi_low: float = 0.0
+    phi_high: float = 0.0
+    theta_low: float = 0.0
+    theta_high: float = 0.0
+    previous_phi: float = 0.0
+    was_below: bool = False
+    crossings: int = 0
+    first_crossing: float = 0.0
+    last_crossing: float = 0.0
 
 
 class Oscillation(NamedTuple):
@@ -50,77 +67,75 @@ class Oscillation(NamedTuple):
 
 
 @inlined
-def accumulate_midpoint(accumulator: np.ndarray, x: np.ndarray) -> None:
-    """Include one sample in the midpoint of the arm's motion; the accumulator starts with zeros."""
-    if accumulator[_MIDPOINT_SAMPLES] == 0.0:
-        accumulator[_MIDPOINT_LOW] = accumulator[_MIDPOINT_HIGH] = x[PHI]
-    accumulator[_MIDPOINT_LOW] = min(accumulator[_MIDPOINT_LOW], x[PHI])
-    accumulator[_MIDPOINT_HIGH] = max(accumulator[_MIDPOINT_HIGH], x[PHI])
-    accumulator[_MIDPOINT_SAMPLES] += 1.0
+def accumulate_midpoint(sums: OscillationSums, x: np.ndarray) -> None:
+    """Include one sample in the midpoint of the arm's motion."""
+    if sums.midpoint_samples == 0:
+        sums.midpoint_low = sums.midpoint_high = x[PHI]
+    sums.midpoint_low = min(sums.midpoint_low, x[PHI])
+    sums.midpoint_high = max(sums.midpoint_high, x[PHI])
+    sums.midpoint_samples += 1
 
 
 @inlined
-def accumulate(accumulator: np.ndarray, x: np.ndarray) -> None:
+def accumulate(sums: OscillationSums, x: np.ndarray) -> None:
     """Include the true state ``x`` (4 or more) of one sample, once the midpoint is known."""
     phi, theta = x[PHI], x[THETA]
-    if accumulator[_SAMPLES] == 0.0:
-        accumulator[_PHI_LOW] = accumulator[_PHI_HIGH] = accumulator[_PREVIOUS_PHI] = phi
-        accumulator[_THETA_LOW] = accumulator[_THETA_HIGH] = theta
-    accumulator[_PHI_LOW] = min(accumulator[_PHI_LOW], phi)
-    accumulator[_PHI_HIGH] = max(accumulator[_PHI_HIGH], phi)
-    accumulator[_THETA_LOW] = min(accumulator[_THETA_LOW], theta)
-    accumulator[_THETA_HIGH] = max(accumulator[_THETA_HIGH], theta)
+    if sums.samples == 0:
+        sums.phi_low = sums.phi_high = sums.previous_phi = phi
+        sums.theta_low = sums.theta_high = theta
+    sums.phi_low = min(sums.phi_low, phi)
+    sums.phi_high = max(sums.phi_high, phi)
+    sums.theta_low = min(sums.theta_low, theta)
+    sums.theta_high = max(sums.theta_high, theta)
     if abs(x[PHI_DOT]) < STUCK_SPEED:
-        accumulator[_STUCK] += 1.0
-    _count_crossing(accumulator, phi)
-    accumulator[_PREVIOUS_PHI] = phi
-    accumulator[_SAMPLES] += 1.0
+        sums.stuck += 1
+    _count_crossing(sums, phi)
+    sums.previous_phi = phi
+    sums.samples += 1
 
 
 @inlined
-def _count_crossing(accumulator: np.ndarray, phi: float) -> None:
+def _count_crossing(sums: OscillationSums, phi: float) -> None:
     """Count an upward crossing of the midpoint if φ was well below it before."""
-    midpoint = 0.5 * (accumulator[_MIDPOINT_LOW] + accumulator[_MIDPOINT_HIGH])
-    before, after = accumulator[_PREVIOUS_PHI] - midpoint, phi - midpoint
-    if after < -HYSTERESIS * (accumulator[_MIDPOINT_HIGH] - accumulator[_MIDPOINT_LOW]):
-        accumulator[_WAS_BELOW] = 1.0
-    elif before < 0.0 <= after and accumulator[_WAS_BELOW] == 1.0:
-        accumulator[_WAS_BELOW] = 0.0
-        accumulator[_LAST_CROSSING] = accumulator[_SAMPLES] - 1.0 + before / (before - after)
-        if accumulator[_CROSSINGS] == 0.0:
-            accumulator[_FIRST_CROSSING] = accumulator[_LAST_CROSSING]
-        accumulator[_CROSSINGS] += 1.0
+    midpoint = 0.5 * (sums.midpoint_low + sums.midpoint_high)
+    before, after = sums.previous_phi - midpoint, phi - midpoint
+    if after < -HYSTERESIS * (sums.midpoint_high - sums.midpoint_low):
+        sums.was_below = True
+    elif before < 0.0 <= after and sums.was_below:
+        sums.was_below = False
+        sums.last_crossing = sums.samples - 1.0 + before / (before - after)
+        if sums.crossings == 0:
+            sums.first_crossing = sums.last_crossing
+        sums.crossings += 1
 
 
-def oscillation(accumulator: np.ndarray, sample_time: float) -> Oscillation:
-    """The oscillation in the accumulator, with samples every ``sample_time`` [s]."""
-    samples, crossings = accumulator[_SAMPLES], accumulator[_CROSSINGS]
-    phi_peak_to_peak = float(accumulator[_PHI_HIGH] - accumulator[_PHI_LOW])
-    earlier_peak_to_peak = accumulator[_MIDPOINT_HIGH] - accumulator[_MIDPOINT_LOW]
-    has_period = crossings >= 2 and earlier_peak_to_peak >= SMALLEST_OSCILLATION
-    duration = accumulator[_LAST_CROSSING] - accumulator[_FIRST_CROSSING]
-    period_s = duration / (crossings - 1) * sample_time if has_period else np.nan
+def oscillation(sums: OscillationSums, sample_time: float) -> Oscillation:
+    """The oscillation that was accumulated, with samples every ``sample_time`` [s]."""
+    earlier_peak_to_peak = sums.midpoint_high - sums.midpoint_low
+    has_period = sums.crossings >= 2 and earlier_peak_to_peak >= SMALLEST_OSCILLATION
+    duration = sums.last_crossing - sums.first_crossing
+    period_s = duration / (sums.crossings - 1) * sample_time if has_period else np.nan
     return Oscillation(
-        phi_peak_to_peak,
-        float(accumulator[_THETA_HIGH] - accumulator[_THETA_LOW]),
-        float(period_s),
-        float(accumulator[_STUCK] / max(1.0, samples)),
+        phi_peak_to_peak_rad=sums.phi_high - sums.phi_low,
+        theta_peak_to_peak_rad=sums.theta_high - sums.theta_low,
+        period_s=period_s,
+        stuck_fraction=sums.stuck / max(1, sums.samples),
     )
 
 
 def measure_oscillation(state: np.ndarray, sample_time: float) -> Oscillation:
     """Measure the true state (n, 4), sampled every ``sample_time`` [s], without transients."""
-    accumulator = np.zeros(ACCUMULATOR_SIZE)
-    _accumulate_series(accumulator, np.ascontiguousarray(state, dtype=float))
-    return oscillation(accumulator, sample_time)
+    sums = new_memory(OscillationSums)
+    _accumulate_series(sums, np.ascontiguousarray(state, dtype=float))
+    return oscillation(OscillationSums(*sums[0].item()), sample_time)
 
 
 @compiled
-def _accumulate_series(accumulator: np.ndarray, state: np.ndarray) -> None:
+def _accumulate_series(sums: np.ndarray, state: np.ndarray) -> None:
     for x in state:
-        accumulate_midpoint(accumulator, x)
+        accumulate_midpoint(sums[0], x)
     for x in state:
-        accumulate(accumulator, x)
+        accumulate(sums[0], x)
 
 
 def period(signal: np.ndarray, sample_time: float) -> float:

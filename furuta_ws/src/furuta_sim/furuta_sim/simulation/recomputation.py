@@ -9,16 +9,16 @@ import numpy as np
 
 from furuta_control.estimation import pass_skipped, skipped_samples
 from furuta_friction.compensation import allow
+from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
 from furuta_ros.time_stamps import NANOSECONDS, starts_anew
 from furuta_sim.simulation.closed_loop import Loop
 from furuta_sim.simulation.control_system import (
+    ControlMemory,
     ControlSystem,
-    Memory,
     control_sample,
     design_control_system,
-    initial_memory,
     reset,
 )
 
@@ -48,12 +48,12 @@ def recompute(
     """
     n = len(measurement)
     result = Recomputed(np.empty((n, SIGNALS)), np.empty(n), np.empty(n))
-    memory = initial_memory()
+    memory = new_memory(ControlMemory)
     loops = dict(changes)
     starts = new_starts(stamps)
     period = changes[0][1].estimator.sample_time * NANOSECONDS
     intervals = np.diff(stamps, prepend=stamps[:1])
-    skipped = np.array([skipped_samples(each, period) for each in intervals])
+    skipped = np.array([skipped_samples(interval, period) for interval in intervals])
     skipped[starts] = 0
     bounds = sorted({*loops, *starts, n})
     observer = changes[0][1].observer
@@ -61,10 +61,10 @@ def recompute(
         if start in loops:
             control_system = design_control_system(*loops[start][1:])
             if loops[start].observer != observer:
-                allow(memory.observer)
+                allow(memory[0]["observer"])
             observer = loops[start].observer
         if start in starts:
-            reset(memory)
+            reset(memory[0])
         _run(
             # The estimator replaces unusable readings.
             measurement[start:end].copy(),
@@ -79,7 +79,7 @@ def recompute(
 @compiled
 def _run(
     measurement: np.ndarray,
-    memory: Memory,
+    memory: np.ndarray,
     control_system: ControlSystem,
     skipped: np.ndarray,
     result: Recomputed,
@@ -87,17 +87,12 @@ def _run(
     for k in range(len(measurement)):
         if skipped[k]:
             pass_skipped(
-                memory.estimator,
+                memory[0].estimator,
                 skipped[k],
                 measurement[k],
                 control_system.estimator,
                 result.estimate[k],
             )
         result.friction_estimate[k], result.command[k] = control_sample(
-            memory.estimator,
-            memory.observer,
-            memory.controller,
-            measurement[k],
-            control_system,
-            result.estimate[k],
+            memory[0], measurement[k], control_system, result.estimate[k]
         )

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_model.parameters import ParameterError, build, values
+from furuta_model.parameters import Declared, ParameterError, build, values
 from furuta_ros.yaml_files import parse_yaml
 from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_names import Match, find_parameters
+from furuta_sim.settings.parameter_names import Match, parameters_named
 from furuta_sim.settings.settings import Settings, default_settings, load_settings, merge_settings
 
 # Factor by which tuning may change a parameter of a standard candidate, either way.
@@ -44,13 +44,11 @@ class _Standard(NamedTuple):
     """Settings of a standard candidate by full name, and the parameters that can be tuned."""
 
     settings: dict[str, Any]
-    tunable: tuple[str, ...]
+    tunable: tuple[str, ...] = ()
 
 
-def _standard(
-    compensation: str, tunable: tuple[str, ...] = (), controller: dict[str, Any] | None = None
-) -> _Standard:
-    beside = {f"controller.{name}": value for name, value in (controller or {}).items()}
+def _standard(compensation: str, *tunable: str, **controller: Any) -> _Standard:
+    beside = {f"controller.{name}": value for name, value in controller.items()}
     return _Standard({"friction_observer.compensation": compensation, **beside}, tunable)
 
 
@@ -72,11 +70,11 @@ _TWISTING = "controller.super_twisting"
 # 2002). At 20 Hz 4 V are needed on the paper's rig.
 _DITHER = {"excitation.kind": "sine", "excitation.amplitude": 4.0, "excitation.period": 0.05}
 # Every compensation with its parameters as they are set, and methods without a friction estimate.
-STANDARD = {name: _standard(name, _TUNABLE.get(name, ())) for name in COMPENSATIONS} | {
-    "combined_twisting": _standard("combined", (*_COMBINED, _TWISTING), {"super_twisting": 1.0}),
-    "super_twisting": _standard("none", (_TWISTING,), {"super_twisting": 10.0}),
-    "integral": _standard("none", ("controller.integral_time",), {"integral_time": 5.0}),
-    "dither": _standard("none", ("controller.excitation.amplitude",), _DITHER),
+STANDARD = {name: _standard(name, *_TUNABLE.get(name, ())) for name in COMPENSATIONS} | {
+    "combined_twisting": _standard("combined", *_COMBINED, _TWISTING, super_twisting=1.0),
+    "super_twisting": _standard("none", _TWISTING, super_twisting=10.0),
+    "integral": _standard("none", "controller.integral_time", integral_time=5.0),
+    "dither": _standard("none", "controller.excitation.amplitude", **_DITHER),
 }
 
 
@@ -88,7 +86,7 @@ def parse_candidates(
     Only candidates that are to be ``tuned`` have ranges.
     """
     candidates = tuple(_parse(text, settings, tuned) for text in texts)
-    names = [each.name for each in candidates]
+    names = [candidate.name for candidate in candidates]
     if len(set(names)) < len(names):
         raise ParameterError(f"a candidate may be named only once, given {', '.join(names)}")
     return candidates
@@ -96,20 +94,18 @@ def parse_candidates(
 
 def current_values(settings: Settings, names: Iterable[str]) -> list[float]:
     """Values of numeric parameters by full name."""
-    found = []
-    for name in names:
-        node, _, parameter = name.partition(".")
-        group = build(NODES[node].parameters, settings[node])
-        found.append(float(values(group)[parameter]))
-    return found
+    nodes = {node: values(build(about.parameters, settings[node])) for node, about in NODES.items()}
+    pairs = (name.partition(".")[::2] for name in names)
+    return [float(nodes[node][parameter]) for node, parameter in pairs]
 
 
 def _standard_candidate(name: str, settings: Settings) -> Candidate:
-    given = STANDARD[name]
-    plain = Candidate(name, given.settings, {})
-    now = current_values(plain.applied_to(settings), given.tunable)
-    ranges = {each: (at / SPAN, at * SPAN) for each, at in zip(given.tunable, now, strict=True)}
-    return plain._replace(ranges={each: range_ for each, range_ in ranges.items() if range_[1]})
+    standard = STANDARD[name]
+    plain = Candidate(name, standard.settings, {})
+    now = current_values(plain.applied_to(settings), standard.tunable)
+    pairs = zip(standard.tunable, now, strict=True)
+    ranges = {parameter: (value / SPAN, value * SPAN) for parameter, value in pairs if value}
+    return plain._replace(ranges=ranges)
 
 
 def _parse(text: str, settings: Settings, tuned: bool) -> Candidate:
@@ -133,7 +129,7 @@ def _parse(text: str, settings: Settings, tuned: bool) -> Candidate:
 
 def _set(candidate: Candidate, setting: str) -> None:
     """Add PARAMETER=VALUE or PARAMETER=LOW:HIGH to the candidate."""
-    name, separator, value = (each.strip() for each in setting.partition("="))
+    name, separator, value = (part.strip() for part in setting.partition("="))
     if not separator or not value:
         raise ParameterError(
             f"candidate {candidate.name}: expected PARAMETER=VALUE or PARAMETER=LOW:HIGH, "
@@ -142,23 +138,23 @@ def _set(candidate: Candidate, setting: str) -> None:
     for match in _beside_plant(name):
         full = f"{match.node}.{match.parameter.name}"
         if ":" in value:
-            candidate.ranges[full] = _range(match, value)
+            candidate.ranges[full] = checked_range(match.parameter, value)
         else:
-            candidate.settings[full] = match.parsed(parse_yaml(value, name))
+            candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))
 
 
 def _beside_plant(name: str) -> list[Match]:
     """The parameters with this name outside the plant."""
-    found = [each for each in find_parameters(name) if each.node != "plant"]
-    if not found:
+    matches = [match for match in parameters_named(name) if match.node != "plant"]
+    if not matches:
         raise ParameterError(f"a candidate cannot set {name}, which only the plant has")
-    return found
+    return matches
 
 
-def _range(match: Match, text: str) -> Range:
-    parameter = match.parameter
+def checked_range(parameter: Declared, text: str) -> Range:
+    """The range LOW:HIGH of a real parameter."""
     try:
-        low, high = (float(each) for each in text.split(":"))
+        low, high = (float(limit) for limit in text.split(":"))
     except ValueError:
         raise ParameterError(f"{parameter.name}: expected LOW:HIGH, given {text!r}") from None
     if parameter.kind is not float or not low < high:

@@ -1,106 +1,136 @@
-"""A comparison: every candidate on every simulated rig, with every noise seed and every push.
-
-Runs are independent and numbered, so they can be computed in any order, on a cluster, and after an
-interruption.
-"""
+"""A comparison: every candidate on every simulated rig, with every noise seed and every push."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from array import array
+from collections import deque
+from collections.abc import Iterator
+from math import inf
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from furuta.studies.comparison.candidates import Candidate
-from furuta.studies.comparison.random_rigs import JUDGING, random_rig
-from furuta.studies.comparison.simulated_rigs import SimulatedRig, named_rigs, nominal_values
+from furuta.studies.comparison.named_rigs import SimulatedRig
+from furuta.studies.comparison.random_rigs import RandomRigs
 from furuta_model.parameters import ParameterError
+from furuta_model.parts.pushes import Pushes
+from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.settings.settings import Settings, loop
-from furuta_sim.simulation.closed_loop import Loop
+from furuta_sim.simulation.closed_loop import Loop, Outcome
 
-ROWS = ("named", "random")
-
-
-class Rigs(NamedTuple):
-    """Which rigs: the named ones, or ``size`` random ones of a ``seed`` from number ``first``."""
-
-    rows: str = "named"
-    size: int = 100
-    first: int = 0
-    seed: int = 0
-    disturbances: tuple[str, ...] = ()
-    purpose: int = JUDGING
-
-    def generate(self, settings: Settings) -> Iterator[SimulatedRig]:
-        """Generate the rigs in order."""
-        if self.rows == "named":
-            yield from named_rigs(settings)
-            return
-        nominal = nominal_values(settings)
-        for number in range(self.first, self.first + self.size):
-            yield random_rig(nominal, number, self.seed, self.disturbances, self.purpose)
+# Duration of a push on the arm [s].
+PUSH_DURATION = 0.1
 
 
-class Run(NamedTuple):
-    """Rig, candidate, seed of the noise, and push on the arm [V] (0 for none) of a run."""
-
-    rig: str
-    candidate: str
-    seed: int
-    push_v: float
-
-
-class Comparison(NamedTuple):
-    """Base settings, rigs, candidates, number of seeds, pushes [V] and seconds per run.
+class Trials(NamedTuple):
+    """Number of noise seeds, pushes on the arm [V], and seconds of each run.
 
     A push acts in the middle of a run of its own with the first seed.
     """
 
-    settings: Settings
-    rigs: Rigs
-    candidates: tuple[Candidate, ...]
-    seeds: int
-    pushes: tuple[float, ...]
-    seconds: float
+    seeds: int = 1
+    pushes: tuple[float, ...] = ()
+    seconds: float = 30.0
 
-    def runs(self) -> Iterator[Run]:
-        """All runs in order."""
-        for rig in self.rigs.generate(self.settings):
-            yield from self._runs_on(rig)
-
-    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
-        """The loop of every run that is not ``done``, or the reason why it is impossible."""
-        control = {each.name: loop(each.applied_to(self.settings)) for each in self.candidates}
-        number = 0
-        for rig in self.rigs.generate(self.settings):
-            plants: dict[tuple[int, float], PlantParameters | str] = {}
-            for run in self._runs_on(rig):
-                case = run.seed, run.push_v
-                if number not in done:
-                    if case not in plants:
-                        plants[case] = self._plant(rig, *case)
-                    yield number, _with_plant(control[run.candidate], plants[case])
-                number += 1
-
-    def _runs_on(self, rig: SimulatedRig) -> Iterator[Run]:
-        seed = self.settings["plant"].get("seed", 0)
-        for candidate in self.candidates:
-            for k in range(self.seeds):
-                yield Run(rig.name, candidate.name, seed + k, 0.0)
-            for push in self.pushes:
-                yield Run(rig.name, candidate.name, seed, push)
-
-    def _plant(self, rig: SimulatedRig, seed: int, push: float) -> PlantParameters | str:
-        try:
-            return rig.plant(self.settings, seed, push, self.seconds / 2)
-        except ParameterError as error:
-            return f"rig {rig.name}: {error}"
+    def of(self, plant: PlantParameters) -> Iterator[tuple[float, PlantParameters]]:
+        """The push [V], 0 for none, and the plant of every run."""
+        for k in range(self.seeds):
+            yield 0.0, plant._replace(seed=plant.seed + k)
+        middle = (self.seconds / 2,)
+        for push in self.pushes:
+            yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
 
 
-def _with_plant(control: Loop, plant: PlantParameters | str) -> Loop | str:
-    return plant if isinstance(plant, str) else control._replace(plant=plant)
+class Table(NamedTuple):
+    """Residuals [rad] and rms commands [V] (candidates, rigs), and which pushes were survived.
+
+    The residual of a rig is the largest arm angle, peak to peak, over the noise seeds, and infinite
+    after a fall.
+    """
+
+    candidates: list[str]
+    rigs: list[str]
+    residual: np.ndarray
+    command: np.ndarray
+    survived: np.ndarray
 
 
-def rig_rows(rigs: list[SimulatedRig]) -> list[dict[str, Any]]:
-    """A table of the rigs; a parameter that a rig leaves as it is set is empty."""
-    names = dict.fromkeys(name for rig in rigs for name in rig.values)
-    return [{"rig": rig.name} | {name: rig.values.get(name, "") for name in names} for rig in rigs]
+class Comparison:
+    """Candidates on rigs that they do not know.
+
+    ``impossible`` are the reasons why some of the rigs are left out, by their names.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        rigs: list[SimulatedRig] | RandomRigs,
+        candidates: tuple[Candidate, ...],
+        trials: Trials,
+    ) -> None:
+        self.impossible: dict[str, str] = {}
+        self._settings = settings
+        self._rigs = rigs
+        self._controls = {
+            candidate.name: loop(candidate.applied_to(settings)) for candidate in candidates
+        }
+        self._trials = trials
+        self._simulated: list[str] = []
+        self._sizes = array("d")
+        self._commands = array("d")
+
+    @property
+    def size(self) -> int:
+        """The number of runs."""
+        return len(self._rigs) * len(self._controls) * self._runs_of_each
+
+    @property
+    def _runs_of_each(self) -> int:
+        return self._trials.seeds + len(self._trials.pushes)
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Run everything; yields a row per run: rig, candidate, seed, push and outcome."""
+        waiting: deque[dict[str, Any]] = deque()
+        for outcome in batch(self._loops(waiting), self._trials.seconds):
+            self._sizes.append(residual(outcome))
+            self._commands.append(outcome.command_rms_v)
+            yield waiting.popleft() | outcome._asdict()
+        if not self._simulated:
+            raise ParameterError(f"no rig is possible: {next(iter(self.impossible.values()))}")
+
+    def table(self) -> Table:
+        """What the rows say, once all of them have been taken."""
+        shape = len(self._simulated), len(self._controls), self._runs_of_each
+        sizes = np.reshape(self._sizes, shape).transpose(1, 0, 2)
+        commands = np.reshape(self._commands, shape).transpose(1, 0, 2)
+        seeds = self._trials.seeds
+        return Table(
+            list(self._controls),
+            self._simulated,
+            sizes[:, :, :seeds].max(axis=2),
+            commands[:, :, :seeds].mean(axis=2),
+            np.isfinite(sizes[:, :, seeds:]),
+        )
+
+    def _loops(self, waiting: deque[dict[str, Any]]) -> Iterator[Loop]:
+        """The loop of every run; the beginning of its row is appended to ``waiting``."""
+        for rig in self._rigs:
+            try:
+                plants = list(self._trials.of(rig.plant(self._settings)))
+            except ParameterError as error:
+                self.impossible[rig.name] = str(error)
+                continue
+            self._simulated.append(rig.name)
+            numbers = {k: value for k, value in rig.values.items() if not isinstance(value, list)}
+            for candidate, control in self._controls.items():
+                for push, plant in plants:
+                    run = {"rig": rig.name, "candidate": candidate, "seed": plant.seed}
+                    waiting.append(run | {"push_v": push} | numbers)
+                    yield control._replace(plant=plant)
+
+
+def residual(outcome: Outcome) -> float:
+    """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
+    return inf if outcome.fell else outcome.phi_peak_to_peak_rad

@@ -7,14 +7,15 @@ is never worse than its start on these rigs.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
 
 from furuta.studies.comparison.candidates import Candidate, Range, current_values
-from furuta.studies.comparison.comparison import Rigs
+from furuta.studies.comparison.comparison import residual
+from furuta.studies.comparison.named_rigs import SimulatedRig
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
@@ -30,7 +31,7 @@ class TuningBudget(NamedTuple):
     """Evaluations per candidate, the rigs of an evaluation, and seconds per run."""
 
     evaluations: int
-    rigs: Rigs
+    rigs: Iterable[SimulatedRig]
     seconds: float
 
 
@@ -43,19 +44,17 @@ class TunedCandidate(NamedTuple):
     after: float
     evaluations: int
 
+    @property
+    def as_candidate(self) -> Candidate:
+        """The candidate with what was tuned."""
+        return Candidate(self.candidate, self.settings, {})
 
-class Tuning(NamedTuple):
-    """The tuning of all candidates, each with the same budget."""
 
-    settings: Settings
-    candidates: tuple[Candidate, ...]
-    budget: TuningBudget
-
-    def tune(self, done: Container[int]) -> Iterator[tuple[int, dict[str, Any]]]:
-        """Tune the candidates whose numbers are not ``done``."""
-        for number, candidate in enumerate(self.candidates):
-            if number not in done:
-                yield number, tune_candidate(candidate, self.settings, self.budget)._asdict()
+def tune_candidates(
+    candidates: Iterable[Candidate], settings: Settings, budget: TuningBudget
+) -> Iterator[TunedCandidate]:
+    """Tune every candidate with the same budget."""
+    return (tune_candidate(candidate, settings, budget) for candidate in candidates)
 
 
 def tune_candidate(
@@ -86,8 +85,8 @@ class _Search:
         """The point of the present values, moved into the ranges."""
         ranges = self._candidate.ranges
         now = current_values(self._candidate.applied_to(self._settings), ranges)
-        at = [fraction(value, each) for value, each in zip(now, ranges.values(), strict=True)]
-        return np.array(at)
+        pairs = zip(now, ranges.values(), strict=True)
+        return np.array([fraction(value, limits) for value, limits in pairs])
 
     def minimise(self, start: np.ndarray, evaluations: int) -> None:
         """Search from ``start``; the best point found is kept."""
@@ -105,12 +104,9 @@ class _Search:
 
     def evaluate(self, point: np.ndarray) -> float:
         """The criterion [rad] at a point; an impossible candidate counts as the guard."""
-        ranges = self._candidate.ranges
-        given = {
-            name: value_at(float(x), each)
-            for (name, each), x in zip(ranges.items(), point, strict=True)
-        }
-        tried = self._candidate._replace(settings=self._candidate.settings | given)
+        pairs = zip(self._candidate.ranges.items(), point, strict=True)
+        values = {name: value_at(float(x), limits) for (name, limits), x in pairs}
+        tried = self._candidate._replace(settings=self._candidate.settings | values)
         self.evaluations += 1
         try:
             criterion = self._criterion(tried)
@@ -123,11 +119,8 @@ class _Search:
     def _criterion(self, candidate: Candidate) -> float:
         control = loop(candidate.applied_to(self._settings))
         loops = (control._replace(plant=plant) for plant in self._plants)
-        sizes = [
-            ARM_GUARD if each.fell else min(each.phi_peak_to_peak_rad, ARM_GUARD)
-            for each in batch(loops, self._seconds)
-        ]
-        return float(np.mean(sizes))
+        outcomes = batch(loops, self._seconds)
+        return float(np.mean([min(residual(outcome), ARM_GUARD) for outcome in outcomes]))
 
 
 def value_at(x: float, limits: Range) -> float:
@@ -147,13 +140,12 @@ def fraction(value: float, limits: Range) -> float:
     return (value - low) / (high - low)
 
 
-def _plants(settings: Settings, rigs: Rigs) -> list[PlantParameters]:
+def _plants(settings: Settings, rigs: Iterable[SimulatedRig]) -> list[PlantParameters]:
     """The plants of the tuning rigs that are possible."""
-    seed = settings["plant"].get("seed", 0)
     plants = []
-    for rig in rigs.generate(settings):
+    for rig in rigs:
         try:
-            plants.append(rig.plant(settings, seed, 0.0, 0.0))
+            plants.append(rig.plant(settings))
         except ParameterError:
             continue
     if not plants:

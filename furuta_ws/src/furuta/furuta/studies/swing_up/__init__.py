@@ -1,1 +1,1 @@
-"""Swing-up: random starts, optimised trajectories, and the criteria of a competition."""
+"""Swing-up: random starts, pushes, optimised trajectories."""

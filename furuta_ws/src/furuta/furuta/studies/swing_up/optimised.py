@@ -18,9 +18,7 @@ import yaml
 from scipy.optimize import Bounds, minimize
 
 from furuta_control.modes.tracking import ROWS, TORQUE, roll_out
-from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
-from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -42,23 +40,7 @@ MOST_ITERATIONS = 150
 SWITCHES = range(1, 6)
 DURATIONS = (0.5, 0.8)
 
-
 Function = Callable[[np.ndarray], np.ndarray]
-
-
-class Limits(NamedTuple):
-    """What the trajectory may use: voltage [V], arm travel [rad] and speed [rad/s]."""
-
-    voltage: float
-    travel: float
-    speed: float
-
-
-class ArmFriction(NamedTuple):
-    """Friction of the arm: Coulomb level [V] and viscous friction [V s/rad]."""
-
-    level: float
-    viscous: float
 
 
 class Trajectory(NamedTuple):
@@ -67,92 +49,59 @@ class Trajectory(NamedTuple):
     torques: tuple[float, ...]
     duration: float
 
+    def parameter_file(self) -> str:
+        """The trajectory as a ROS parameter file of the controller."""
+        given = {"torques": list(self.torques), "duration": self.duration}
+        content = {"controller": {"ros__parameters": {"swing_up": given}}}
+        return yaml.safe_dump(content, sort_keys=False)
 
-def optimise(
-    model: FurutaPendulum,
-    friction: ArmFriction,
-    limits: Limits,
-    torques: int = TORQUES,
-    start: Trajectory | None = None,
-) -> Trajectory:
-    """The fastest swing-up with that many ``torques``, from ``start`` if one is given.
+
+def fastest_swing_up(loop: Loop, share: float = TRACKED_SHARE) -> Trajectory:
+    """The fastest swing-up of a loop's model with that ``share`` of the limits.
+
+    Its friction is that of the compensator's model.
 
     Raises:
         ParameterError: No swing-up within the limits was found.
     """
-    start = start or _coarse(_Problem(model, friction, limits, COARSE_TORQUES))
-    problem = _Problem(model, friction, limits, torques)
-    refined = problem.solve(problem.resampled(start)) if start else None
-    if refined is None:
-        raise ParameterError(
-            f"found no swing-up with {limits.voltage:g} V, {limits.travel:g} rad and "
-            f"{limits.speed:g} rad/s"
-        )
-    return refined
-
-
-def _coarse(problem: _Problem) -> Trajectory | None:
-    """The fastest of the first attempts."""
+    coarse, fine = (_Problem(loop, share, torques) for torques in (COARSE_TORQUES, TORQUES))
     attempts = (
-        problem.solve(problem.switching(switches, duration))
+        coarse.solve(coarse.switching(switches, duration))
         for switches in SWITCHES
         for duration in DURATIONS
     )
-    found = [each for each in attempts if each is not None]
-    return min(found, key=lambda each: each.duration, default=None)
-
-
-def rig_trajectory(loop: Loop, share: float = TRACKED_SHARE, torques: int = TORQUES) -> Trajectory:
-    """The fastest swing-up of a loop's model with that ``share`` of the limits.
-
-    Its friction is that of the compensator's model.
-    """
-    p, friction = loop.controller, loop.observer.friction
-    limits = Limits(share * p.voltage_limit, share * p.arm_angle_limit, share * p.arm_speed_limit)
-    return optimise(p.model, ArmFriction(friction.alpha0, friction.viscous), limits, torques)
-
-
-def parameters_text(trajectory: Trajectory) -> str:
-    """The trajectory as a ROS parameter file of the controller."""
-    given = {"torques": list(trajectory.torques), "duration": trajectory.duration}
-    content = {"controller": {"ros__parameters": {"swing_up": given}}}
-    return yaml.safe_dump(content, sort_keys=False)
-
-
-def states(trajectory: Trajectory, model: FurutaPendulum) -> np.ndarray:
-    """States and torque (ROWS, 5) along a trajectory, at equal intervals."""
-    table = np.zeros((ROWS, RIGID_STATES + 1))
-    _fill(table, np.array(trajectory.torques), trajectory.duration, model)
-    return table
-
-
-@compiled
-def _fill(table: np.ndarray, torques: np.ndarray, duration: float, model: FurutaPendulum) -> None:
-    """Write torques, linear between the given ones, and the states that follow from them."""
-    last = len(torques) - 1
-    for k in range(len(table)):
-        place = k / (len(table) - 1) * last
-        first = min(int(place), last - 1)
-        part = place - first
-        table[k, TORQUE] = (1.0 - part) * torques[first] + part * torques[first + 1]
-    roll_out(table, duration / (len(table) - 1), model)
+    solved = [trajectory for trajectory in attempts if trajectory is not None]
+    start = min(solved, key=lambda trajectory: trajectory.duration, default=None)
+    refined = fine.solve(fine.resampled(start)) if start else None
+    if refined is None:
+        raise ParameterError(
+            f"found no swing-up with {fine.voltage:g} V, {fine.travel:g} rad and "
+            f"{fine.speed:g} rad/s"
+        )
+    return refined
 
 
 class _Problem:
     """The problem in scaled unknowns: torques over the voltage limit, and the duration."""
 
-    def __init__(
-        self, model: FurutaPendulum, friction: ArmFriction, limits: Limits, torques: int
-    ) -> None:
-        self._model, self._friction, self._limits, self._torques = model, friction, limits, torques
+    def __init__(self, loop: Loop, share: float, torques: int) -> None:
+        p, friction = loop.controller, loop.observer.friction
+        self.voltage, self.travel = share * p.voltage_limit, share * p.arm_angle_limit
+        self.speed = share * p.arm_speed_limit
+        self._model, self._torques = p.model, torques
+        self._level, self._viscous = friction.alpha0, friction.viscous
         self._table = np.zeros((ROWS, RIGID_STATES + 1))
-        self._frequency = float(np.sqrt(model.delta / model.beta))
+        self._frequency = float(np.sqrt(p.model.delta / p.model.beta))
+        # Rows of the table lie between two torques, at a part of the distance.
+        places = np.arange(ROWS) / (ROWS - 1) * (torques - 1)
+        self._first = np.minimum(places.astype(int), torques - 2)
+        self._part = places - self._first
 
     def switching(self, switches: int, part: float) -> np.ndarray:
         """A torque that switches at equal intervals, of that ``part`` of half a period."""
         signs = (-1.0) ** np.floor(np.linspace(0.0, switches + 1 - 1e-9, self._torques))
-        speed = min(self._limits.speed, 50.0)
-        size = 2.0 * speed * self._frequency / np.pi * self._model.alpha / self._limits.voltage
+        speed = min(self.speed, 50.0)
+        size = 2.0 * speed * self._frequency / np.pi * self._model.alpha / self.voltage
         duration = (switches + 1) * part * np.pi / self._frequency
         return np.append(min(size, 0.8) * signs, duration)
 
@@ -160,7 +109,7 @@ class _Problem:
         """The unknowns of a given trajectory."""
         places = np.linspace(0.0, 1.0, self._torques)
         given = np.linspace(0.0, 1.0, len(start.torques))
-        torques = np.interp(places, given, start.torques) / self._limits.voltage
+        torques = np.interp(places, given, start.torques) / self.voltage
         return np.append(torques, start.duration)
 
     def solve(self, unknowns: np.ndarray) -> Trajectory | None:
@@ -168,60 +117,59 @@ class _Problem:
         shortest, longest = 0.2 * np.pi / self._frequency, 10.0 * np.pi / self._frequency
         largest = 2.0 * np.ones(self._torques)
         result = minimize(
-            lambda each: each[-1],
+            lambda x: x[-1],
             unknowns,
-            jac=lambda each: np.append(np.zeros(self._torques), 1.0),
+            jac=lambda x: np.append(np.zeros(self._torques), 1.0),
             method="SLSQP",
             bounds=Bounds(np.append(-largest, shortest), np.append(largest, longest)),
             constraints=[
-                {"type": "eq", "fun": self._end, "jac": self._slope(self._end)},
-                {"type": "ineq", "fun": self._margins, "jac": self._slope(self._margins)},
+                {"type": "eq", "fun": self._end, "jac": _slope(self._end)},
+                {"type": "ineq", "fun": self._margins, "jac": _slope(self._margins)},
             ],
             options={"maxiter": MOST_ITERATIONS, "ftol": 1e-6},
         )
         kept = np.all(self._margins(result.x) > -END_ERROR)
         if not kept or np.max(np.abs(self._end(result.x))) > END_ERROR:
             return None
-        torques = tuple(float(each) * self._limits.voltage for each in result.x[:-1])
+        torques = tuple(float(torque) * self.voltage for torque in result.x[:-1])
         return Trajectory(torques, float(result.x[-1]))
 
     def _rows(self, unknowns: np.ndarray) -> np.ndarray:
-        torques = unknowns[:-1] * self._limits.voltage
-        _fill(self._table, torques, unknowns[-1], self._model)
+        """States and torque (ROWS, 5) along a trajectory, at equal intervals."""
+        torques = unknowns[:-1] * self.voltage
+        before, after = torques[self._first], torques[self._first + 1]
+        self._table[:, TORQUE] = (1.0 - self._part) * before + self._part * after
+        roll_out(self._table, unknowns[-1] / (ROWS - 1), self._model)
         return self._table
 
     def _end(self, unknowns: np.ndarray) -> np.ndarray:
         """Arm speed, pendulum angle and speed at the end, relative to what is usual."""
         end = self._rows(unknowns)[-1]
-        return np.array(
-            (
-                end[PHI_DOT] / self._frequency,
-                np.sin(0.5 * end[THETA]),
-                end[THETA_DOT] / self._frequency,
-            )
-        )
+        speeds = end[PHI_DOT] / self._frequency, end[THETA_DOT] / self._frequency
+        return np.array((speeds[0], np.sin(0.5 * end[THETA]), speeds[1]))
 
     def _margins(self, unknowns: np.ndarray) -> np.ndarray:
         """What is left to the limits, relative to them."""
-        table, limits = self._rows(unknowns)[::CHECKED_EVERY], self._limits
+        table = self._rows(unknowns)[::CHECKED_EVERY]
         v = table[:, PHI_DOT]
-        level = self._friction.level * np.tanh(v / FRICTION_SPEED)
-        u = table[:, TORQUE] + level + self._friction.viscous * v
-        used = np.concatenate((u / limits.voltage, v / limits.speed))
-        if np.isfinite(limits.travel):
-            used = np.append(used, table[:, PHI] / limits.travel)
+        level = self._level * np.tanh(v / FRICTION_SPEED)
+        u = table[:, TORQUE] + level + self._viscous * v
+        used = np.concatenate((u / self.voltage, v / self.speed))
+        if np.isfinite(self.travel):
+            used = np.append(used, table[:, PHI] / self.travel)
         return np.concatenate((1.0 - used, 1.0 + used))
 
-    def _slope(self, function: Function) -> Function:
-        """The Jacobian of a function of the unknowns, by differences."""
 
-        def slope(unknowns: np.ndarray) -> np.ndarray:
-            here = function(unknowns)
-            jacobian = np.empty((len(here), len(unknowns)))
-            for i in range(len(unknowns)):
-                moved = unknowns.copy()
-                moved[i] += DIFFERENCE
-                jacobian[:, i] = (function(moved) - here) / DIFFERENCE
-            return jacobian
+def _slope(function: Function) -> Function:
+    """The Jacobian of a function of the unknowns, by differences."""
 
-        return slope
+    def slope(unknowns: np.ndarray) -> np.ndarray:
+        here = function(unknowns)
+        jacobian = np.empty((len(here), len(unknowns)))
+        for i in range(len(unknowns)):
+            moved = unknowns.copy()
+            moved[i] += DIFFERENCE
+            jacobian[:, i] = (function(moved) - here) / DIFFERENCE
+        return jacobian
+
+    return slope

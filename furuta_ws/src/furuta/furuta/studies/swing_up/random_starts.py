@@ -50,13 +50,13 @@ def run_starts(loops: list[Loop]) -> list[SwingUpRun]:
 
 def summary(runs: list[SwingUpRun]) -> StartResults:
     """The results of all runs."""
-    times = np.array([each.upright_s for each in runs])
+    times = np.array([run.upright_s for run in runs])
     in_time = times <= DEADLINE
     known = times[in_time]
     return StartResults(
         len(runs),
         int(np.sum(in_time)),
-        sum(each.beyond_limits for each in runs),
+        sum(run.beyond_limits for run in runs),
         float(np.median(known)) if len(known) else float("nan"),
         float(np.max(known)) if len(known) else float("nan"),
     )

@@ -66,5 +66,5 @@ def upright_since(state: np.ndarray, sample_time: float) -> float:
 
 def with_initial(loop: Loop, state: Any, seed: int) -> Loop:
     """The loop from another initial ``state`` (φ, φ̇, θ, θ̇) and with another seed."""
-    initial = type(loop.plant.initial)(*(float(each) for each in state))
+    initial = type(loop.plant.initial)(*map(float, state))
     return loop._replace(plant=loop.plant._replace(initial=initial, seed=seed))

@@ -27,6 +27,7 @@ from scipy.optimize import least_squares
 from furuta_model.compiled import compiled
 from furuta_model.friction.lugre import bristle_after, friction
 from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT, RIGID_STATES
 
 # Standard deviation of the observed friction that the model cannot explain [V].
@@ -50,6 +51,10 @@ def _logarithm(value: float) -> float:
     return log(max(value, SMALLEST))
 
 
+def _inverse_tanh(value: float) -> float:
+    return atanh(min(max(value, SMALLEST - 1.0), 1.0 - SMALLEST))
+
+
 def _identity(value: float) -> float:
     return value
 
@@ -61,19 +66,11 @@ TRANSFORMS = {
     "alpha1": Transform(_logarithm, exp, 0.5),
     "stribeck_velocity": Transform(_logarithm, exp, 0.3),
     "viscous": Transform(_identity, abs, 0.05),
-    "asymmetry": Transform(atanh, tanh, 1.0),
+    "asymmetry": Transform(_inverse_tanh, tanh, 1.0),
 }
 FITTED = tuple(TRANSFORMS)
 # Bounds of the fit around the start, in deviations of the prior.
 BOUND = 4.0
-
-
-class FrictionFit(NamedTuple):
-    """Fitted parameters, their standard errors by name, and the rms residual [V]."""
-
-    friction: Friction
-    standard_errors: dict[str, float]
-    residual: float
 
 
 def fit_friction(
@@ -82,11 +79,11 @@ def fit_friction(
     sample_time: float,
     start: Friction,
     names: tuple[str, ...] = FITTED,
-) -> FrictionFit:
+) -> Friction:
     """Fit the parameters ``names`` to ``estimates`` (n, 5); the others keep their start values.
 
     ``kalman_step`` is the filter's (:func:`furuta_control.estimators.kalman.sample_kalman`). Raises
-    :class:`ValueError` if the arm hardly moved or no friction was observed.
+    :class:`ParameterError` if the arm hardly moved or no friction was observed.
     """
     speed, observed = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, OBSERVED_FRICTION]
     _require_friction(speed, observed)
@@ -98,12 +95,7 @@ def fit_friction(
         initial,
         bounds=(initial - BOUND * prior, initial + BOUND * prior),
     )
-    deviations = np.sqrt(np.diag(np.linalg.inv(solution.jac.T @ solution.jac)))
-    return FrictionFit(
-        model.friction(solution.x),
-        model.standard_errors(solution.x, deviations),
-        float(np.sqrt(np.mean(model.residuals(solution.x) ** 2))),
-    )
+    return model.friction(solution.x)
 
 
 class _Model(NamedTuple):
@@ -119,14 +111,13 @@ class _Model(NamedTuple):
     @property
     def prior(self) -> tuple[np.ndarray, np.ndarray]:
         """Start values of the variables and the standard deviations of their prior."""
-        transforms = [(name, TRANSFORMS[name]) for name in self.names]
-        values = [each.to_variable(getattr(self.start, name)) for name, each in transforms]
-        return np.array(values), np.array([each.prior_deviation for _, each in transforms])
+        values = [TRANSFORMS[name].to_variable(getattr(self.start, name)) for name in self.names]
+        return np.array(values), np.array([TRANSFORMS[n].prior_deviation for n in self.names])
 
     def friction(self, variables: np.ndarray) -> Friction:
         """The friction parameters that belong to ``variables``."""
         pairs = zip(self.names, variables, strict=True)
-        fitted = {name: TRANSFORMS[name].to_parameter(float(each)) for name, each in pairs}
+        fitted = {name: TRANSFORMS[name].to_parameter(float(variable)) for name, variable in pairs}
         return self.start._replace(**fitted)
 
     def residuals(self, variables: np.ndarray) -> np.ndarray:
@@ -135,24 +126,12 @@ class _Model(NamedTuple):
         predicted = _predict_observed(self.speed, self.sample_time, friction, self.errors)
         return (predicted - self.observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
 
-    def standard_errors(self, variables: np.ndarray, deviations: np.ndarray) -> dict[str, float]:
-        """Standard errors of the parameters from those of the variables."""
-        triples = zip(self.names, variables, deviations, strict=True)
-        return {name: _propagated_error(TRANSFORMS[name], x, error) for name, x, error in triples}
-
 
 def _require_friction(speed: np.ndarray, observed: np.ndarray) -> None:
     if np.any(np.isnan(observed)):
-        raise ValueError("the estimator observes no friction")
+        raise ParameterError("the estimator observes no friction")
     if len(speed) < 4 * TRANSIENT_SAMPLES or np.ptp(observed) < 4 * OBSERVATION_NOISE:
-        raise ValueError("the arm hardly moved, so there is no friction to observe")
-
-
-def _propagated_error(transform: Transform, variable: float, error: float) -> float:
-    """Standard error of the parameter from that of its variable, to first order."""
-    step = 1e-6
-    high, low = transform.to_parameter(variable + step), transform.to_parameter(variable - step)
-    return abs(high - low) / (2 * step) * error
+        raise ParameterError("the arm hardly moved, so there is no friction to observe")
 
 
 @compiled

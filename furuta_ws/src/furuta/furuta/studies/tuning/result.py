@@ -18,6 +18,13 @@ class Trial(NamedTuple):
     observer: ObserverParameters
     amplitude: float
 
+    def as_json(self) -> dict[str, Any]:
+        """The trial as a JSON object."""
+        return {
+            "phi_peak_to_peak_rad": self.amplitude,
+            "parameters": observer_parameters(self.observer),
+        }
+
 
 class TuningResult(NamedTuple):
     """Start and result with their amplitudes, the friction fit, all trials, pendulum time [s].
@@ -40,25 +47,41 @@ class TuningResult(NamedTuple):
         """Whether tuning found something better than the initial parameters and than none."""
         return self.after not in (self.before, self.uncompensated, self.given)
 
+    def as_json(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        return {
+            "parameters": observer_parameters(self.after.observer),
+            "before": self.before.as_json(),
+            "uncompensated": self.uncompensated.as_json(),
+            "given": self.given.as_json(),
+            "after": self.after.as_json(),
+            "gain": self.gain,
+            "fitted": self.fitted and dict(self.fitted._asdict()),
+            "trials": [trial.as_json() for trial in self.trials],
+            "pendulum_seconds": self.seconds,
+        }
 
-def result_as_json(result: TuningResult) -> dict[str, Any]:
-    """The result as a JSON object."""
-    return {
-        "parameters": observer_parameters(result.after.observer),
-        "before": _trial(result.before),
-        "uncompensated": _trial(result.uncompensated),
-        "given": _trial(result.given),
-        "after": _trial(result.after),
-        "gain": result.gain,
-        "fitted": result.fitted and dict(result.fitted._asdict()),
-        "trials": [_trial(trial) for trial in result.trials],
-        "pendulum_seconds": result.seconds,
-    }
+    def print(self) -> None:
+        """Print amplitudes and parameters for a reader."""
+        lines: dict[str, Any] = {
+            "arm, peak to peak, before": f"{self.before.amplitude:.4f} rad",
+            "without compensation": f"{self.uncompensated.amplitude:.4f} rad",
+            "after": f"{self.after.amplitude:.4f} rad",
+            **observer_parameters(self.after.observer),
+            "pendulum time": f"{self.seconds:.0f} s",
+        }
+        for name, value in lines.items():
+            print(f"{name:32} {value if isinstance(value, str) else f'{value:.5g}'}")
+        if self.after == self.uncompensated:
+            print("no gain: nothing is better than no compensation")
+        elif not self.gain:
+            given = self.after.observer.compensation
+            print(f"no gain: nothing is better than the initial parameters of {given}")
 
 
 def observer_parameters(observer: ObserverParameters) -> dict[str, Any]:
     """The friction observer's parameters that can be set while it runs."""
-    return {name: each for name, each in values(observer).items() if name != "sample_time"}
+    return {name: value for name, value in values(observer).items() if name != "sample_time"}
 
 
 def write_parameter_file(observer: ObserverParameters, path: Path) -> None:
@@ -66,10 +89,3 @@ def write_parameter_file(observer: ObserverParameters, path: Path) -> None:
     content = {"friction_observer": {"ros__parameters": observer_parameters(observer)}}
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(yaml.safe_dump(content, sort_keys=False))
-
-
-def _trial(trial: Trial) -> dict[str, Any]:
-    return {
-        "phi_peak_to_peak_rad": trial.amplitude,
-        "parameters": observer_parameters(trial.observer),
-    }

@@ -23,8 +23,10 @@ STEP_DIFFERENCES = {"viscous": 0.01, "asymmetry": 0.05, "observer_gain": 0.02}
 SEARCHABLE = (*STEP_FACTORS, *STEP_DIFFERENCES)
 # Initial and final radius of the trust region, in steps.
 INITIAL_RADIUS, FINAL_RADIUS = 0.6, 0.1
+# Least amplitude that the search distinguishes from 0 [rad].
+SMALLEST_AMPLITUDE = 1e-12
 
-_DECLARATIONS = {each.name: each.about for each in declared(ObserverParameters)}
+_DECLARATIONS = {item.name: item.about for item in declared(ObserverParameters)}
 
 
 def minimise_amplitude(
@@ -41,7 +43,7 @@ def minimise_amplitude(
         amplitude(start)
         return
     minimize(
-        lambda steps: log(amplitude(with_steps(start, names, steps))),
+        lambda steps: log(max(amplitude(with_steps(start, names, steps)), SMALLEST_AMPLITUDE)),
         np.zeros(len(names)),
         method="COBYQA",
         options={

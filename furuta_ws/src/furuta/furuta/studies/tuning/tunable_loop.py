@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
 
@@ -39,7 +40,7 @@ class SimulatedLoop:
         return self._simulation.run(seconds).estimate
 
 
-class GuardError(Exception):
+class GuardError(ParameterError):
     """The motion left the guard."""
 
 
@@ -82,6 +83,7 @@ class GuardedLoop:
     def _check(self, arm: float, pendulum: float) -> None:
         if arm > self._arm_guard or pendulum > self._pendulum_guard:
             raise GuardError(
-                f"arm {arm:.2f} rad peak to peak, pendulum {pendulum:.2f} rad; the guard is "
-                f"{self._arm_guard:g} and {self._pendulum_guard:g} rad"
+                f"stopped and restored the initial parameters: arm {arm:.2f} rad peak to peak, "
+                f"pendulum {pendulum:.2f} rad; the guard is {self._arm_guard:g} and "
+                f"{self._pendulum_guard:g} rad (arm-guard, pendulum-guard)"
             )

@@ -39,14 +39,16 @@ from furuta.studies.tuning.tunable_loop import (
     GUARD_INTERVAL,
     GuardedLoop,
     GuardError,
+    SimulatedLoop,
     TunableLoop,
 )
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import values
+from furuta_model.parameters import ParameterError, values
 from furuta_model.state import PHI
+from furuta_sim.simulation.closed_loop import Loop
 
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
@@ -62,12 +64,13 @@ def tune(
     """Tune the LuGre compensator of ``rig`` and leave it with the best parameters found.
 
     Raises :class:`GuardError` if the motion leaves the guard with the initial parameters or without
-    compensation, and :class:`ValueError` if no friction is observed although the initial parameters
-    are better than none. The initial parameters are then restored, as after any interruption.
+    compensation, and :class:`ParameterError` if no friction is observed although the initial
+    parameters are better than none. The initial parameters are then restored, as after any
+    interruption.
     """
     plan.check()
     if not estimator.chosen.observes_friction:
-        raise ValueError(
+        raise ParameterError(
             f"the estimator must observe the friction, as method kalman does; method "
             f"{estimator.method} does not"
         )
@@ -78,6 +81,11 @@ def tune(
     except BaseException:
         rig.apply(start)
         raise
+
+
+def tune_simulated(loop: Loop, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
+    """Tune a simulated loop. ParameterError if it cannot be tuned."""
+    return tune(SimulatedLoop(loop), loop.observer, loop.estimator, plan, report)
 
 
 class _Tuner:
@@ -104,7 +112,7 @@ class _Tuner:
         fitted = None
         try:
             fitted = self._fit(estimates, estimator)
-        except ValueError as error:
+        except ParameterError as error:
             if before.amplitude < uncompensated.amplitude:
                 raise
             self._report(f"nothing to tune: {error}")
@@ -151,7 +159,7 @@ class _Tuner:
             estimator.sample_time,
             self._start.friction,
             self._plan.fit,
-        ).friction
+        )
 
     def _try(self, observer: ObserverParameters) -> float:
         """The amplitude [rad] with a candidate, ``arm_guard`` if the motion leaves the guard."""

@@ -1,1 +1,0 @@
-"""How sure a tuning is over rigs that are known only roughly."""

@@ -1,0 +1,60 @@
+"""Interface of an estimation method, and the rig that every method is designed for.
+
+A method is a file in this folder that defines a :class:`Method`; :mod:`furuta_control.estimation`
+lists it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import inlined
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+
+if TYPE_CHECKING:
+    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
+
+
+class NominalRig(NamedTuple):
+    """Nominal model, sensors, time between measurements [s], and viscous friction [V s/rad]."""
+
+    model: FurutaPendulum = FurutaPendulum()
+    sensors: Sensors = Sensors()
+    sample_time: float = 0.001
+    viscous: float = 0.0
+
+
+@inlined
+def nothing(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Begin without a step of the method's own."""
+
+
+@inlined
+def no_prediction(
+    memory: EstimatorMemory, torque: float, p: EstimatorDesign, predicted: np.ndarray
+) -> None:
+    """Leave the prediction at constant speeds."""
+
+
+class Method(NamedTuple):
+    """An estimation method.
+
+    ``update`` (compiled) moves ``memory.estimate`` by one sample with a measurement (5,). ``begin``
+    (compiled) gets the same arguments when the method starts from an estimate. ``predict``
+    (compiled) improves the expected readings (5,) for the torque [V] that is applied meanwhile; by
+    default they are those at constant speeds. ``needs_applied_torque``: of every measurement. A
+    method that does not cover the circle is for the pendulum near upright.
+    """
+
+    name: str
+    meaning: str
+    update: Callable[..., None]
+    begin: Callable[..., None] = nothing
+    predict: Callable[..., None] = no_prediction
+    observes_friction: bool = False
+    needs_applied_torque: bool = False
+    covers_circle: bool = False

@@ -1,0 +1,80 @@
+"""From recordings to a model: preparation, regression, then output error."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_identification.fitting.balanced import fit_balanced, is_balanced
+from furuta_identification.fitting.swinging import fit_swinging
+from furuta_identification.model import Model
+from furuta_identification.options import Options
+from furuta_identification.preparation.prepare import prepare_all
+from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
+from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
+from furuta_identification.regression.speeds import speed_lag
+from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import excerpts_of, split_into_runs
+
+
+def identify(recordings: list[Recording], options: Options) -> Model:
+    """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
+    runs, findings = _runs(recordings, options.most_samples)
+    options.report("finding units and orientation")
+    ready = prepare_all(runs, options)
+    findings += ready.findings
+    lag = float(np.median([speed_lag(recording) for recording in ready.recordings]))
+    prepared, regression, delay, negated = first_estimate(ready.recordings, lag)
+    if negated:
+        findings.append("a positive command turns the arm in its negative direction: sign inverted")
+    ceiling = options.ceiling or fitted_ceiling(prepared, lag, delay)
+    if np.isfinite(ceiling):
+        limited = [recording.with_ceiling(ceiling) for recording in prepared]
+        regression = first_estimate(limited, lag).regression
+    else:
+        findings += what_hides_a_ceiling(prepared)
+    start = starting_values(regression, lag, ceiling)
+    if all(is_balanced(recording) for recording in prepared):
+        # In such slow motion the regression hardly distinguishes a delay from an inertia.
+        model, delay = fit_balanced(prepared, start, regression, findings, options), 0.0
+    else:
+        delayed = [recording.with_delayed_command(delay) for recording in prepared]
+        model = fit_swinging(delayed, start, regression, findings, options)
+    return model._replace(
+        command_negated=negated,
+        command_delay=delay,
+        angles=ready.angles,
+        direction=ready.direction,
+    )
+
+
+def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recording], list[str]]:
+    """Excerpts of all runs of all recordings, and what was found."""
+    runs, findings = [], []
+    for recording in recordings:
+        own_runs, remarks = split_into_runs(recording)
+        runs += own_runs
+        findings += remarks
+    chosen = []
+    for number, run in enumerate(runs):
+        excerpts, remarks = excerpts_of(run._replace(number=number), most_samples // len(runs))
+        chosen += excerpts
+        findings += remarks
+    return chosen, findings
+
+
+def starting_values(fit: MomentumFit, lag: float, ceiling: float) -> ParameterValues:
+    """Values of the unknowns from a regression, moved into their ranges."""
+    return ParameterValues.of(
+        arm_inertia=max(fit.alpha - fit.gamma**2 / fit.beta, 0.05 * fit.alpha),
+        beta=fit.beta,
+        gamma=fit.gamma,
+        delta=fit.delta,
+        viscous=max(fit.viscous, 0.0),
+        coulomb=max(fit.coulomb, 0.0),
+        asymmetry=float(np.clip(fit.coulomb_asymmetry, -0.5, 0.5)),
+        pendulum_viscous=max(fit.pendulum_viscous, 1e-6 * fit.beta),
+        pendulum_coulomb=max(fit.pendulum_coulomb, 0.0),
+        lag=lag,
+        ceiling=ceiling,
+    )

@@ -1,0 +1,123 @@
+"""Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from furuta_identification.identify_files import Identified
+from furuta_identification.model import Model, Prediction
+from furuta_identification.result.verdict import verdict
+from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
+from furuta_identification.uncertainty.identifiability import undetermined
+from furuta_model.linear import linearize
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+
+# Duration [s] at the start over which the fit is given too.
+FIRST_SECONDS = 3.0
+
+
+def reported_values(model: Model) -> dict[str, float]:
+    """Every value of the model by name, whether the data determine it or not."""
+    values = model.values
+    return {
+        **_body_values(values.body),
+        **{name: values[name] for name in FRICTION},
+        **{name: values[name] for name in (*LUGRE, "lag", "tilt_x", "tilt_y", "ceiling")},
+        "zero": float(np.mean(_zeros(model))),
+        "delay": values["delay"] + model.command_delay,
+    }
+
+
+def _zeros(model: Model) -> list[float]:
+    """The pendulum's zero in each recording [rad]."""
+    return [model.values.zero(recording.number) for recording in model.recordings]
+
+
+def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
+    """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
+    waves = []
+    for order in model.values.wave_orders:
+        wave: dict[str, float | None] = {"order": order}
+        for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
+            known = name in model.names and name not in reasons
+            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
+            wave[part] = model.values[name] if known else None
+            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
+        waves.append(wave)
+    return waves
+
+
+def _body_values(body: FurutaPendulum) -> dict[str, float]:
+    a, b = linearize(body)
+    return {
+        **body._asdict(),
+        "a23": float(a[PHI_DOT, THETA]),
+        "a43": float(a[THETA_DOT, THETA]),
+        "b21": float(b[PHI_DOT]),
+        "b41": float(b[THETA_DOT]),
+        "natural_frequency_rad_s": float(np.sqrt(body.delta / body.beta)),
+    }
+
+
+def standard_errors(model: Model) -> dict[str, float]:
+    """Standard error of each of :func:`reported_values`, by its slopes in the unknowns."""
+    vector = model.values.vector(model.names)
+    base = reported_values(model)
+    slopes: dict[str, list[float]] = {name: [] for name in base}
+    for index in range(len(vector)):
+        step = 1e-6 * max(1.0, abs(vector[index]))
+        changed = vector.copy()
+        changed[index] += step
+        there = reported_values(model._replace(values=model.values.changed(model.names, changed)))
+        for name, value in there.items():
+            slopes[name].append((value - base[name]) / step)
+    return {
+        name: float(np.sqrt(max(0.0, np.array(row) @ model.covariance @ np.array(row))))
+        for name, row in slopes.items()
+    }
+
+
+def summary(model: Model) -> dict[str, Any]:
+    """Everything as one object; None where the data do not determine a value."""
+    values, errors, reasons = reported_values(model), standard_errors(model), undetermined(model)
+
+    def value(name: str) -> float | None:
+        return None if name in reasons else values[name]
+
+    withheld = {name for name in values if name in reasons or errors[name] == 0.0}
+    return {
+        **{name: value(name) for name in _body_values(model.values.body)},
+        **{name: value(name) for name in FRICTION},
+        "lugre": {"alpha0": value("coulomb"), **{name: value(name) for name in LUGRE}},
+        "setup": {
+            **{name: value(name) for name in ("delay", "lag", "zero", "tilt_x", "tilt_y")},
+            "ceiling": value("ceiling") if np.isfinite(values["ceiling"]) else None,
+            "zeros": dict(zip([r.name for r in model.recordings], _zeros(model), strict=True)),
+        },
+        "waves": _waves(model, reasons),
+        "standard_errors": {n: None if n in withheld else errors[n] for n in errors},
+        "undetermined": reasons,
+        "findings": model.findings,
+        "window_s": None if np.isinf(model.window) else model.window,
+    }
+
+
+def full_report(identified: Identified) -> dict[str, Any]:
+    """The :func:`summary` of a model with fits, verdict and what was found in the files."""
+    result = summary(identified.model)
+    result["findings"] = identified.findings + result["findings"]
+    result["fit"] = {p.recording.name: _fits(p) for p in identified.fitted}
+    result["held_out"] = {p.recording.name: _fits(p) for p in identified.held_out}
+    result["verdict"] = verdict(identified.fitted)
+    regression = identified.model.regression._asdict()
+    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
+    return result
+
+
+def _fits(prediction: Prediction) -> dict[str, float]:
+    fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
+    first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
+    return {**fits, "pendulum_angle_first_3_s": first}

@@ -1,1 +1,0 @@
-"""From a fitted model to a rig: its values, their uncertainty, its sensors."""

@@ -1,0 +1,97 @@
+"""Which unknown parameters the data determine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from furuta_identification.model import Model
+from furuta_identification.regression.speeds import turns_one_way
+from furuta_identification.shooting.optimisation import Optimum
+from furuta_identification.shooting.shooting import Shooting
+from furuta_identification.shooting.unknowns import (
+    LOGARITHMIC,
+    LUGRE,
+    Unknown,
+    prior,
+    prior_information,
+    unknown,
+)
+
+# Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
+# to a fit, and of one that is reported.
+LARGEST_PART_TO_FIT = 0.3
+LARGEST_PART_TO_REPORT = 0.7
+# Largest standard error of a logarithm, that is the largest relative one, that is reported.
+LARGEST_RELATIVE_ERROR = 0.5
+ASSUMED = "the arm turns in one direction only: a smaller command would have the same effect"
+NO_EFFECT = "it has no effect on these recordings"
+NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
+AT_END = "the fit ends at {:.3g}, the end of the allowed range"
+# Part of the range within which a value is at its end.
+END = 1e-3
+REASONS = {
+    "asymmetry": "the arm hardly slides, or slides in one direction only",
+    "alpha1": "no slow sliding and no slow reversals in the data",
+    "stribeck_velocity": "no slow sliding and no slow reversals in the data",
+    "sigma0": "no motion of the stuck arm that the sensors resolve",
+    "sigma1": "no motion of the stuck arm that the sensors resolve",
+}
+
+
+def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
+    """Those of the unknowns ``names`` that the data determine better than their priors.
+
+    The least certain one is assumed, and the rest is judged again: of two whose effects are alike,
+    one may be determined once the other is given.
+    """
+    both = [*optimum.shooting.names, *names]
+    wider = Shooting(optimum.shooting.parts, both, optimum.values)
+    slopes = wider.slopes(optimum.values.vector(both))
+    _, spread = prior(both)
+    information = slopes.T @ slopes + prior_information(both)
+    own, kept = len(optimum.shooting.names), list(range(len(both)))
+    while len(kept) > own:
+        variances = np.diag(np.linalg.pinv(information[np.ix_(kept, kept)]))
+        parts = np.sqrt(np.maximum(variances, 0.0)) / spread[kept]
+        worst = own + int(np.argmax(parts[own:]))
+        if parts[worst] < LARGEST_PART_TO_FIT:
+            break
+        del kept[worst]
+    return [both[index] for index in kept[own:]]
+
+
+def undetermined(model: Model) -> dict[str, str]:
+    """Unknowns that the data do not determine, each with the reason."""
+    reasons = {}
+    for name in model.names:
+        reason = _reason(model, name)
+        if reason is not None:
+            reasons[name] = reason
+    for name in (*LUGRE, "asymmetry"):
+        if name not in model.names:
+            reasons[name] = REASONS[name]
+    return reasons
+
+
+def _reason(model: Model, name: str) -> str | None:
+    """Why the data do not determine a fitted or assumed unknown; None if they do."""
+    index = model.names.index(name)
+    if model.information[index, index] == 0.0 and name in REASONS:
+        return REASONS[name]
+    if model.information[index, index] == 0.0:
+        return ASSUMED if all(turns_one_way(r) for r in model.recordings) else NO_EFFECT
+    about = unknown(name)
+    value = model.values.coordinates[name]
+    if _is_at_end(value, about):
+        return AT_END.format(value)
+    error, spread = float(np.sqrt(model.covariance[index, index])), about.spread
+    like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
+    if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
+        return REASONS.get(name, NOT_SEPARABLE)
+    return None
+
+
+def _is_at_end(value: float, about: Unknown) -> bool:
+    """Whether a value is at the end of its range; a lower end of 0 is where nature ends too."""
+    margin = END * (about.high - about.low)
+    return value > about.high - margin or (about.low != 0.0 and value < about.low + margin)
