@@ -74,8 +74,7 @@ def test_failed_call() -> None:
 def test_missing_node() -> None:
     """Nothing is sent to a service that is not there; nodes of that name elsewhere are named."""
     node = SlowNode(0, present=False)
-    with pytest.raises(
-        ServiceError, match=r"no node slow answers .* in other namespaces: /left/sl"
-    ):
+    reason = r"no node slow answers .* in other namespaces: /left/sl"
+    with pytest.raises(ServiceError, match=reason):
         node.call()
     assert not node.sent

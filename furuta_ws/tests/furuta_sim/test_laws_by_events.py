@@ -61,7 +61,7 @@ def test_limit_cycle_of_a_law(law: str, number: int) -> None:
     found, middle = measure_oscillation(settled, STEP), 0.5 * np.ptp(settled[:, PHI])
     middle += float(settled[:, PHI].min())
     own = {"lugre": 1, "dahl": 1, "maxwell_slip": springs}.get(law, 0)
-    start = simulation._state
+    start = simulation.state
     first = SPRINGS if law == "maxwell_slip" else 4
     x = np.concatenate([start[:4], start[first : first + own]])
     gains = -np.array(controller.feedback_gain)

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from furuta_view.every import Every
-from furuta_view.main_controls import Note, RigControls, SimulationControls
-from furuta_view.pacer import Pacer
+from furuta_view.page_layout import Note
 from furuta_view.parameter_panel import Control
 from furuta_view.parameter_types import Described
+from furuta_view.rig_controls import RigControls
 from furuta_view.server import PageServer
+from furuta_view.simulation_controls import SimulationControls
 
 
 @pytest.fixture
@@ -27,8 +27,8 @@ def server() -> Iterator[PageServer]:
 def test_plant_continues_without_the_page_that_paused_it(server: PageServer) -> None:
     """Another page that is closed changes nothing."""
     link: Any = None
-    pacer = Pacer()
-    controls = SimulationControls(server, link, Note(server.gui, 1.0), pacer)
+    controls = SimulationControls(server, link, Note(server.gui, 1.0))
+    pacer = controls.pacer
     first, second = (SimpleNamespace(client_id=number) for number in (1, 2))
     controls.set_paused(True, first)
     assert pacer.holds
@@ -43,7 +43,8 @@ def test_silent_bridge_is_not_shown_as_it_was(server: PageServer) -> None:
     """A bridge that has ended said last that it is armed; that may be wrong now."""
     link: Any = None
     rig = RigControls(server, link)
-    values = [KeyValue(key="armed", value="True"), KeyValue(key="state", value="active")]
+    said = {"armed": "True", "state": "active", "stops": "0"}
+    values = [KeyValue(key=key, value=value) for key, value in said.items()]
     status = DiagnosticStatus(message="driving", values=values)
     rig.show(None, 1.0)
     assert "no diagnostics" in rig.text
@@ -73,14 +74,3 @@ def test_an_older_value_does_not_take_back_what_the_user_has_chosen() -> None:
     control.update(0.4)
     control.update(0.5)  # set by someone else
     assert slider.value == 0.5
-
-
-def test_every() -> None:
-    """Due at once, then once in a period, without catching up."""
-    now = 5.0
-    due = Every(1.0, lambda: now)
-    assert due()
-    assert not due()
-    now = 9.0
-    assert due()
-    assert not due()

@@ -13,9 +13,9 @@ from furuta_view.charts import without_gaps
 from furuta_view.exact_cycle import exact_cycle
 from furuta_view.figures import figures
 from furuta_view.jobs import Jobs
-from furuta_view.pacer import FOREVER, Pacer
 from furuta_view.parameter_types import Described, slider_range
 from furuta_view.samples import COLUMNS, PHI, THETA, TIME, Samples
+from furuta_view.simulation_controls import FOREVER, Pacer
 from furuta_view.xy_chart import Curve, Plane, xy_chart
 
 
@@ -29,20 +29,16 @@ def motion(seconds: float, amplitude: float, period: float) -> np.ndarray:
 
 
 def test_samples_keep_the_newest() -> None:
-    """In order, and only those of the seconds that are asked for."""
+    """In order, and only those of the seconds that are asked for; time that goes back starts anew.
+
+    A curve from an earlier graph to the present one would mislead.
+    """
     samples = Samples(300)
+    assert len(samples.last(10.0)) == 0
     for row in motion(7.0, 1.0, 2.0):
         samples.add(row)
-    kept = samples.last(2.0)
-    assert kept[:, TIME] == pytest.approx(np.arange(500, 700) / 100)
+    assert samples.last(2.0)[:, TIME] == pytest.approx(np.arange(500, 700) / 100)
     assert len(samples.last(10.0)) == 300
-
-
-def test_time_that_goes_back_starts_a_new_series() -> None:
-    """Another graph has started; a curve from the old one to the new one would mislead."""
-    samples = Samples(300)
-    for row in motion(2.0, 1.0, 2.0):
-        samples.add(row)
     samples.add(np.zeros(COLUMNS))
     assert len(samples.last(10.0)) == 1
 
@@ -52,11 +48,8 @@ def test_figures_of_a_sine() -> None:
     later = motion(6.0, 0.25, 2.0)
     later[:, TIME] += 10.0
     rows = np.vstack([motion(10.0, 2.0, 1.0), later])
-    found = figures(rows, 250)
-    assert found.phi_peak_to_peak == pytest.approx(0.5, rel=1e-3)
-    assert found.theta_peak_to_peak == pytest.approx(0.05, rel=1e-3)
-    assert found.period == pytest.approx(2.0, rel=1e-3)
-    assert found.counts == pytest.approx(0.5 * 250 / (2 * pi), rel=1e-3)
+    expected = (0.5, 0.05, 2.0, 0.5 * 250 / (2 * pi))
+    assert figures(rows, 250) == pytest.approx(expected, rel=1e-3)
 
 
 def test_noise_has_no_period() -> None:
@@ -69,9 +62,7 @@ def test_noise_has_no_period() -> None:
     ("value", "low", "high", "expected"),
     [
         (0.21, 0.0, 100.0, (0.0, 0.7)),  # a few times the value, not the whole range
-        (80.0, 1e-3, 1e6, (1e-3, 300.0)),
         (0.0, -1.0, 1.0, (-1.0, 1.0)),  # the whole range
-        (0.0, -1e6, 1e6, (-3.0, 3.0)),
         (-2.0, -inf, inf, (-6.0, 6.0)),
         (4, 1, 8, (1, 8)),
     ],
@@ -80,10 +71,10 @@ def test_slider_reaches_useful_values(
     value: float, low: float, high: float, expected: tuple[float, float]
 ) -> None:
     """Never beyond what the node allows; whole numbers stay whole."""
-    found = slider_range(value, low, high)
-    assert (found.low, found.high) == pytest.approx(expected)
-    assert 0.0 < found.step <= found.high - found.low
-    assert isinstance(found.step, type(value))
+    *ends, step = slider_range(value, low, high)
+    assert ends == pytest.approx(expected)
+    assert 0.0 < step <= ends[1] - ends[0]
+    assert isinstance(step, type(value))
 
 
 def test_parameter_is_described_by_its_services_alone() -> None:
@@ -142,8 +133,8 @@ def test_exact_cycle_is_that_of_the_parameters() -> None:
 def test_unknown_values_leave_no_gap() -> None:
     """One NaN would empty the chart; a quantity that is unknown throughout is not drawn."""
     time = np.arange(5.0)
-    found = without_gaps(time, np.array([np.nan, 1.0, np.nan, 3.0, np.nan]))
-    assert found == pytest.approx([1.0, 1.0, 2.0, 3.0, 3.0])
+    drawn = without_gaps(time, np.array([np.nan, 1.0, np.nan, 3.0, np.nan]))
+    assert drawn == pytest.approx([1.0, 1.0, 2.0, 3.0, 3.0])
     assert without_gaps(time, np.full(5, np.nan)) is None
 
 

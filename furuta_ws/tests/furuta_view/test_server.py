@@ -14,7 +14,6 @@ from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
 from furuta_model.parameters import ParameterError
-from furuta_view.access import COOKIE, Access, Request, is_local
 from furuta_view.server import PageServer
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -93,30 +92,3 @@ def test_port_in_use_is_an_error(server: PageServer) -> None:
     """The user named it, so no other one is taken."""
     with pytest.raises(ParameterError, match=f"port {server.get_port()}: Address already in use"):
         PageServer(port=server.get_port())
-
-
-def asked(path: str = "/", cookie: str = "", origin: str = "") -> Request:
-    """A request from the network."""
-    return Request(path, "pc:8080", origin, cookie, bool(origin))
-
-
-def test_token_is_needed_on_the_network() -> None:
-    """For the page in its address, for the web socket as a cookie that the page has set."""
-    access = Access(8080, "secret")
-    assert access.refusal(asked("/?token=secret")) == ""
-    assert COOKIE in access.cookie_to_set(asked("/?token=secret"))
-    assert access.refusal(asked(cookie=f"{COOKIE}=secret", origin="http://pc:8080")) == ""
-    assert "token" in access.refusal(asked())
-    assert "token" in access.refusal(asked("/?token=guess"))
-    assert access.refusal(asked("/?token=secret", origin="http://pc:8080"))
-    assert access.refusal(asked(cookie=f"{COOKIE}=secret", origin="http://evil.example"))
-    assert access.cookie_to_set(asked("/?token=guess")) == ""
-
-
-@pytest.mark.parametrize(
-    ("address", "local"),
-    [("127.0.0.1", True), ("::1", True), ("localhost", True), ("0.0.0.0", False)],
-)
-def test_local_addresses(address: str, local: bool) -> None:
-    """Without a token only what this machine alone reaches."""
-    assert is_local(address) == local

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from browser import Page, open_browser
 
-from furuta_view.pacer import FOREVER
+from furuta_view.simulation_controls import FOREVER
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from time import monotonic
-from typing import NamedTuple, TypeVar
+from typing import Any
 
 import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS
@@ -21,8 +19,7 @@ from furuta_ros.messages import read_joints
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
-
-Group = TypeVar("Group", bound=NamedTuple)
+from furuta_sim.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
 
 # Longest wait for the next estimate [s].
 TIMEOUT = 10.0
@@ -65,16 +62,16 @@ class TuningClient:
         self._executor = executor
         self._stop = stop
         self._waiting = estimates.waiting
-        self.estimator = self._read("estimator", EstimatorParameters)
-        self.observer = self._read("friction_observer", ObserverParameters)
+        self.estimator = self._read(ESTIMATOR)
+        self.observer = self._read(FRICTION_OBSERVER)
         self._applied = values(self.observer)
 
-    def apply(self, observer: ObserverParameters) -> None:
+    def apply(self, observer: Any) -> None:
         """Set the parameters that differ, all or none, and drop earlier estimates."""
         new = values(observer)
         changes = {name: each for name, each in new.items() if each != self._applied[name]}
         if changes:
-            self.client.set_all("friction_observer", changes)
+            self.client.set_all(FRICTION_OBSERVER, changes)
             self._applied = new
         self._waiting.clear()
 
@@ -96,6 +93,7 @@ class TuningClient:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         return self._waiting.popleft()
 
-    def _read(self, node: str, group: type[Group]) -> Group:
-        names = [each.name for each in declared(group)]
+    def _read(self, node: str) -> Any:
+        group = NODES[node].parameters
+        names = [parameter.name for parameter in declared(group)]
         return build(group, self.client.get(node, names))

@@ -12,10 +12,8 @@ from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description
 from furuta_view.bag_samples import BagSamples, at_times
 from furuta_view.charts import SECONDS, Charts
-from furuta_view.exact_cycle import exact_cycle
+from furuta_view.exact_cycle import Values, exact_cycle, model_of
 from furuta_view.figures import figures
-from furuta_view.figures_text import figure_rows
-from furuta_view.model_of import model_of
 from furuta_view.page_layout import Layout, status_html
 from furuta_view.samples import PHI, THETA
 from furuta_view.scene import Scene
@@ -36,7 +34,7 @@ class BagPage:
         layout = self._layout = Layout(server, live=False)
         with layout.charts:
             self._charts = Charts(server, two=len(bags) > 1)
-        self._seconds = max(STEP, *(each.seconds for each in bags))
+        self._seconds = max(STEP, *(bag.seconds for bag in bags))
         with layout.main:
             self._time: Any = gui.add_slider("time [s]", 0.0, self._seconds, STEP, self._start())
             self._play: Any = gui.add_checkbox("play", False)
@@ -45,7 +43,7 @@ class BagPage:
             Scene(server, f"/recording_{number}", GHOST if number else 1.0)
             for number, _ in enumerate(bags)
         ]
-        self._parameters = [each.parameters() for each in bags]
+        self._parameters = [bag.parameters() for bag in bags]
         for scene, values in zip(self._scenes, self._parameters, strict=True):
             scene.show(robot_description(lengths(model_of(values))))
         self._charts.cycle = exact_cycle(self._parameters[0])
@@ -72,7 +70,7 @@ class BagPage:
         if time == self._drawn or not self._server.get_clients():
             return
         self._drawn = time
-        windows = [each.window(time, SECONDS) for each in self._bags]
+        windows = [bag.window(time, SECONDS) for bag in self._bags]
         for scene, samples in zip(self._scenes, windows, strict=True):
             known = samples[np.isfinite(samples[:, PHI]) & np.isfinite(samples[:, THETA])]
             if len(known):
@@ -81,10 +79,10 @@ class BagPage:
         second = at_times(others[0], first[:, 0]) if others else None
         self._charts.draw(first, second)
         self._layout.status.content = "".join(
-            status_html(str(bag.path), figure_rows(figures(samples, _counts(values))))
+            status_html(str(bag.path), figures(samples, _counts(values)).rows())
             for bag, samples, values in zip(self._bags, windows, self._parameters, strict=True)
         )
 
 
-def _counts(values: dict[str, dict[str, object]]) -> int:
+def _counts(values: Values) -> int:
     return int(str(values.get("estimator", {}).get("sensors.encoder_counts", 0)))

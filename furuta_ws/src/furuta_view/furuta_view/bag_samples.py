@@ -42,12 +42,12 @@ class BagSamples:
         self.path = path
         with ExitStack() as opened:
             self._bag = opened.enter_context(Bag(path))
-            topics = {last_part(each.topic): each for each in self._bag.connections}
-            found = [each for each in STATES if each in topics]
-            if not found:
+            topics = {last_part(topic.topic): topic for topic in self._bag.connections}
+            best = next((name for name in STATES if name in topics), None)
+            if best is None:
                 raise ParameterError(f"{path} has none of the topics {', '.join(STATES)}")
-            self._state = topics[found[0]]
-            self._has_truth = found[0] == GROUND_TRUTH
+            self._state = topics[best]
+            self._has_truth = best == GROUND_TRUTH
             floats = ((ESTIMATE, FRICTION_ESTIMATE), (COMMAND, COMMAND_TOPIC))
             self._floats = [(topics[name], column) for column, name in floats if name in topics]
             self._opened = opened.pop_all()

@@ -14,14 +14,12 @@ from furuta_view.xy_chart import Curve, Plane, xy_chart
 SECONDS = 10.0
 PLANE_SECONDS = 5.0
 HEIGHT = 148  # [pixels]
-ARM, PENDULUM, TRUE, ESTIMATED, VOLTAGE, EXACT = (
-    *("#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8", "#94a3b8"),
-)
+ARM, PENDULUM, TRUE, ESTIMATED, GREY = "#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8"
 SECOND_ARM, SECOND_PENDULUM, SECOND_ESTIMATED = "#7dd3fc", "#fdba74", "#a855f7"
 # Label, colour and column of each curve over time.
 ANGLES = [("arm φ [rad]", ARM, PHI), ("pendulum θ [rad]", PENDULUM, THETA)]
 VOLTAGES = [
-    ("u [V]", VOLTAGE, COMMAND),
+    ("u [V]", GREY, COMMAND),
     ("friction F [V]", TRUE, FRICTION),
     ("estimate F̂ [V]", ESTIMATED, ESTIMATE),
 ]
@@ -41,10 +39,8 @@ class TimeChart:
     def __init__(
         self, gui: Any, name: str, curves: list[tuple[str, str, int]], reach: float
     ) -> None:
-        self._columns = [column for _, _, column in curves]
         empty = np.array([-SECONDS, 0.0])
-        self._curves = curves
-        self._shown = [True] * len(curves)
+        self._curves, self._shown = curves, [True] * len(curves)
         end = {"pad": 0.05, "soft": reach, "mode": 1}
         self._handle = gui.add_uplot(
             data=(empty, *(np.full(2, np.nan) for _ in curves)),
@@ -65,13 +61,13 @@ class TimeChart:
         if len(samples) < 2:
             return
         time = samples[:, TIME] - samples[-1, TIME]
-        values = [without_gaps(time, samples[:, column]) for column in self._columns]
-        shown = [each is not None for each in values]
+        values = [without_gaps(time, samples[:, column]) for *_, column in self._curves]
+        shown = [value is not None for value in values]
         if shown != self._shown:
             self._shown = shown
             self._handle.series = self._series()
         unknown = np.zeros(len(time))
-        self._handle.data = (time, *(unknown if each is None else each for each in values))
+        self._handle.data = (time, *(unknown if value is None else value for value in values))
 
     def _series(self) -> tuple[Any, ...]:
         """The time, and the curves with what is shown of them."""
@@ -129,7 +125,7 @@ class Charts:
         exact = []
         if self.cycle is not None:
             phi = self.cycle[:, 1] - 0.5 * (self.cycle[:, 1].max() + self.cycle[:, 1].min())
-            exact = [Curve("exact cycle", EXACT, phi, self.cycle[:, 2], 4.0)]
+            exact = [Curve("exact cycle", GREY, phi, self.cycle[:, 2], 4.0)]
         now = Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])
         return [*exact, now, *_second(samples, "second", SECOND_ARM, PHI, PHI_DOT)]
 

@@ -1,7 +1,8 @@
-"""The exact limit cycle without compensation, for the parameters that the nodes have now."""
+"""The pendulum and its exact limit cycle for the parameters that the nodes have now."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,27 +10,38 @@ import numpy as np
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import trace
-from furuta_control.control import ControllerParameters
-from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError, build
-from furuta_sim.parameters import PlantNodeParameters
+from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
 
 # What the motion depends on; other parameters need no new computation.
 RELEVANT = ("model.", "friction.", "omega", "zeta", "gain", "alpha", "sigma", "stribeck", "viscous")
 
+# Values by node and full parameter name.
+Values = Mapping[str, Mapping[str, Any]]
 
-def relevant(values: dict[str, dict[str, Any]]) -> tuple[Any, ...]:
+
+def model_of(values: Values) -> FurutaPendulum:
+    """The model of the plant, or that which the estimator assumes, or the paper's."""
+    for node in (PLANT, ESTIMATOR):
+        given = values.get(node, {})
+        if "model.alpha" in given:
+            return FurutaPendulum(*(given[f"model.{name}"] for name in FurutaPendulum._fields))
+    return FurutaPendulum()
+
+
+def relevant(values: Values) -> tuple[Any, ...]:
     """The values that the cycle depends on, to see whether it must be computed again."""
     return tuple(
         (node, name, str(value))
-        for node in ("plant", "controller", "friction_observer")
+        for node in (PLANT, CONTROLLER, FRICTION_OBSERVER)
         for name, value in values.get(node, {}).items()
         if name.startswith(RELEVANT)
     )
 
 
-def exact_cycle(values: dict[str, dict[str, Any]]) -> np.ndarray | None:
+def exact_cycle(values: Values) -> np.ndarray | None:
     """Time and state (n, 6) of the cycle; None if there is none, or parameters are missing.
 
     Without a simulated plant, model and friction are those that controller and friction observer
@@ -46,13 +58,17 @@ def exact_cycle(values: dict[str, dict[str, Any]]) -> np.ndarray | None:
     return np.column_stack([motion.time, motion.state])
 
 
-def _ideal_loop(values: dict[str, dict[str, Any]]) -> IdealLoop:
-    controller = build(ControllerParameters, values["controller"])
-    if "plant" in values:
-        plant = build(PlantNodeParameters, values["plant"]).plant
+def _ideal_loop(values: Values) -> IdealLoop:
+    controller = _built(CONTROLLER, values)
+    if PLANT in values:
+        plant = _built(PLANT, values).plant
         model, law, friction = plant.model, plant.friction.law, plant.friction.parameters
     else:
-        observer = build(ObserverParameters, values["friction_observer"])
+        observer = _built(FRICTION_OBSERVER, values)
         model, law, friction = controller.model, "lugre", observer.friction
-    l1, l2, l3, l4 = (-each for each in controller.feedback_gain)
+    l1, l2, l3, l4 = (-gain for gain in controller.feedback_gain)
     return IdealLoop(model, analysed_law(law, friction), l1, l2, l3, l4)
+
+
+def _built(node: str, values: Mapping[str, Mapping[str, Any]]) -> Any:
+    return build(NODES[node].parameters, values[node])

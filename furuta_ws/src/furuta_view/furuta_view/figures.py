@@ -1,9 +1,9 @@
-"""Figures of the newest motion: size, period and what is left in encoder counts."""
+"""Figures of the newest motion: size, period, what is left in encoder counts, late samples."""
 
 from __future__ import annotations
 
 from math import isfinite, nan, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,10 @@ MEASURED = 5.0
 FEWEST = 10
 # An oscillation below this many encoder counts has no period that means anything.
 SMALLEST_PERIODIC = 2.0
+# Latency [µs] from which a sample is late: that of the next sample.
+LATE = 1000.0
+# The rows of ``timing``: latency from measurement to command first.
+TIMING_ROWS = 2
 
 
 class Figures(NamedTuple):
@@ -25,6 +29,15 @@ class Figures(NamedTuple):
     theta_peak_to_peak: float = nan
     period: float = nan
     counts: float = nan
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Names and values with units."""
+        return [
+            ("arm, peak to peak", _number(self.phi_peak_to_peak, 3, "rad")),
+            ("pendulum, peak to peak", _number(self.theta_peak_to_peak, 4, "rad")),
+            ("period", _number(self.period, 2, "s")),
+            ("arm in encoder counts", _number(self.counts, 1, "")),
+        ]
 
 
 def figures(samples: np.ndarray, encoder_counts: int) -> Figures:
@@ -45,3 +58,22 @@ def figures(samples: np.ndarray, encoder_counts: int) -> Figures:
         motion.period_s if periodic else nan,
         counts,
     )
+
+
+def late_samples(timing: Any, status: Any) -> str:
+    """Samples whose command came after the next sample, of all since the plant started.
+
+    ``timing`` is the newest message on that topic, ``status`` that of the bridge to a rig, or None.
+    """
+    if status is not None:
+        values = {pair.key: pair.value for pair in status.values}
+        return f"{values.get('samples skipped', '0')} of {values.get('samples', '0')}"
+    if timing is None:
+        return "–"
+    latency = np.array(timing.data).reshape(TIMING_ROWS, -1)[0]
+    width = float(timing.layout.dim[1].label.split()[-2])
+    return f"{int(latency[int(np.ceil(LATE / width)) :].sum())} of {int(latency.sum())}"
+
+
+def _number(value: float, digits: int, unit: str) -> str:
+    return f"{value:.{digits}f} {unit}".rstrip() if isfinite(value) else "–"

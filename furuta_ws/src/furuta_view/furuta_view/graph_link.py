@@ -50,24 +50,29 @@ class GraphLink:
         """Names of the nodes in this namespace that have parameters, except those of the view."""
         here = self._node.get_namespace()
         services = {name for name, _ in self._node.get_service_names_and_types()}
-        found = {
+        names = {
             name
             for name, namespace in self._node.get_node_names_and_namespaces()
             if namespace == here and not name.startswith("_") and name not in OWN_NODES
         }
-        # Not by the services of each node: of two nodes with one name ROS knows those of one only.
+        # Not by the services of one node: of two nodes with one name ROS knows those of one only.
         return sorted(
-            name for name in found if f"{here.rstrip('/')}/{name}/list_parameters" in services
+            name for name in names if f"{here.rstrip('/')}/{name}/list_parameters" in services
         )
 
     def described(self, node: str) -> list[Described]:
         """All parameters of a node, as its services describe them."""
-        names = [each for each in self._client.names(node) if not is_of_ros(each)]
+        names = [name for name in self._client.names(node) if not is_of_ros(name)]
         if not names:
             return []
         values = self._client.get(node, names)
-        descriptors = {each.name: each for each in self._client.describe(node, names)}
-        return [_described(name, values[name], descriptors.get(name)) for name in names]
+        descriptors = self._client.describe(node, names)
+        if not descriptors:
+            return [Described(name, values[name]) for name in names]
+        return [
+            _described(name, values[name], about)
+            for name, about in zip(names, descriptors, strict=True)
+        ]
 
     def set(self, node: str, values: dict[str, Any]) -> None:
         """Set parameters of a node, all or none."""
@@ -89,9 +94,7 @@ class GraphLink:
             self._bridge.disarm()
 
 
-def _described(name: str, value: Any, descriptor: ParameterDescriptor | None) -> Described:
-    if descriptor is None:
-        return Described(name, value)
+def _described(name: str, value: Any, descriptor: ParameterDescriptor) -> Described:
     ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
     bounds = {"low": ranges[0].from_value, "high": ranges[0].to_value} if ranges else {}
     return Described(

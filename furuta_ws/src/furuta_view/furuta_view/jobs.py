@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from queue import SimpleQueue
 from typing import TypeAlias
 
 Work: TypeAlias = Callable[[], None]
@@ -16,50 +16,41 @@ class Jobs:
     """Does work in a thread of its own."""
 
     def __init__(self) -> None:
-        self._waiting: OrderedDict[Hashable, tuple[Work, Failed]] = OrderedDict()
-        self._changed = threading.Condition()
+        self._newest: dict[Hashable, tuple[Work, Failed]] = {}
+        self._keys: SimpleQueue[Hashable] = SimpleQueue()
         self._running: Hashable = None
-        self._ended = False
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
+        threading.Thread(target=self._run, daemon=True).start()
 
     def submit(self, key: Hashable, work: Work, failed: Failed = lambda reason: None) -> None:
         """Do ``work`` after what waits; it replaces what waits with the same key.
 
         If it raises an exception, ``failed`` is called with the reason.
         """
-        with self._changed:
-            self._waiting[key] = work, failed
-            self._changed.notify_all()
+        self._newest[key] = work, failed
+        self._keys.put(key)
 
     def pending(self, key: Hashable) -> bool:
         """Whether work with this key waits or runs."""
-        with self._changed:
-            return key in self._waiting or key == self._running
+        return key in self._newest or key == self._running
 
     def finish(self, timeout: float) -> None:
-        """Wait up to ``timeout`` [s] until nothing waits or runs."""
-        with self._changed:
-            self._changed.wait_for(lambda: not self._waiting and self._running is None, timeout)
+        """Wait up to ``timeout`` [s] until what waits now is done."""
+        done = threading.Event()
+        self.submit(done, done.set)
+        done.wait(timeout)
 
     def close(self, timeout: float) -> None:
         """Forget what waits, and wait up to ``timeout`` [s] for what runs."""
-        with self._changed:
-            self._waiting.clear()
-            self._ended = True
-            self._changed.notify_all()
-        self._thread.join(timeout)
+        self._newest.clear()
+        self.finish(timeout)
 
     def _run(self) -> None:
         while True:
-            with self._changed:
-                self._running = None
-                self._changed.notify_all()
-                self._changed.wait_for(lambda: self._waiting or self._ended)
-                if self._ended:
-                    return
-                self._running, (work, failed) = self._waiting.popitem(last=False)
-            _do(work, failed)
+            self._running = key = self._keys.get()
+            work, failed = self._newest.pop(key, (None, None))
+            if work is not None and failed is not None:
+                _do(work, failed)
+            self._running = None
 
 
 def _do(work: Work, failed: Failed) -> None:

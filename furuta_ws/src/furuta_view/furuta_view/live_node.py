@@ -39,8 +39,10 @@ from furuta_ros.topics import (
 from furuta_view.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, Samples
 from furuta_view.samples import COMMAND as COMMAND_COLUMN
 
-# Messages that wait between two collections; in fast lock-step the older ones are dropped.
-DEPTH = 256
+# Messages that wait between two collections; in fast lock-step the older ones are dropped. But no
+# change of a parameter is lost.
+NEWEST_QOS = QoSProfile(depth=256, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+EVENTS_QOS = QoSProfile(depth=1000, reliability=QoSReliabilityPolicy.RELIABLE)
 # Samples kept per second of the loop's time, and for how long [s].
 RATE = 100
 KEPT = 12
@@ -67,11 +69,11 @@ class LiveNode(Node):
         self._last_stamp = -PERIOD
         self._x = np.zeros(SIGNALS)
         self._state, self._estimate, self._command = (
-            Input(self, each) for each in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
+            Input(self, topic) for topic in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
         )
         self._timing = self.subscribe(TIMING)
         self._diagnostics = self.subscribe(DIAGNOSTICS)
-        self._events = self.subscribe(PARAMETER_EVENTS, 1000)
+        self._events = self.subscribe(PARAMETER_EVENTS, EVENTS_QOS)
 
     @property
     def has_truth(self) -> bool:
@@ -88,15 +90,16 @@ class LiveNode(Node):
         Of each topic to the throttled copy, unless only the topic itself is published.
         """
         self._state.topic = GROUND_TRUTH if self.has_truth else JOINT_STATES
-        for each in (self._state, self._estimate, self._command):
-            each.choose()
+        for loop_input in (self._state, self._estimate, self._command):
+            loop_input.choose()
 
     def collect(self) -> None:
         """Take what has arrived since the last call."""
         states = list(self._state.take())
-        estimates, commands = (_floats(each.take()) for each in (self._estimate, self._command))
+        estimates, commands = _floats(self._estimate.take()), _floats(self._command.take())
         for index, message in enumerate(states):
-            self._add(message, *(_at(each, index, len(states)) for each in (estimates, commands)))
+            place = index, len(states)
+            self._add(message, _at(estimates, *place), _at(commands, *place))
         for message in _take(self._events):
             self._on_parameters(deserialize_message(message, ParameterEvent))
         for message in _take(self._timing):
@@ -130,10 +133,8 @@ class LiveNode(Node):
             if status.name.endswith(": rig"):
                 self.status, self.status_time = status, monotonic()
 
-    def subscribe(self, topic: Topic, depth: int = DEPTH) -> Subscription:
+    def subscribe(self, topic: Topic, qos: QoSProfile = NEWEST_QOS) -> Subscription:
         """A subscription whose messages wait until they are taken."""
-        reliability = QoSReliabilityPolicy.RELIABLE if depth > DEPTH else None
-        qos = QoSProfile(depth=depth, reliability=reliability or QoSReliabilityPolicy.BEST_EFFORT)
         return self.create_subscription(topic.type, topic.name, _never_called, qos, raw=True)
 
 
@@ -168,7 +169,7 @@ def _take(subscription: Subscription) -> Iterator[bytes]:
 
 def _floats(messages: Iterator[bytes]) -> np.ndarray:
     """The numbers in serialized messages of type Float64."""
-    return np.array([np.frombuffer(each, "<f8", 1, 4)[0] for each in messages])
+    return np.array([np.frombuffer(message, "<f8", 1, 4)[0] for message in messages])
 
 
 def _at(numbers: np.ndarray, index: int, count: int) -> float:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from html import escape
+from typing import Any
 
 import viser
 
 CHARTS_WIDTH, CONTROLS_WIDTH = 440, 340  # [pixels]
 BRAND = (29, 95, 180)
+ALARM, INK = "#b91c1c", "#334155"
 
 
 class Layout:
@@ -26,15 +28,13 @@ class Layout:
         self.charts = panel.add_tab("Charts")
         panel.dock_left()
         panel.set_width(CHARTS_WIDTH)
-        self.status = gui.add_html(
-            status_html("waiting for a running graph" if live else "", []), order=0.0
-        )
+        waiting = "waiting for a running graph" if live else ""
+        self.status = gui.add_html(status_html(waiting, []), order=0.0)
         self.main = gui.add_folder("Main parameters" if live else "Time", order=1.0)
-        if not live:
-            return
-        self.controls = gui.add_folder("Simulation", order=2.0)
-        self.parameters = gui.add_folder("All parameters", order=3.0)
-        self.files = gui.add_folder("Files", order=4.0)
+        if live:
+            self.controls = gui.add_folder("Simulation", order=2.0)
+            self.parameters = gui.add_folder("All parameters", order=3.0)
+            self.files = gui.add_folder("Files", order=4.0)
 
 
 def status_html(title: str, rows: list[tuple[str, str]]) -> str:
@@ -48,3 +48,23 @@ def status_html(title: str, rows: list[tuple[str, str]]) -> str:
         f'<div class="status" style="padding:2px 10px;font-size:15px"><b>{escape(title)}</b>'
         f'<table style="width:100%;font-variant-numeric:tabular-nums">{cells}</table></div>'
     )
+
+
+class Note:
+    """A line under controls that says what happened last; ``kind`` is its class in the page."""
+
+    def __init__(self, gui: Any, order: float, kind: str = "note") -> None:
+        self._handle = gui.add_html("", visible=False, order=order)
+        self._kind = kind
+
+    def tell(self, text: str, colour: str = INK) -> None:
+        """Show a sentence, or nothing."""
+        self._handle.content = (
+            f'<div class="{self._kind}" style="color:{colour};font-size:14px;padding:0 8px 6px">'
+            f"{escape(text)}</div>"
+        )
+        self._handle.visible = bool(text)
+
+    def fail(self, reason: str) -> None:
+        """Show why something failed."""
+        self.tell(reason, ALARM)

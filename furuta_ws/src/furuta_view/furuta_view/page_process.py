@@ -22,7 +22,7 @@ def run_bag_page(server: PageServer, bags: tuple[Path, ...], opens: bool) -> Non
     """Show one recording, or two over each other, until Ctrl-C."""
     stop = StopSignal()
     with ExitStack() as opened:
-        samples = [opened.enter_context(closing(BagSamples(each))) for each in bags]
+        samples = [opened.enter_context(closing(BagSamples(bag))) for bag in bags]
         page = BagPage(server, samples)
         _announce(server, opens)
         page.run(stop)

@@ -64,27 +64,17 @@ class Described(NamedTuple):
         value = parse_yaml(text, self.name)
         if isinstance(self.value, str):
             return text
-        elements = [
-            number_from_text(each) for each in (value if isinstance(value, list) else [value])
-        ]
-        if not all(isinstance(each, (int, float)) for each in elements):
+        numbers = [number_from_text(n) for n in (value if isinstance(value, list) else [value])]
+        if not all(isinstance(number, (int, float)) for number in numbers):
             raise ParameterError(f"{self.name} must be a list of numbers, given {text!r}")
-        return [float(each) for each in elements]
+        return [float(number) for number in numbers]
 
 
-class SliderRange(NamedTuple):
-    """Ends and step of a slider, whole numbers for a parameter that is one."""
-
-    low: float
-    high: float
-    step: float
-
-
-def slider_range(value: float, low: float, high: float) -> SliderRange:
-    """A slider that moves ``value`` within the allowed range in useful steps.
+def slider_range(value: float, low: float, high: float) -> tuple[float, float, float]:
+    """Ends and step of a slider that moves ``value`` within the allowed range.
 
     The allowed range can be millions of times as wide as any useful value. The slider then reaches
-    a few times the present one.
+    a few times the present one. Of a whole number all three are whole.
     """
     size = abs(value) or 1.0
     if not high - low <= WHOLE_RANGE * size:
@@ -92,8 +82,8 @@ def slider_range(value: float, low: float, high: float) -> SliderRange:
         low, high = max(low, 0.0 if value > 0.0 and low == -math.inf else -reach), min(high, reach)
     low, high = min(low, value), max(high, value)
     if isinstance(value, int):
-        return SliderRange(math.floor(low), math.ceil(high), 1)
-    return SliderRange(low, high, 10.0 ** math.floor(math.log10((high - low or 1.0) / STEPS)))
+        return math.floor(low), math.ceil(high), 1
+    return low, high, 10.0 ** math.floor(math.log10((high - low or 1.0) / STEPS))
 
 
 def _round_up(value: float) -> float:

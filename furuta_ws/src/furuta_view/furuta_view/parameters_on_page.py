@@ -16,7 +16,6 @@ from furuta_ros.services import ServiceError
 from furuta_sim.settings.settings import Settings
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
-from furuta_view.parameter_types import Described
 
 # The parameters that come first on the page, if their nodes run.
 MAIN = (
@@ -33,11 +32,11 @@ class ParametersOnPage:
     """Folders for the nodes that run, and the main parameters before them.
 
     ``running`` names the nodes that were found, ``values`` holds the parameters of those that have
-    described them. ``changed`` is called with a node's name when its parameters have changed.
+    described them. ``changed`` is called when parameters have changed.
     """
 
     def __init__(
-        self, gui: Any, link: GraphLink, main: Any, folders: Any, changed: Callable[[str], None]
+        self, gui: Any, link: GraphLink, main: Any, folders: Any, changed: Callable[[], None]
     ) -> None:
         self._gui, self._link, self._changed = gui, link, changed
         self._main, self._place = main, folders
@@ -52,7 +51,7 @@ class ParametersOnPage:
         A node that does not answer is asked again at the next call, and holds up no other one.
         """
         running = self.running = self._link.nodes()
-        for node in [each for each in self._folders if each not in running]:
+        for node in [name for name in self._folders if name not in running]:
             self._remove(node)
         for node in running:
             if node not in self._folders:
@@ -66,19 +65,19 @@ class ParametersOnPage:
         if folder is None:
             return
         known = folder.controls
-        declared = {each.name for each in event.new_parameters if not is_of_ros(each.name)}
-        deleted = {each.name for each in event.deleted_parameters}
+        declared = {new.name for new in event.new_parameters if not is_of_ros(new.name)}
+        deleted = {old.name for old in event.deleted_parameters}
         if declared - set(known) or deleted & set(known):
             self._link.search.submit(("describe", node), partial(self._replace, node))
-        for each in (*event.changed_parameters, *event.new_parameters):
-            if each.name in known:
-                self._show(node, each.name, parameter_value_to_python(each.value))
-        self._changed(node)
+        for changed in (*event.changed_parameters, *event.new_parameters):
+            if changed.name in known:
+                self._show(node, changed.name, parameter_value_to_python(changed.value))
+        self._changed()
 
     def file(self) -> str:
         """A ROS parameter file with all values that can be set while the nodes run."""
         nodes = {
-            node: {"ros__parameters": {name: _plain(each) for name, each in values.items()}}
+            node: {"ros__parameters": {name: _plain(value) for name, value in values.items()}}
             for node, values in self.values.items()
             if values
         }
@@ -90,15 +89,12 @@ class ParametersOnPage:
             values = {
                 name: value
                 for name, value in given.items()
-                if name in self.values.get(node, {}) and not self._read_only(node, name)
+                if name in self.values.get(node, {})
+                and not self._folders[node].controls[name].described.read_only
             }
             if values:
-                self._link.requests.submit(
-                    ("load", node), partial(self._link.set, node, values), failed
-                )
-
-    def _read_only(self, node: str, name: str) -> bool:
-        return self._folders[node].controls[name].described.read_only
+                work = partial(self._link.set, node, values)
+                self._link.requests.submit(("load", node), work, failed)
 
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""
@@ -118,8 +114,8 @@ class ParametersOnPage:
 
     def _controls(self, node: str, name: str) -> list[Control]:
         folder = self._folders.get(node)
-        found = [folder.controls.get(name) if folder else None, self._first.get((node, name))]
-        return [each for each in found if each is not None]
+        controls = [folder.controls.get(name) if folder else None, self._first.get((node, name))]
+        return [control for control in controls if control is not None]
 
     def _replace(self, node: str) -> None:
         self._remove(node)
@@ -127,21 +123,19 @@ class ParametersOnPage:
 
     def _add(self, node: str) -> None:
         described = self._link.described(node)
-        self.values[node] = {each.name: each.value for each in described}
+        self.values[node] = {parameter.name: parameter.value for parameter in described}
         order = float(ORDER.index(node) if node in ORDER else len(ORDER))
+        enter = partial(self._enter, node)
         with self._place:
-            enter = partial(self._enter, node)
             self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
-        by_name = {each.name: each for each in described}
-        for order, (of, name) in enumerate(MAIN):
-            if of == node and name in by_name and (of, name) not in self._first:
-                self._add_first(float(order), node, by_name[name])
-        self._changed(node)
-
-    def _add_first(self, order: float, node: str, described: Described) -> None:
-        with self._main:
-            enter = partial(self._enter, node, described.name)
-            self._first[node, described.name] = Control(self._gui, order, described, enter)
+        for parameter in described:
+            place = node, parameter.name
+            if place in MAIN and place not in self._first:
+                with self._main:
+                    self._first[place] = Control(
+                        self._gui, float(MAIN.index(place)), parameter, partial(enter, place[1])
+                    )
+        self._changed()
 
     def _remove(self, node: str) -> None:
         self._folders.pop(node).remove()

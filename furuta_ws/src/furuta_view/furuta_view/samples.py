@@ -1,6 +1,8 @@
-"""Keeps the newest samples of the loop for drawing."""
+"""Samples of the loop for drawing: their columns, and the newest ones."""
 
 from __future__ import annotations
+
+from collections import deque
 
 import numpy as np
 
@@ -16,25 +18,15 @@ class Samples:
     """
 
     def __init__(self, size: int) -> None:
-        self._ring = np.full((size, COLUMNS), np.nan)
-        self._next = self._kept = 0
+        self._rows: deque[np.ndarray] = deque(maxlen=size)
 
     def add(self, sample: np.ndarray) -> None:
         """Add a sample (:data:`COLUMNS`,)."""
-        if self._kept and sample[TIME] < self._ring[self._next - 1, TIME]:
-            self.clear()
-        self._ring[self._next] = sample
-        self._next = (self._next + 1) % len(self._ring)
-        self._kept = min(self._kept + 1, len(self._ring))
-
-    def clear(self) -> None:
-        """Forget all samples."""
-        self._next = self._kept = 0
+        if self._rows and sample[TIME] < self._rows[-1][TIME]:
+            self._rows.clear()
+        self._rows.append(sample)
 
     def last(self, seconds: float) -> np.ndarray:
         """The samples (n, :data:`COLUMNS`) of the last ``seconds``, the oldest first."""
-        rows = np.arange(self._next - self._kept, self._next) % len(self._ring)
-        kept = self._ring[rows]
-        if not len(kept):
-            return kept
-        return kept[kept[:, TIME] > kept[-1, TIME] - seconds]
+        rows = np.array(self._rows).reshape(-1, COLUMNS)
+        return rows[rows[:, TIME] > rows[-1:, TIME] - seconds]

@@ -12,10 +12,8 @@ from viser.transforms import SO3
 
 GROUND = (226, 232, 240)
 DAYLIGHT = 1.5  # brightness of the sides away from the light
-# Width of the picture [pixels] below which the controls cover its lower half.
-PHONE = 450
-# Position of the camera in heights of the joint above the ground.
-CAMERA = (1.6, -2.0, 1.65)
+# Position of the camera and the point that it looks at, in heights of the joint above the ground.
+CAMERA, TARGET = (1.6, -2.0, 1.65), (0.0, 0.0, 1.05)
 
 
 class Scene:
@@ -56,7 +54,7 @@ class Scene:
                 frame.wxyz = (cos(angles[name] / 2), x, y, z)
 
     def _add_link(self, robot: Any, frames: dict[str, Any], name: str, path: str) -> None:
-        colours = {each.name: each.color.rgba[:3] for each in robot.materials}
+        colours = {material.name: material.color.rgba[:3] for material in robot.materials}
         for number, visual in enumerate(robot.link_map[name].visuals):
             self._add_visual(f"{path}/visual_{number}", visual, colours[visual.material.name])
         for joint in robot.joints:
@@ -102,12 +100,8 @@ class Scene:
             self._place_camera(client)
 
     def _place_camera(self, client: viser.ClientHandle) -> None:
-        """Look at the pendulum; in a narrow page it is above the controls."""
-        if not self._height:
-            return
-        narrow = client.camera.image_width < PHONE
-        distance, centre = (1.7, 0.0) if narrow else (1.0, 1.05)
-        x, y, z = (self._height * distance * each for each in CAMERA)
-        with client.atomic():
-            client.camera.position = (x, y, z)
-            client.camera.look_at = (0.0, 0.0, self._height * centre)
+        """Look at the pendulum, once its size is known."""
+        if self._height:
+            with client.atomic():
+                client.camera.position = self._height * np.array(CAMERA)
+                client.camera.look_at = self._height * np.array(TARGET)

@@ -1,11 +1,15 @@
-"""The server of the page: viser, reached from this machine and from its own page only."""
+"""The server of the page: viser, reached from this machine and from its own page only.
+
+A browser lets any web page that its user visits open a web socket to this machine; only the header
+``Origin`` tells them apart. A page whose host name is made to point to this machine shows itself by
+the header ``Host``.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import http
 import io
-import secrets
 import socket
 from collections.abc import Callable, Iterator
 from functools import wraps
@@ -17,8 +21,10 @@ from websockets.datastructures import Headers
 from websockets.http11 import Response
 
 from furuta_model.parameters import ParameterError
-from furuta_view.access import Access, Request, is_local
 
+# viser would listen on all addresses.
+ADDRESS = "127.0.0.1"
+NAMES = (ADDRESS, "localhost")
 USUAL_PORT = 8080
 # Ports that are tried from the usual one on, if none was chosen.
 TRIED = 50
@@ -32,17 +38,15 @@ POLICY = (
 class PageServer(viser.ViserServer):
     """A viser server that refuses requests of other pages; ``address`` opens its page."""
 
-    def __init__(self, address: str = "127.0.0.1", port: int | None = None) -> None:
-        free = _free_port(address, port)
-        access = Access(free, "" if is_local(address) else secrets.token_urlsafe(16))
+    def __init__(self, port: int | None = None) -> None:
+        free = _free_port(port)
         # viser prints on standard output, whose first line is the address of the page.
-        with _checked(access), contextlib.redirect_stdout(io.StringIO()):
-            super().__init__(host=address, port=free, verbose=False)
+        with _checked_requests(free), contextlib.redirect_stdout(io.StringIO()):
+            super().__init__(host=ADDRESS, port=free, verbose=False)
         if self.get_port() != free:
             self.stop()
             raise ParameterError(f"port {free} was taken meanwhile; try again")
-        query = f"/?token={access.token}" if access.token else ""
-        self.address = f"http://{address}:{free}{query}"
+        self.address = f"http://{ADDRESS}:{free}"
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse to share the page through a server elsewhere."""
@@ -54,24 +58,20 @@ class PageServer(viser.ViserServer):
             super().stop()
 
 
-def _free_port(address: str, port: int | None) -> int:
-    """The port that was chosen, or the first free one from the usual one on.
-
-    Raises:
-        ParameterError: There is none, or the address is not of this machine.
-    """
-    tried = [port] if port is not None else range(USUAL_PORT, USUAL_PORT + TRIED)
-    for each in tried:
+def _free_port(chosen: int | None) -> int:
+    """The port that was chosen, or the first free one from the usual one on."""
+    tried = [chosen] if chosen is not None else range(USUAL_PORT, USUAL_PORT + TRIED)
+    for port in tried:
         try:
-            with socket.create_server((address, each)) as found:
-                return int(found.getsockname()[1])
+            with socket.create_server((ADDRESS, port)):
+                return port
         except OSError as error:
             reason = error.strerror
-    raise ParameterError(f"cannot listen on {address}, port {tried[0]}: {reason}")
+    raise ParameterError(f"cannot listen on {ADDRESS}, port {tried[0]}: {reason}")
 
 
 @contextlib.contextmanager
-def _checked(access: Access) -> Iterator[None]:
+def _checked_requests(port: int) -> Iterator[None]:
     """Servers of web sockets that are made inside the ``with`` block check every request.
 
     viser has no option for it.
@@ -80,7 +80,7 @@ def _checked(access: Access) -> Iterator[None]:
 
     @wraps(serve)
     def checked(*arguments: Any, process_request: Callable[..., Any], **options: Any) -> Any:
-        return serve(*arguments, process_request=_process(access, process_request), **options)
+        return serve(*arguments, process_request=_process(port, process_request), **options)
 
     websockets_server.serve = checked  # type: ignore[assignment, misc]
     try:
@@ -89,38 +89,28 @@ def _checked(access: Access) -> Iterator[None]:
         websockets_server.serve = serve  # type: ignore[misc]
 
 
-def _process(access: Access, answer: Callable[..., Any]) -> Callable[..., Any]:
+def _process(port: int, answer: Callable[..., Any]) -> Callable[..., Any]:
     """Refuse a request, or let viser ``answer`` it."""
 
     def process(connection: Any, request: Any) -> Any:
-        asked = _described(request)
-        refusal = access.refusal(asked)
-        if refusal:
-            return connection.respond(http.HTTPStatus.FORBIDDEN, refusal + "\n")
+        reason = refusal(request.headers, port)
+        if reason:
+            return connection.respond(http.HTTPStatus.FORBIDDEN, reason + "\n")
         response = answer(connection, request)
         if isinstance(response, Response):
-            _protect(response.headers, access.cookie_to_set(asked))
+            response.headers["Content-Security-Policy"] = POLICY
+            response.headers["Cache-Control"] = "no-store"
         return response
 
     return process
 
 
-def _described(request: Any) -> Request:
-    def header(name: str) -> str:
-        values = request.headers.get_all(name)
-        return values[0] if len(values) == 1 else ""
-
-    return Request(
-        path=request.path,
-        host=header("Host"),
-        origin=header("Origin"),
-        cookie=header("Cookie"),
-        is_socket=bool(request.headers.get("Upgrade")),
-    )
-
-
-def _protect(headers: Headers, cookie: str) -> None:
-    headers["Content-Security-Policy"] = POLICY
-    headers["Cache-Control"] = "no-store"
-    if cookie:
-        headers["Set-Cookie"] = cookie
+def refusal(headers: Headers, port: int) -> str:
+    """Why a request to the server on ``port`` is refused; empty if it is not."""
+    hosts = headers.get_all("Host")
+    if len(hosts) != 1 or hosts[0] not in [f"{name}:{port}" for name in NAMES]:
+        return f"this page is at http://{ADDRESS}:{port} only"
+    origins = headers.get_all("Origin")
+    if headers.get_all("Upgrade") and origins != [f"http://{hosts[0]}"]:
+        return f"a page of {', '.join(origins) or 'unknown origin'} must not connect"
+    return ""

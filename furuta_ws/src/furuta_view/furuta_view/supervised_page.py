@@ -12,7 +12,7 @@ from furuta_graph.processes import CHECK_PERIOD, executable
 from furuta_ros.process_start import child_environment
 from furuta_ros.spinning import StopSignal
 from furuta_sim.settings.nodes import PLANT
-from furuta_view.pacer import FOREVER
+from furuta_view.simulation_controls import FOREVER
 
 GRAPH, RELEASE = "graph", "release"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from ipaddress import ip_address
 from pathlib import Path
 
 import click
@@ -17,27 +16,12 @@ NICENESS = 10
 MOST_BAGS = 2
 
 
-def _address(ctx: click.Context, param: click.Parameter, value: str) -> str:
-    try:
-        return value if value == "localhost" else str(ip_address(value))
-    except ValueError:
-        raise click.BadParameter(f"{value!r} is not an address such as 127.0.0.1") from None
-
-
-@click.command(context_settings={"ignore_unknown_options": False})
+@click.command()
 @click.option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
 @click.option("--bag", "bags", multiple=True, type=click.Path(path_type=Path), metavar="DIR",
     help="Show a recording instead of a graph; given twice, two over each other.")  # fmt: skip
 @click.option("--no-open", is_flag=True, help="Open no browser.")
 @click.option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
-@click.option(
-    "--address",
-    default="127.0.0.1",
-    show_default=True,
-    callback=_address,
-    help="Address to listen on. Another one than this machine's own needs the token that is "
-    "printed with the address of the page.",
-)
 @namespace_option
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(
@@ -45,7 +29,6 @@ def command(
     bags: tuple[Path, ...],
     no_open: bool,
     port: int | None,
-    address: str,
     namespace: str,
     options: tuple[str, ...],
 ) -> None:
@@ -62,7 +45,7 @@ def command(
         from furuta_view.page_process import run_bag_page
         from furuta_view.server import PageServer
 
-        run_bag_page(PageServer(address, port), bags, opens=not no_open)
+        run_bag_page(PageServer(port), bags, opens=not no_open)
         return
     if attach and options:
         raise click.UsageError("--attach starts no graph, so it takes no options for one")
@@ -71,12 +54,11 @@ def command(
         from furuta_view.page_process import run_page
         from furuta_view.server import PageServer
 
-        run_page(PageServer(address, port), namespace, opens=not no_open)
+        run_page(PageServer(port), namespace, opens=not no_open)
         return
     from furuta_view.supervised_page import run_with_page
 
-    page = ["--attach", "--address", address]
-    page += ["--no-open"] if no_open else []
+    page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []
     shared = ["--namespace", namespace] if namespace else []
     sys.exit(run_with_page(("--beside-page", *options), page, shared))
