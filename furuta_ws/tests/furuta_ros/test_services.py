@@ -76,7 +76,5 @@ def test_missing_node() -> None:
     node = SlowNode(0, present=False)
     reason = r"no node slow answers .* in other namespaces: /left/sl"
     with pytest.raises(ServiceError, match=reason):
-        ServiceError, match=r"no node slow answers .* in other namespaces: /left/sl"
-    ):
         node.call()
     assert not node.sent
