@@ -25,11 +25,12 @@ from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import SIGNALS
+from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import read_float, read_joints
-from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.node import WARNING_PERIOD
+from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
-from furuta_ros.throttled_publisher import ThrottledPublisher
-from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
     ACTIVE_MODE,
     ARMED,
@@ -41,7 +42,7 @@ from furuta_ros.topics import (
 )
 
 
-class ControllerNode(FurutaNode[ControllerParameters]):
+class ControllerNode(SampleNode[ControllerParameters]):
     """Stabilises the pendulum.
 
     Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
@@ -64,19 +65,17 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._memory = new_memory(ControllerMemory)
         self._memory_before = self._memory.copy()  # a step without its estimate
         self._x = np.zeros(SIGNALS)
-        self._stamp = -1
         self._matching = EstimateMatching(QOS.depth)
         self._friction_stamp = -1  # of the state when the newest estimate arrived
         self._applied = True  # whether commands are applied
         self._command = Float64()
         super().__init__("controller", ControllerParameters, overrides)
         self.watch_parameters(self.parameters_changed)
-        self._publisher = self.publish_on(COMMAND)
-        self._throttled = ThrottledPublisher(self, COMMAND)
+        self._publisher = LoopPublisher(self, COMMAND)
         self._active_mode = ""
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._report_mode(swing_up.OFF)
-        self.subscribe_to(JOINT_STATES, self._on_state)
+        self.take_samples(JOINT_STATES)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
         self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
 
@@ -90,22 +89,31 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         """Number of states that were answered without their estimates."""
         return self._matching.missed
 
-    def _on_state(self, message: JointState) -> None:
-        stamp = stamp_nanoseconds(message)
-        if stamp == self._stamp:
-            self._do(self._matching.repetition(self.message_age.sent))
-            return
+    def read(self, message: JointState) -> None:
+        """Read the state."""
         read_joints(message, self._x, partly=True)
-        anew = starts_anew(self._stamp, stamp)
-        if anew:
-            reset(self._memory[0])
-        self._stamp = stamp
-        self._do(self._matching.state(self.message_age.sent, anew))
+
+    def reset(self) -> None:
+        """Forget the motion."""
+        reset(self._memory[0])
+
+    def step(self, interval: int, continues: bool) -> None:
+        """Answer the state if its friction estimate is there, or if it is late."""
+        self._do(self._matching.state(self.message_age.sent, not continues))
+
+    def repeat(self) -> None:
+        """Wait for the estimate to the repeated state."""
+        self._do(self._matching.repetition(self.message_age.sent))
+
+    def answer(self) -> None:
+        """Publish the command, unless it is too old."""
+        if self.message_age.answerable():
+            self._publisher.publish(self._command, self.stamp)
 
     def _on_friction(self, message: Float64) -> None:
         answer = self._matching.estimate(read_float(message), self.message_age.sent)
         if self._matching.refused_in_a_row == 0:
-            self._friction_stamp = self._stamp
+            self._friction_stamp = self.stamp
         elif self._matching.suspicious:
             self.get_logger().warning(
                 "ignored friction estimates that were sent before the state they should answer; if "
@@ -119,38 +127,32 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _do(self, answer: Answer) -> None:
         if answer is Answer.STEP:
-            self._step(self._matching.friction)
+            self._compute(self._matching.friction)
         elif answer is Answer.STEP_WITHOUT:
             self._memory_before[:] = self._memory
-            self._step_without_estimate()
+            self._compute_without_estimate()
         elif answer is Answer.CORRECT:
             self._memory[:] = self._memory_before
-            self._step(self._matching.friction)
+            self._compute(self._matching.friction)
         elif answer is Answer.AGAIN:
-            self._publish_command()
+            self.answer()
 
-    def _step_without_estimate(self) -> None:
+    def _compute_without_estimate(self) -> None:
         self.get_logger().warning(
             f"no friction estimate in time ({self.missed_estimates} so far)",
             throttle_duration_sec=WARNING_PERIOD,
         )
-        age = self._stamp - self._friction_stamp
+        age = self.stamp - self._friction_stamp
         timeout = self.parameters.friction_timeout * NANOSECONDS
         fresh = self._friction_stamp >= 0 and age <= timeout
-        self._step(self._matching.friction if fresh else 0.0)
+        self._compute(self._matching.friction if fresh else 0.0)
 
-    def _step(self, friction: float) -> None:
+    def _compute(self, friction: float) -> None:
         if not self._applied:
             forget_integrals(self._memory[0])
         self._command.data, mode = _control(self._memory, self._x, friction, self._design)
         self._report_mode(mode)
-        self._publish_command()
-
-    def _publish_command(self) -> None:
-        if not self.message_age.answerable():
-            return
-        self._publisher.publish(self._command)
-        self._throttled.publish(self._command, self._stamp)
+        self.answer()
 
     def _report_mode(self, mode: int) -> None:
         """Publish what the controller does, if it is something else than before."""

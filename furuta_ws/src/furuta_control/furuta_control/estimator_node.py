@@ -23,11 +23,12 @@ from furuta_control.estimation import (
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
+from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import JointWriter, RefusedError, read_measurement
-from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.node import WARNING_PERIOD
+from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
-from furuta_ros.throttled_publisher import ThrottledPublisher
-from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds, starts_anew
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 # Relative deviation of an interval that is tolerated.
@@ -36,7 +37,7 @@ TOLERANCE = 0.01
 WARN_AFTER = 100
 
 
-class EstimatorNode(FurutaNode[EstimatorParameters]):
+class EstimatorNode(SampleNode[EstimatorParameters]):
     """Estimates the state from the measurement.
 
     Subscribes to ``measurement`` (effort of the arm: the torque applied since the last one [V]);
@@ -48,57 +49,54 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = new_memory(EstimatorMemory)
-        self._measurement = np.zeros(SIGNALS)
-        self._estimate = np.zeros(SIGNALS)
+        self._measurement, self._estimate = np.zeros(SIGNALS), np.zeros(SIGNALS)
         self._writer = JointWriter()
-        self._last_stamp = -1
         self._deviating_intervals = 0
         self._unusable = 0
         self.unusable_readings = 0
         super().__init__("estimator", EstimatorParameters, overrides)
         self.watch_parameters(self.parameters_changed)
-        self._publisher = self.publish_on(JOINT_STATES)
-        self._throttled = ThrottledPublisher(self, JOINT_STATES)
-        self.subscribe_to(MEASUREMENT, self._on_measurement)
+        self._publisher = LoopPublisher(self, JOINT_STATES)
+        self.take_samples(MEASUREMENT)
 
     def parameters_changed(self, parameters: EstimatorParameters) -> None:
         """Redesign the estimator; its memory is kept."""
-        design = design_estimator(parameters)
-        self._estimator = block(design)
+        self._estimator = block(design_estimator(parameters))
         self._interval = parameters.sample_time * NANOSECONDS
         _estimate(self._memory.copy(), 0, self._measurement, self._estimator, self._estimate)
 
-    def _on_measurement(self, message: JointState) -> None:
-        stamp = stamp_nanoseconds(message)
-        if stamp != self._last_stamp:
-            self._read(message)
-            skipped = skipped_samples(stamp - self._last_stamp, self._interval)
-            if starts_anew(self._last_stamp, stamp):
-                restart(self._memory[0])
-                skipped = 0
-            unusable = _estimate(
-                self._memory, skipped, self._measurement, self._estimator, self._estimate
-            )
-            if unusable != self._unusable or unusable > 0:
-                self._report(unusable, message)
-            answer = self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
-            answer.header.stamp = message.header.stamp
-            self._check_interval(stamp - self._last_stamp)
-            self._last_stamp = stamp
-        if not self.message_age.answerable():
-            return
-        self._publisher.publish(self._writer.message)
-        self._throttled.publish(self._writer.message, stamp)
-
-    def _read(self, message: JointState) -> None:
+    def read(self, message: JointState) -> None:
         """Read the measurement; refuse it if the torque that the estimator needs is never in it."""
         if self.parameters.chosen.needs_applied_torque and not message.effort:
             raise RefusedError("needs the arm's effort, the torque applied since the last one [V]")
         read_measurement(message, self._measurement)
 
-    def _report(self, unusable: int, message: JointState) -> None:
+    def reset(self) -> None:
+        """Forget the motion."""
+        restart(self._memory[0])
+
+    def step(self, interval: int, continues: bool) -> None:
+        """Estimate the state, after samples that were skipped."""
+        skipped = skipped_samples(interval, self._interval) if continues else 0
+        unusable = _estimate(
+            self._memory, skipped, self._measurement, self._estimator, self._estimate
+        )
+        if unusable != self._unusable or unusable > 0:
+            self._report(unusable)
+        self._check_interval(interval)
+        self._writer.stamp(self.stamp)
+        self._writer.fill(self._estimate, self._estimate[OBSERVED_FRICTION])
+        self.answer()
+
+    def answer(self) -> None:
+        """Publish the estimate, unless it is too old."""
+        if self.message_age.answerable():
+            self._publisher.publish(self._writer.message, self.stamp)
+
+    def _report(self, unusable: int) -> None:
         """Log readings that cannot be used, and the loss and return of the estimate."""
-        given = f"position {list(message.position)}, velocity {list(message.velocity)}"
+        phi, phi_dot, theta, theta_dot, _ = self._measurement.tolist()
+        given = f"position {[phi, theta]}, velocity {[phi_dot, theta_dot]}"
         log = self.get_logger()
         if unusable == LOST:
             log.warning(f"no estimate: the sensors cannot see the state; {given}")

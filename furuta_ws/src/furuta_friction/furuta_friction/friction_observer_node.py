@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from math import isnan
 
 import numpy as np
-from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -25,18 +24,18 @@ from furuta_friction.compensation import (
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNALS, THETA_DOT
+from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import read_joints
-from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.node import WARNING_PERIOD
+from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
-from furuta_ros.throttled_publisher import ThrottledPublisher
-from furuta_ros.time_stamps import stamp_nanoseconds, starts_anew
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
 
 # Time between two checks of the adapted levels [s].
 LEVELS_PERIOD = 5.0
 
 
-class FrictionObserverNode(FurutaNode[ObserverParameters]):
+class FrictionObserverNode(SampleNode[ObserverParameters]):
     """Estimates the friction in the arm's joint.
 
     Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. If a
@@ -47,16 +46,12 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self._memory = new_memory(CompensationMemory)
         self._x = np.zeros(SIGNALS)
         self._estimate = Float64()
-        self._last_stamp = -1
         self._applied: ObserverParameters | None = None
         super().__init__("friction_observer", ObserverParameters, overrides)
         self.watch_parameters(self.parameters_changed)
-        self._publisher = self.publish_on(FRICTION_ESTIMATE)
-        self._throttled = ThrottledPublisher(self, FRICTION_ESTIMATE)
-        self.subscribe_to(JOINT_STATES, self._on_state)
-        self.create_timer(
-            LEVELS_PERIOD, self._check_levels, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
+        self.take_samples(JOINT_STATES)
+        self.steady_timer(LEVELS_PERIOD, self._check_levels)
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
         """Switch to the compensator that the parameters describe; the memory is kept.
@@ -69,20 +64,26 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
         self._compensator = block(design_compensator(parameters))
         _estimate(self._memory.copy(), self._x, self._compensator)
 
-    def _on_state(self, message: JointState) -> None:
-        stamp = stamp_nanoseconds(message)
-        if stamp != self._last_stamp:
-            read_joints(message, self._x, partly=True)
-            if starts_anew(self._last_stamp, stamp):
-                reset(self._memory[0])
-            self._check_observed_friction()
-            before = switched_off(self._memory)
-            self._estimate.data = _estimate(self._memory, self._x, self._compensator)
-            if switched_off(self._memory) and not before:
-                self.get_logger().error(self.parameters.switch_off_reason)
-            self._last_stamp = stamp
-        self._publisher.publish(self._estimate)
-        self._throttled.publish(self._estimate, stamp)
+    def read(self, message: JointState) -> None:
+        """Read the state."""
+        read_joints(message, self._x, partly=True)
+
+    def reset(self) -> None:
+        """Forget the motion."""
+        reset(self._memory[0])
+
+    def step(self, interval: int, continues: bool) -> None:
+        """Estimate the friction."""
+        self._check_observed_friction()
+        before = switched_off(self._memory)
+        self._estimate.data = _estimate(self._memory, self._x, self._compensator)
+        if switched_off(self._memory) and not before:
+            self.get_logger().error(self.parameters.switch_off_reason)
+        self.answer()
+
+    def answer(self) -> None:
+        """Publish the estimate."""
+        self._publisher.publish(self._estimate, self.stamp)
 
     def _check_levels(self) -> None:
         if beyond_adaptation(self._memory, self.parameters):

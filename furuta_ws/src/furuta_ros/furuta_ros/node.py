@@ -10,6 +10,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
+from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
 from furuta_ros.errors import UserError, first_line
@@ -97,7 +98,11 @@ class FurutaNode(Node, Generic[Group]):
                 )
 
         self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS)
-        self.create_timer(CHECK_PERIOD, one.check, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.steady_timer(CHECK_PERIOD, one.check)
+
+    def steady_timer(self, period: float, call: Callable[[], None]) -> Timer:
+        """Call a function every ``period`` [s], whatever happens to the system's time."""
+        return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _time_is_simulated(self) -> bool:
         """Whether the plant of this graph publishes simulated time."""

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from time import monotonic, time_ns
 
-from rclpy.clock import Clock, ClockType
-
 from furuta_ros.loop_topics import missing_from_loop, publishers_of
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
@@ -49,7 +47,7 @@ class LockStep:
         self._connected_since: float | None = None
         self._known_publishers: frozenset[bytes] = frozenset()
         self._clock = SimulatedClock(plant)
-        plant.create_timer(CHECK_PERIOD, self._check, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        plant.steady_timer(CHECK_PERIOD, self._check)
         plant.on_change = self._resume
 
     def on_command(self, command: float) -> None:
@@ -144,19 +142,20 @@ class LockStep:
     def _complete(self) -> bool:
         """Whether all topics between the nodes that have subscribers have publishers."""
         plant = self._plant
-        names = [plant.resolve_topic_name(each.name) for each in (JOINT_STATES, FRICTION_ESTIMATE)]
+        topics = (JOINT_STATES, FRICTION_ESTIMATE)
+        names = [plant.resolve_topic_name(topic.name) for topic in topics]
         return all(plant.count_publishers(n) or not plant.count_subscribers(n) for n in names)
 
     def _publishers(self) -> frozenset[bytes]:
         """Identities of all publishers in the loop."""
         return frozenset(
-            each.identity
+            publisher.identity
             for topic in (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
-            for each in publishers_of(self._plant, topic)
+            for publisher in publishers_of(self._plant, topic)
         )
 
     def _warn(self) -> None:
-        reason = "".join(f"; {each}" for each in missing_from_loop(self._plant))
+        reason = "".join(f"; {clause}" for clause in missing_from_loop(self._plant))
         if self._late:
             reason += (
                 f"; ignored {self._late} that were sent before this sample began: if they come "

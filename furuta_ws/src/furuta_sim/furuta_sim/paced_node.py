@@ -1,21 +1,23 @@
-"""Base class of the plant node, as :mod:`.lockstep` and :mod:`.realtime` use it."""
+"""Base class of the plant node, as :mod:`.lockstep` and :mod:`.realtime` use it: its time."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 
 from rclpy.parameter import Parameter
 
 from furuta_ros.node import FurutaNode
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_sim.parameters import PlantNodeParameters
 
 
-class PacedNode(FurutaNode[PlantNodeParameters], ABC):
+class PacedNode(FurutaNode[PlantNodeParameters]):
     """A plant whose samples are started by a pacing, in lock-step or in real time.
 
     Attributes:
         sample: Number of the current sample.
+        period: Sample time [ns].
         start: Time stamp of sample 0 [ns].
         held: Whether the rig is held in its initial state.
         on_change: Called after every change of parameters.
@@ -27,16 +29,23 @@ class PacedNode(FurutaNode[PlantNodeParameters], ABC):
         self.held = True
         self.on_change: Callable[[], None] = lambda: None
         super().__init__(name, PlantNodeParameters, overrides)
+        self.period = round(self.parameters.plant.sample_time * NANOSECONDS)
 
     @property
-    @abstractmethod
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self.sample * self.period / NANOSECONDS
+
+    @property
     def stamp(self) -> int:
         """Time stamp of this sample [ns]."""
+        return self.start + self.sample * self.period
 
     @property
-    @abstractmethod
     def paused(self) -> bool:
         """Whether ``run_until`` is reached."""
+        parameters = self.parameters
+        return self.time >= parameters.run_until - 0.5 * parameters.plant.sample_time
 
     @abstractmethod
     def move(self, command: float) -> None:

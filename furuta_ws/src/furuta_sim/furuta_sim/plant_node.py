@@ -14,9 +14,9 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import RIGID_STATES, SIGNALS
+from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
-from furuta_ros.throttled_publisher import ThrottledPublisher
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim.lockstep import LockStep
@@ -59,10 +59,8 @@ class PlantNode(PacedNode):
         self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
         self._memory = initial_plant(self.parameters.plant)
-        self._period = round(self.parameters.plant.sample_time * NANOSECONDS)
         self._measurement_publisher = self.publish_on(MEASUREMENT)
-        self._truth_publisher = self.publish_on(GROUND_TRUTH)
-        self._throttled_truth = ThrottledPublisher(self, GROUND_TRUTH)
+        self._truth_publisher = LoopPublisher(self, GROUND_TRUTH)
         self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
         self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
@@ -80,21 +78,6 @@ class PlantNode(PacedNode):
         state: np.ndarray = self._memory["x"][0]
         return state
 
-    @property
-    def time(self) -> float:
-        """Time since the start [s]."""
-        return self.sample * self._period / NANOSECONDS
-
-    @property
-    def stamp(self) -> int:
-        """Time stamp of this sample [ns]."""
-        return self.start + self.sample * self._period
-
-    @property
-    def paused(self) -> bool:
-        """Whether ``run_until`` is reached."""
-        return self.time >= self.parameters.run_until - 0.5 * self._rig.sample_time
-
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         friction = _read(self._memory, self._noise(), self._block, self._measurement)
@@ -103,10 +86,10 @@ class PlantNode(PacedNode):
         self._truth_writer.fill(self.x[:RIGID_STATES], friction)
         self._measurement_writer.stamp(stamp)
         self._measurement_writer.fill(self._measurement, self._torque)
-        self._truth_publisher.publish(self._truth_writer.message)
+        self._truth_publisher.publish_in_loop(self._truth_writer.message)
         self._resetting = False
         self.repeat_measurement()
-        self._throttled_truth.publish(self._truth_writer.message, stamp)
+        self._truth_publisher.publish_copy(self._truth_writer.message, stamp)
 
     def repeat_measurement(self) -> None:
         """Publish the measurement of this sample, first or again."""
@@ -128,7 +111,7 @@ class PlantNode(PacedNode):
         self._memory = initial_plant(self._rig)
         self.held = self._resetting = True
         self._torque = 0.0
-        self.sample += round(RESET_TIME * NANOSECONDS / self._period)
+        self.sample += round(RESET_TIME * NANOSECONDS / self.period)
         response.success = True
         response.message = "held in the initial state until the next command"
         return response

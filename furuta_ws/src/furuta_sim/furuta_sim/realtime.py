@@ -5,7 +5,6 @@ from __future__ import annotations
 from time import monotonic_ns
 from typing import NamedTuple
 
-from rclpy.clock import Clock, ClockType
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
 from furuta_ros.node import WARNING_PERIOD
@@ -43,7 +42,6 @@ class RealTime:
     def __init__(self, plant: PacedNode) -> None:
         reject_simulated_time(plant, REAL_TIME)
         self._plant = plant
-        self._period = round(plant.parameters.plant.sample_time * NANOSECONDS)
         self._command = 0.0
         self._command_time = 0
         self._answered = False
@@ -54,9 +52,8 @@ class RealTime:
         # Stamps are in ROS time, deadlines in steady time: adjusting the clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        plant.create_timer(plant.parameters.plant.sample_time, self._tick, clock=steady)
-        plant.create_timer(TIMING_PERIOD, self._publish_timing, clock=steady)
+        plant.steady_timer(plant.parameters.plant.sample_time, self._tick)
+        plant.steady_timer(TIMING_PERIOD, self._publish_timing)
 
     def on_command(self, command: float) -> None:
         """Keep the command until the next one."""
@@ -68,13 +65,13 @@ class RealTime:
     def _tick(self) -> None:
         plant = self._plant
         now = monotonic_ns()
-        deadline, late = divmod(now - self._first_deadline, self._period)
+        deadline, late = divmod(now - self._first_deadline, plant.period)
         if plant.paused:
             # Shift by whole periods: the timer keeps its phase.
-            self._first_deadline += (deadline - plant.sample) * self._period
+            self._first_deadline += (deadline - plant.sample) * plant.period
             return
         # After a reset the next sample is not due yet.
-        if late > self._period // 2 or deadline < plant.sample:
+        if late > plant.period // 2 or deadline < plant.sample:
             return
         due_samples = max(1, deadline - plant.sample)
         stale = now - self._command_time > plant.parameters.command_timeout * NANOSECONDS
@@ -82,7 +79,7 @@ class RealTime:
             self._count(due_samples, stale)
         for _ in range(due_samples):
             plant.move(0.0 if stale else self._command)
-        self.lateness.add((due_samples - 1) * self._period + late)
+        self.lateness.add((due_samples - 1) * plant.period + late)
         self._answered = False
         self._publish_time = monotonic_ns()
         plant.publish_sample()

@@ -1,0 +1,44 @@
+"""Publishes a topic of the loop, and some of its messages again on its throttled copy.
+
+A program that draws needs a hundred samples per second. Receiving all of them would cost the
+publisher's process time on every sample.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.node import Node
+
+from furuta_ros.time_stamps import NANOSECONDS
+from furuta_ros.topics import QOS, Topic
+
+# Shortest time between two messages on the copy, by the stamps of their samples [ns].
+PERIOD = NANOSECONDS // 100
+
+
+class LoopPublisher:
+    """The publisher of ``topic`` and of its throttled copy."""
+
+    def __init__(self, node: Node, topic: Topic) -> None:
+        copy = topic.throttled
+        self._publisher = node.create_publisher(topic.type, topic.name, QOS)
+        self._copy = node.create_publisher(copy.type, copy.name, QOS)
+        self._last = -PERIOD
+
+    def publish(self, message: Any, stamp: int) -> None:
+        """Publish the message of the sample at ``stamp`` [ns]."""
+        self.publish_in_loop(message)
+        self.publish_copy(message, stamp)
+
+    def publish_in_loop(self, message: Any) -> None:
+        """Publish a message for the nodes of the loop only."""
+        self._publisher.publish(message)
+
+    def publish_copy(self, message: Any, stamp: int) -> None:
+        """Publish it on the copy, if the last one is old enough and there is a subscriber."""
+        if 0 <= stamp - self._last < PERIOD:
+            return
+        self._last = stamp
+        if self._copy.get_subscription_count():
+            self._copy.publish(message)
