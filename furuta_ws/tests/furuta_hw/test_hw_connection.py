@@ -15,7 +15,7 @@ from furuta_hw.connection.rig_connection import MAX_BATCH, RigConnection
 from furuta_hw.connection.rig_driver import RigDriver, RigSample
 from furuta_hw.driver_loading import find_driver
 from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
-from furuta_hw.errors import DriverError, LineError
+from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig, SafetyLimits
 
@@ -195,7 +195,7 @@ def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
     (tmp_path / "dropped_driver.py").write_text(text)
     assert find_driver("dropped_driver").__module__ == "furuta_hw.drivers.dropped_driver"
     assert find_driver("dropped_driver:Driver").__module__ == "dropped_driver"
-    with pytest.raises(DriverError, match="does not implement arm, close, decode, drive, read"):
+    with pytest.raises(RigError, match="does not implement arm, close, decode, drive, read"):
         find_driver("dropped_driver:Incomplete")
 
 
@@ -209,6 +209,6 @@ def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
 )
 def test_a_driver_that_cannot_be_loaded_is_one_line(name: str, reason: str) -> None:
     """With the name and the reason."""
-    with pytest.raises(DriverError, match=reason) as caught:
+    with pytest.raises(RigError, match=reason) as caught:
         find_driver(name)
     assert "\n" not in str(caught.value)
