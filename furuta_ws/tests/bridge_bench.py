@@ -61,11 +61,13 @@ def arm(bench: Bench, armed: bool = True) -> tuple[bool, str]:
 def try_to_arm(bench: Bench) -> tuple[bool, str]:
     """Ask the bridge once to arm; it may not be running."""
     client = bench.probe.create_client(SetBool, "hardware_bridge/arm")
-    future = client.call_async(SetBool.Request(data=True))
     end = monotonic() + 5.0
+    bench.spin(lambda: client.service_is_ready() or monotonic() > end)
+    future = client.call_async(SetBool.Request(data=True))
     bench.spin(lambda: future.done() or monotonic() > end)
-    bench.probe.destroy_client(client)
-    return (future.result().success, future.result().message) if future.done() else (False, "")
+    if not future.done():
+        return False, "no answer"
+    return future.result().success, future.result().message
 
 
 def hold_and_arm(bench: Bench, rig: Any) -> str:
