@@ -18,7 +18,7 @@ from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
-from furuta_hw.errors import DriverError, NotStillError
+from furuta_hw.errors import RigError
 from furuta_hw.protocol.frames import FrameReader, SensorsFrame
 from furuta_hw.rigs.calibration import ArmEncoder, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig
@@ -91,14 +91,14 @@ def test_friction_needs_a_pendulum_that_hangs_at_rest() -> None:
     for rig in (Rig(), full_turn):
         check_hanging(still(rig, pi))
         for theta in (0.0, 0.3, -0.3):
-            with pytest.raises(NotStillError, match="must hang, but its sensor reads"):
+            with pytest.raises(RigError, match="must hang, but its sensor reads"):
                 check_hanging(still(rig, theta, 2))
     hanging = still(full_turn, pi)
     swinging = [
         sample._replace(pendulum_angle=pi + 0.2 * np.sin(0.005 * k))
         for k, sample in enumerate(hanging)
     ]
-    with pytest.raises(NotStillError, match="swings by"):
+    with pytest.raises(RigError, match="swings by"):
         check_hanging(swinging)
 
 
@@ -147,11 +147,11 @@ def test_zeros_of_moving_sensors_are_rejected() -> None:
         for k, sample in enumerate(samples)
         if sample.codes is not None
     ]
-    with pytest.raises(NotStillError, match="arm moves"):
+    with pytest.raises(RigError, match="arm moves"):
         find_zeros(moved, Rig(), hanging=False)
-    with pytest.raises(NotStillError, match="end of its range"):
+    with pytest.raises(RigError, match="end of its range"):
         find_zeros(still(Rig(), 2.0), Rig(), hanging=False)
     without_codes = [sample._replace(codes=None) for sample in samples]
-    with pytest.raises(DriverError, match="no raw codes"):
+    with pytest.raises(RigError, match="no raw codes"):
         find_zeros(without_codes, Rig(), hanging=False)
     assert np.ptp([sample.arm_angle for sample in samples]) == 0

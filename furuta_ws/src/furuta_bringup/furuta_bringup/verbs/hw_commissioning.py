@@ -144,7 +144,7 @@ def _sample_line(sample: RigSample) -> str:
 
 def _summary(samples: list[RigSample]) -> dict[str, Any]:
     """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
-    codes = code_statistics(samples)._asdict() if samples[-1].codes else {}
+    codes = code_statistics(samples) if samples[-1].codes else {}
     angles = [(s.arm_angle, s.arm_speed, s.pendulum_angle) for s in samples]
     names = ("phi_rad", "phi_dot_rad_s", "theta_rad")
     means = dict(zip(names, map(float, np.mean(angles, axis=0)), strict=True))

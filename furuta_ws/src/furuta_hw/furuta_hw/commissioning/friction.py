@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_hw.errors import NotStillError
+from furuta_hw.errors import RigError
 from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
@@ -63,7 +63,7 @@ def check_hanging(samples: Sequence[RigSample]) -> None:
 
     An upright or swinging pendulum pulls at the arm, and its torque would count as friction. A
     sensor at the end of its range shows only that the pendulum is not upright. Raises
-    :class:`NotStillError`.
+    :class:`RigError`.
     """
     seen = [sample.pendulum_angle for sample in samples if not sample.at_rail]
     if not seen:
@@ -71,12 +71,12 @@ def check_hanging(samples: Sequence[RigSample]) -> None:
     angles = np.array([wrapped(angle - pi) for angle in seen])  # zero hanging
     furthest = angles[np.argmax(np.abs(angles))]
     if abs(furthest) > HANGING_RANGE:
-        raise NotStillError(
+        raise RigError(
             f"the pendulum must hang, but its sensor reads {wrapped(furthest + pi):.2f} rad "
             "(0 is upright); let it hang, or give --removed if there is none"
         )
     if np.ptp(angles) > STILL_RANGE:
-        raise NotStillError(
+        raise RigError(
             f"the pendulum swings by {np.ptp(angles):.2f} rad; wait until it hangs at rest"
         )
 
