@@ -74,7 +74,7 @@ def test_the_oracle_of_recordings_can_fail(tmp_path: Path) -> None:
     """A missing bag is correct only if the recording ended; a damaged one never is."""
     assert full_disk.unreadable(tmp_path, complete=False) == ""
     assert full_disk.unreadable(tmp_path, complete=True)
-    (tmp_path / "bag.mcap").write_bytes(b"no bag")
+    (tmp_path / "bag.db3").write_bytes(b"no bag")
     assert full_disk.unreadable(tmp_path, complete=False)
 
 

@@ -12,9 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rosbags.highlevel import AnyReader
-
 from furuta_graph.processes import executable
+from furuta_recordings.bags.bag import Bag
 from soak.oracles import unexplained_end
 from soak.record import Record
 from soak.resources import ResourceMonitor
@@ -74,8 +73,8 @@ def unreadable(bag: Path, complete: bool) -> str:
     if not any(bag.glob("*.db3")):
         return "no bag" if complete else ""
     try:
-        with AnyReader([bag]) as reader:
-            count = sum(1 for _ in reader.messages())
+        with Bag(bag) as opened:
+            count = sum(1 for _ in opened.messages())
     except Exception as error:
         return f"unreadable: {type(error).__name__}: {error}"
     return f"complete, but {count} messages" if complete and count == 0 else ""

@@ -22,7 +22,7 @@ the second stays within its count.
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
@@ -42,9 +42,6 @@ from furuta_model.state import (
     THETA,
     THETA_DOT,
 )
-
-if TYPE_CHECKING:
-    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 # Smallest variance of a measurement [rad², rad²/s²]; the design needs some noise.
 SMALLEST_VARIANCE = 1e-14
@@ -151,7 +148,7 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
 
 
 @inlined
-def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
     x, step = memory.estimate, p.kalman.step
     phi, phi_dot = x[PHI], x[PHI_DOT]
@@ -177,9 +174,7 @@ def within_count(angle: float, measured: float, half_count: float) -> float:
 
 
 @inlined
-def predict(
-    memory: EstimatorMemory, torque: float, p: EstimatorDesign, predicted: np.ndarray
-) -> None:
+def predict(memory: Any, torque: float, p: Any, predicted: np.ndarray) -> None:
     """Write φ, φ̇ and θ of the next sample to ``predicted``, for the ``torque`` [V] until then."""
     prediction = p.kalman.prediction
     for i in range(THETA + 1):

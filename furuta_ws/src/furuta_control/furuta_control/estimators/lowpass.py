@@ -9,7 +9,7 @@ linearly between samples (first-order hold).
 from __future__ import annotations
 
 from math import nan
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -18,9 +18,6 @@ from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
-
-if TYPE_CHECKING:
-    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 
 class LowpassParameters(NamedTuple):
@@ -58,7 +55,7 @@ def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
 
 
 @inlined
-def begin(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+def begin(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Start in the steady state for the estimated speed; no friction is observed."""
     x = memory.estimate
     memory.readings.last[THETA] = measurement[THETA]
@@ -67,7 +64,7 @@ def begin(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) 
 
 
 @inlined
-def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
     x, step, previous = memory.estimate, p.lowpass.step, memory.readings.last[THETA]
     y, y_dot, new = x[THETA], x[THETA_DOT], measurement[THETA]

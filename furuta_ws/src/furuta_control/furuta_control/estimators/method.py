@@ -7,16 +7,13 @@ lists it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-
-if TYPE_CHECKING:
-    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 
 class NominalRig(NamedTuple):
@@ -29,14 +26,12 @@ class NominalRig(NamedTuple):
 
 
 @inlined
-def nothing(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+def nothing(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Begin without a step of the method's own."""
 
 
 @inlined
-def no_prediction(
-    memory: EstimatorMemory, torque: float, p: EstimatorDesign, predicted: np.ndarray
-) -> None:
+def no_prediction(memory: Any, torque: float, p: Any, predicted: np.ndarray) -> None:
     """Leave the prediction at constant speeds."""
 
 

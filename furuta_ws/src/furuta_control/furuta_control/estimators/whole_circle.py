@@ -16,7 +16,7 @@ well. The arm angle is treated as there: integrated, and kept within half a coun
 from __future__ import annotations
 
 from math import cos
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,9 +33,6 @@ from furuta_model.state import (
     THETA,
     THETA_DOT,
 )
-
-if TYPE_CHECKING:
-    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 # Corrected states: φ̇, θ, θ̇, F. Columns of a gain: tachometer, pendulum's sensor.
 CORRECTED = 4
@@ -84,7 +81,7 @@ def hanging(p: FurutaPendulum) -> FurutaPendulum:
 
 
 @inlined
-def update(memory: EstimatorMemory, measurement: np.ndarray, design: EstimatorDesign) -> None:
+def update(memory: Any, measurement: np.ndarray, design: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
     x, p = memory.estimate, design.whole_circle
     v, theta, w = x[PHI_DOT], x[THETA], x[THETA_DOT]

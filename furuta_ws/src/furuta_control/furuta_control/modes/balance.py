@@ -16,7 +16,7 @@ integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from furuta_control.modes.mode import Mode
 from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-
-if TYPE_CHECKING:
-    from furuta_control.control import ControllerDesign, ControllerMemory
 
 
 @dataclass
@@ -150,7 +147,7 @@ def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -
 
 
 @inlined
-def _drive(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     """Command u [V]; NaN if the pendulum is not balanced."""
     if not balances(memory.balance, x, p.balance):
         return np.nan

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import ceil
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -37,9 +37,6 @@ from furuta_model.inverse_dynamics import arm_dynamics
 from furuta_model.parameters import About
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-
-if TYPE_CHECKING:
-    from furuta_control.control import ControllerDesign, ControllerMemory
 
 OFF, SWINGING, TRACKING, CATCHING, BALANCING, BRAKING = range(6)
 PHASES = ("off", "swing_up", "track", "catch", "balance", "brake")
@@ -333,7 +330,7 @@ def _still_brakes(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> bool:
 
 
 @inlined
-def _drive(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     return command(memory.swing_up, memory.balance, x, friction, p.swing_up)
 
 

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from furuta_control.modes.mode import Mode
 from furuta_model.compiled import inlined
 
-if TYPE_CHECKING:
-    from furuta_control.control import ControllerDesign, ControllerMemory
-
 
 @inlined
-def no_voltage(
-    memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign
-) -> float:
+def no_voltage(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     """0 V, to which the excitation signal is added."""
     return 0.0
 
 
 @inlined
-def no_drive(
-    memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign
-) -> float:
+def no_drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     """NaN: the arm is not driven."""
     return np.nan
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from furuta_model.elementary import expm1
 from furuta_model.friction.lugre import stribeck_level
 from furuta_model.friction.parameters import Friction, with_levels
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
-
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 # The factors stay between 1/3 and 3. Larger errors are errors of the model, not of the level.
 LARGEST_FACTOR = 3.0
@@ -37,7 +34,7 @@ class AdaptiveMemory:
 
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V]; the levels move towards the observed friction."""
     force = observe(memory, x, adapted(memory.adaptive, p.friction), p)
     _adapt(memory, x, force, p)
@@ -55,7 +52,7 @@ def adapted(memory: AdaptiveMemory, p: Friction) -> Friction:
 
 
 @inlined
-def _adapt(memory: CompensationMemory, x: np.ndarray, force: float, p: CompensationDesign) -> None:
+def _adapt(memory: Any, x: np.ndarray, force: float, p: Any) -> None:
     """Adapt the level of the present direction to the observed friction.
 
     Only while the bristle slides. In presliding F̂ depends on σ₀ and σ₁. Errors in them, and the

@@ -12,7 +12,7 @@ v = 0 the correction would move ẑ without limit. ẑ is therefore limited like
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -22,20 +22,15 @@ from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_lev
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, PHI_DOT
 
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
-
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V] with the friction parameters as they are."""
     return observe(memory, x, p.friction, p)
 
 
 @inlined
-def observe(
-    memory: CompensationMemory, x: np.ndarray, p: Friction, design: CompensationDesign
-) -> float:
+def observe(memory: Any, x: np.ndarray, p: Friction, design: Any) -> float:
     """Move ẑ by one sample and return F̂ [V], with the friction parameters ``p``."""
     v, correction = x[PHI_DOT], -design.observer_gain * x[PHI]
     z, _ = bristle_after(v, correction, memory.bristle, design.sample_time, p)

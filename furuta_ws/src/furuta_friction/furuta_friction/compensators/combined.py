@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import expm1, isnan
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from furuta_model.elementary import tanh
 from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
-
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 # Multiple of the reversal speed beyond which tanh(v/w) is nearly 1: there the levels are learned.
 SLIDING = 2.0
@@ -72,7 +69,7 @@ def design(p: CombinedParameters, dt: float) -> Combined:
 
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
     if isnan(x[OBSERVED_FRICTION]):
         return 0.0

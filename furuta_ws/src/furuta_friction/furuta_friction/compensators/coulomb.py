@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +11,11 @@ from furuta_model.compiled import inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
 from furuta_model.state import PHI_DOT
 
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
-
 _COULOMB = LAWS.index("coulomb")
 
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V] with asymmetry and viscous part; 0 at v = 0."""
     return steady_friction(x[PHI_DOT], FrictionLaw(_COULOMB, p.friction))
 

@@ -6,7 +6,7 @@ The estimator's ``friction_process_noise`` sets its bandwidth.
 from __future__ import annotations
 
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -16,12 +16,9 @@ from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
-
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
     observed, viscous = x[OBSERVED_FRICTION], p.friction.viscous * x[PHI_DOT]
     limit = LARGEST_FACTOR * highest_level(p.friction)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from furuta_friction.compensator import Compensator
 from furuta_model.compiled import inlined
 
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
-
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """0 V."""
     return 0.0
 

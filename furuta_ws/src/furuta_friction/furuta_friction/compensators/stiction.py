@@ -7,7 +7,7 @@ level α₀ + α₁.
 from __future__ import annotations
 
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -17,14 +17,11 @@ from furuta_model.compiled import inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
-
 _STICTION = LAWS.index("stiction")
 
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V]; 0 at rest if the observed friction is NaN."""
     observed = x[OBSERVED_FRICTION]
     if abs(x[PHI_DOT]) > p.friction.stribeck_velocity:
