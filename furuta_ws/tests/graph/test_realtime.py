@@ -29,7 +29,7 @@ def test_pendulum_is_held_upright(ros: None, settings: Settings) -> None:
     graph.close()
     assert abs(theta) < 0.2
     # The fraction depends on the load of the machine; the benchmark measures it.
-    assert 0 < count.on_time <= count.samples
+    assert count.on_time > 0.5 * count.samples > 500
     assert abs(seconds - elapsed) < 0.5
 
 
@@ -73,5 +73,5 @@ def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> N
     missed = controller.missed_estimates
     graph.close()
     assert abs(theta) < 0.2
-    assert missed > 100
+    assert missed > 1000
     assert timeouts == 0
