@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from launch_stand_ins import launched_nodes
 from paused_graph import PausedGraph
-from rosbags.highlevel import AnyReader
 from testbench import Bench
 
 from furuta_graph.processes import executable
+from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
 
 SAMPLES = 100
@@ -20,8 +20,8 @@ SAMPLES = 100
 
 def ground_truths(bag: Path) -> list[tuple[int, Any]]:
     """Times [ns] and contents of the true states of the graph ``left``, so far."""
-    with AnyReader([bag]) as reader:
-        (topic,) = (each for each in reader.connections if each.topic == "/left/ground_truth")
+    with Bag(bag) as reader:
+        (topic,) = (topic for topic in reader.connections if topic.topic == "/left/ground_truth")
         return [
             (time, reader.deserialize(data, topic.msgtype))
             for _, time, data in reader.messages([topic])

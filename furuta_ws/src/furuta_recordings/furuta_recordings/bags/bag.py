@@ -19,7 +19,7 @@ from furuta_model.state import EFFORT, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
 from furuta_recordings.bags.bag_files import BagFiles, bag_files
 from furuta_recordings.bags.decompression import decompress_file, decompress_message
 from furuta_recordings.bags.message_types import definition_of, typestore_of
-from furuta_recordings.bags.sqlite_files import check_sqlite
+from furuta_recordings.bags.sqlite_files import check_sqlite, copy_whole, has_log
 from furuta_ros.time_stamps import NANOSECONDS
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
@@ -168,14 +168,17 @@ def checked_files(bag: BagFiles) -> Iterator[list[Path]]:
         DamagedError: A file claims more than it may hold.
     """
     with TemporaryDirectory(prefix="furuta-bag-") as directory:
-        files = bag.files
+        files = list(bag.files)
         if bag.compression == "file":
             files = [Path(directory) / file.stem for file in bag.files]
             for file, plain in zip(bag.files, files, strict=True):
                 decompress_file(file, plain)
-        for file in files:
+        for number, file in enumerate(files):
             if file.suffix == ".db3":
                 check_sqlite(file)
+                if has_log(file):
+                    files[number] = Path(directory) / file.name
+                    copy_whole(file, files[number])
         yield files
 
 

@@ -1,11 +1,11 @@
-"""Opens sqlite3 files of bags: restored after a kill, and plain tables only."""
+"""Opens sqlite3 files of bags: plain tables only, with what a write-ahead log holds."""
 
 from __future__ import annotations
 
 import os
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from urllib.parse import quote
@@ -18,7 +18,7 @@ _COMPANIONS = ("-wal", "-shm", "-journal")
 
 
 def check_sqlite(file: Path) -> None:
-    """Make the file readable for readers that ignore its journal; refuse what is no plain table.
+    """Refuse what is no plain table, and a path that rosbags would misread.
 
     Raises:
         DamagedError: The file is not what it claims.
@@ -27,10 +27,17 @@ def check_sqlite(file: Path) -> None:
         raise DamagedError("the path of a .db3 file must not contain %, ? or #")
     with open_sqlite(file):
         pass
-    # A recorder that was killed leaves a write-ahead log, which rosbags does not read.
-    if os.path.lexists(file.with_name(f"{file.name}-wal")):
-        with suppress(sqlite3.Error), closing(sqlite3.connect(file)) as connection:
-            connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+
+
+def has_log(file: Path) -> bool:
+    """Whether a recorder is still writing the file, or was killed: rosbags ignores the log."""
+    return file.with_name(f"{file.name}-wal").exists()
+
+
+def copy_whole(file: Path, target: Path) -> None:
+    """Copy the file with what its write-ahead log holds."""
+    with open_sqlite(file) as source, closing(sqlite3.connect(target)) as copy:
+        source.backup(copy)
 
 
 @contextmanager

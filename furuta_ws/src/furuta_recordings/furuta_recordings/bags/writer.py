@@ -74,6 +74,8 @@ class BagWriter:
         new.rename(path)
         self._database = sqlite3.connect(path / self._name)
         self._database.execute("PRAGMA synchronous = OFF")
+        # Each flush also reaches the file itself, for readers that ignore the write-ahead log.
+        self._database.execute("PRAGMA wal_autocheckpoint = 1")
 
     def add(self, topic: int, time: int, data: bytes) -> None:
         """Take a message of one of the topics (index), received at ``time`` [ns]."""
