@@ -134,22 +134,6 @@ def test_number_of_steps_is_sufficient() -> None:
                 assert once == pytest.approx(twice, rel=2e-6)
 
 
-def test_limits_of_lugre() -> None:
-    """A spring and damper at small amplitude, Coulomb friction at large, without asymmetry."""
-    p = Friction(viscous=0.1)
-    law = FrictionLaw(LUGRE, p)
-    for omega in (0.5, 5.0, 50.0):
-        spring = complex(p.sigma1 + p.viscous, -p.sigma0 / omega)
-        assert describing_function(1e-6 * omega, omega, law) == pytest.approx(spring, rel=1e-2)
-        large = describing_function(1e3 * omega, omega, law)
-        coulomb = describing_function(1e3 * omega, omega, FrictionLaw(COULOMB, p))
-        assert large == pytest.approx(coulomb, rel=1e-3)
-    stiff = FrictionLaw(LUGRE, Friction(sigma0=1e5, sigma1=0.0, alpha1=0.0))
-    assert describing_function(1.0, 3.0, stiff) == pytest.approx(
-        describing_function(1.0, 3.0, FrictionLaw(COULOMB)), rel=1e-2
-    )
-
-
 def test_asymmetry_enters_in_second_order_only() -> None:
     """With unequal levels the fundamental differs from that of the mean level as a²."""
     equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))

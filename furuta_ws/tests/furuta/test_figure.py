@@ -8,11 +8,9 @@ import matplotlib.pyplot as plt
 import pytest
 
 from furuta.figures.figure import mark_half_turns, saved_figure
-from furuta.figures.labels import SYMBOLS, axis_label
+from furuta.figures.labels import axis_label
 from furuta.figures.sweep import draw_sweep
 from furuta.studies.sweep_points import SweptParameter
-from furuta_hw.rigs.rig_file import LinearCoefficients
-from furuta_sim.settings.parameter_names import parameters_named
 
 PNG = b"\x89PNG"
 
@@ -51,12 +49,6 @@ def test_nothing_is_saved_after_an_error(tmp_path: Path) -> None:
 def test_axis_labels(name: str, label: str) -> None:
     """Symbol and declared unit; a name that restricts the parameter stays."""
     assert axis_label(name).startswith(label)
-
-
-def test_symbols_are_of_parameters() -> None:
-    """Every symbol belongs to a parameter of a node or to a key of a rig file."""
-    for name in set(SYMBOLS) - set(LinearCoefficients._fields):
-        assert parameters_named(name)
 
 
 @pytest.mark.parametrize(

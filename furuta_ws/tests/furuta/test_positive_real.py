@@ -73,13 +73,3 @@ def test_infimum_and_intervals_agree_with_the_curve() -> None:
         assert np.array_equal(inside[clear], curve[clear] < 0.0)
         kinds.add((len(part.not_positive), where == np.inf))
     assert len(kinds) > 3
-
-
-def test_marginal_gains_put_a_root_on_the_axis() -> None:
-    """At each marginal gain s + K G(s) = 0 has a root jω."""
-    numerator, denominator = np.array([1.0, -3.0, 20.0]), np.poly([-1, -2, -3, -4]).real
-    gains = real_part(numerator, denominator).marginal_gains
-    assert gains
-    for gain in gains:
-        roots = np.roots(np.polyadd(np.append(denominator, 0.0), gain * numerator))
-        assert np.min(np.abs(roots.real)) == pytest.approx(0.0, abs=1e-8)

@@ -1,15 +1,17 @@
-"""Journal and table of a study: what continues, what is kept, types."""
+"""Journal and table of a sweep: what continues, what is kept, types."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 
 from furuta.studies.study_tables import OUTCOME, check_table, write_csv, write_runs
+from furuta.studies.sweep import Sweep
 from furuta.studies.sweep_journal import Journal
+from furuta.studies.sweep_points import SweptParameter
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 from furuta_recordings.table_files import parquet
@@ -18,21 +20,18 @@ from furuta_sim.simulation.closed_loop import Outcome
 RESULTS = {number: {"size": 0.1 * number, "error": ""} for number in (2, 0, 1)}
 
 
-class Study(NamedTuple):
-    """What results depend on."""
-
-    size: int = 3
-    values: np.ndarray = np.array([1.0, 2.0])
+ALPHA0 = SweptParameter("alpha0", (1.0, 2.0), False)
+SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), "grid", 2, 0, 60.0)
 
 
 def recorded(out: Path, stop: int = 9) -> list[int]:
     """Add results to the journal of ``out``, at most ``stop``; the numbers that were there."""
-    journal = Journal(out, Study())
-    before = list(journal)
+    journal = Journal(out, SWEEP)
+    before = [number for number in RESULTS if number in journal]
     rest = [(number, RESULTS[number]) for number in RESULTS if number not in journal][:stop]
     assert list(journal.record(iter(rest))) == rest
     assert len(journal) == len(before) + len(rest)
-    assert all(journal[number] == RESULTS[number] for number in journal)
+    assert all(journal[number] == RESULTS[number] for number, _ in rest)
     journal.close()
     return before
 
@@ -41,23 +40,27 @@ def test_a_journal_continues(tmp_path: Path) -> None:
     """With the runs that are not there yet."""
     out = tmp_path / "a.csv"
     assert recorded(out, stop=2) == []
-    assert recorded(out) == [0, 2]
-    assert recorded(out) == [0, 1, 2]
+    assert recorded(out) == [2, 0]
+    assert recorded(out) == [2, 0, 1]
 
 
 @pytest.mark.parametrize("other", ["a value", "the columns", "a text"])
-def test_a_journal_of_another_study_is_kept(tmp_path: Path, other: str) -> None:
-    """One number is enough to be another study; an earlier version may have measured less."""
-    out = tmp_path / "a.csv"
+def test_a_journal_of_another_sweep_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: str
+) -> None:
+    """One number is enough to be another sweep; an earlier version may have measured less."""
+    out, sweep = tmp_path / "a.csv", SWEEP
     journal = out.with_name("a.csv.part")
     recorded(out)
     if other == "a text":
         journal.write_text("notes of my own, which are no journal")
+    elif other == "a value":
+        sweep = SWEEP._replace(seconds=float(np.nextafter(60.0, 61.0)))
+    else:
+        monkeypatch.setattr(Outcome, "_fields", Outcome._fields[:-1])
     kept = journal.read_bytes()
-    study = Study(values=np.array([1.0, np.nextafter(2.0, 3.0)])) if "value" in other else Study()
-    columns = ("size",) if "columns" in other else Outcome._fields
-    with pytest.raises(ParameterError, match="belongs to another study or version"):
-        Journal(out, study, columns)
+    with pytest.raises(ParameterError, match="belongs to another sweep or version"):
+        Journal(out, sweep)
     assert journal.read_bytes() == kept
 
 

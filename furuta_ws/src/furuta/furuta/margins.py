@@ -43,11 +43,6 @@ class Margins(NamedTuple):
     delay_s: float
     disk: float
 
-    @property
-    def disk_gain_high(self) -> float:
-        """The largest real factor in the disk."""
-        return (2.0 + self.disk) / (2.0 - self.disk) if self.disk < 2.0 else float("inf")
-
 
 def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margins:
     """Margins of u = −Lx, ``gain`` = L (4,); :class:`ParameterError` if the loop is unstable.

@@ -1,9 +1,7 @@
-"""Options that several verbs have, and their output."""
+"""Options that several verbs have."""
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -127,19 +125,3 @@ def names_options(function: Function) -> Function:
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
 )
-
-
-def print_json(result: dict[str, Any]) -> None:
-    """Print one JSON object on standard output; NaN becomes null."""
-    print(json.dumps(finite(result)))
-
-
-def finite(value: Any) -> Any:
-    """The value with null instead of NaN and infinity, which JSON does not have."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(item) for item in value]
-    return value

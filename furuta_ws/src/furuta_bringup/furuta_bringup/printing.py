@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator
 from typing import Any
-
-from furuta_bringup.options import print_json
 
 # Most characters of a line; a name in a damaged or hostile file may have millions.
 LONGEST_LINE = 2000
@@ -49,3 +49,19 @@ def _lines(result: dict[str, Any], indent: str = "") -> Iterator[str]:
                 yield indent + "  " + ", ".join(f"{k} {rounded(v)}".strip() for k, v in row)
         else:
             yield f"{title} {rounded(value)}"
+
+
+def print_json(result: dict[str, Any]) -> None:
+    """Print one JSON object on standard output; NaN becomes null."""
+    print(json.dumps(finite(result)))
+
+
+def finite(value: Any) -> Any:
+    """The value with null instead of NaN and infinity, which JSON does not have."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(item) for item in value]
+    return value

@@ -132,9 +132,3 @@ def real_quadratic_roots(a: float, b: float, c: float) -> tuple[float, ...]:
         return ()
     q = -0.5 * (b + copysign(sqrt(discriminant), b))
     return tuple(sorted({q / a, c / q if q != 0.0 else 0.0}))
-
-
-def open_loop_poles(p: FurutaPendulum) -> np.ndarray:
-    """Poles of the pendulum without feedback, {0, 0, ±√a43} [1/s]."""
-    rate = sqrt(p.alpha * p.delta / p.determinant)
-    return np.array([-rate, 0.0, 0.0, rate])

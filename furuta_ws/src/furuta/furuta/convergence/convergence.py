@@ -5,7 +5,7 @@ positive real (G as in :mod:`.error_loop`), then x, e and F̃ converge to zero.
 
 If the leak is known to be at least λ, it is enough that K G + λ is positive real: λ = −min Re KG.
 At rest there is no leak, and the remaining loop is linear, s + K G(s) = 0; see
-:attr:`Convergence.largest_stable_gain`.
+:attr:`Convergence.fastest_growth`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.convergence.error_loop import ErrorLoop, error_loop, error_loop_for
-from furuta.convergence.passive_error import passive_error
+from furuta.convergence.error_loop import ErrorLoop, error_loop, error_loop_for, passive_error
 from furuta.convergence.positive_real import real_part, strictly_positive_real
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.margins import pairs
@@ -34,9 +33,7 @@ class Convergence(NamedTuple):
         at_omega_rad_s: Frequency of this minimum.
         violated_rad_s: Frequency intervals in which the real part is negative.
         holds_above_rad_s: Arm speed above which the condition holds thanks to the leak.
-        largest_stable_gain: |K| [1/s] up to which the loop without leak is stable, for K > 0 and
-            for K < 0.
-        fastest_growth: Real part of that loop's rightmost pole at this K [1/s].
+        fastest_growth: Real part of the rightmost pole of the loop without leak at this K [1/s].
         forgetting_travel_rad: Arm travel over which z̃ decays by the factor e without correction.
     """
 
@@ -46,7 +43,6 @@ class Convergence(NamedTuple):
     at_omega_rad_s: float
     violated_rad_s: tuple[tuple[float, float], ...]
     holds_above_rad_s: float
-    largest_stable_gain: tuple[float, float]
     fastest_growth: float
     forgetting_travel_rad: float
 
@@ -71,7 +67,6 @@ def convergence(loop: ErrorLoop, gain: float, friction: Friction) -> Convergence
         holds_above_rad_s=float(
             abs(gain) * max(-smallest, 0.0) * highest_level(friction) / friction.sigma0
         ),
-        largest_stable_gain=(largest_stable_gain(loop, 1.0), largest_stable_gain(loop, -1.0)),
         fastest_growth=_rightmost_root(loop, gain),
         forgetting_travel_rad=friction.alpha0 * (1.0 + abs(friction.asymmetry)) / friction.sigma0,
     )
@@ -91,10 +86,8 @@ class ObserverPassivity(NamedTuple):
 
     def report(self) -> dict[str, Any]:
         """Everything by name."""
-        positive, negative = self.convergence.largest_stable_gain
         report = {
             **self.convergence._asdict(),
-            "largest_stable_gain": {"positive": positive, "negative": negative},
             "K": self.gain,
             "zeros": pairs(self.loop.zeros),
             "poles": pairs(self.loop.poles),
@@ -120,25 +113,6 @@ def observer_passivity(ideal: IdealLoop, gain: float) -> ObserverPassivity:
     return ObserverPassivity(
         gain, loop, convergence(loop, gain, ideal.law.parameters), error, with_error
     )
-
-
-def largest_stable_gain(loop: ErrorLoop, sign: float) -> float:
-    """|K| [1/s] up to which s + K G(s) = 0, K of this sign, has only roots with Re s < 0.
-
-    0 if any small K makes it unstable, infinite if no K does. Stability changes only where a root
-    crosses the imaginary axis, so it is enough to test one K between two such crossings.
-    """
-    if not loop.stable:
-        return 0.0
-    crossings = real_part(loop.numerator, loop.denominator).marginal_gains
-    magnitudes = sorted(abs(gain) for gain in crossings if gain * sign > 0.0)
-    low = 0.0
-    for high in [*magnitudes, np.inf]:
-        between = 0.5 * (low + high) if high < np.inf else 2.0 * low + 1.0
-        if _rightmost_root(loop, sign * between) >= 0.0:
-            return low
-        low = high
-    return np.inf
 
 
 def _rightmost_root(loop: ErrorLoop, gain: float) -> float:

@@ -3,8 +3,7 @@ r"""Positive realness of a rational G(s), from polynomials in w = ω² instead o
 With n(jω) = n_e(w) + jω n_o(w), the even and odd parts of the numerator, and likewise for d,
 
 .. math::
-    \mathrm{Re}\,G(jω) = \frac{n_ed_e + w\,n_od_o}{d_e^2 + w\,d_o^2}, \qquad
-    \mathrm{Im}\,G(jω) = ω\,\frac{n_od_e - n_ed_o}{d_e^2 + w\,d_o^2}
+    \mathrm{Re}\,G(jω) = \frac{n_ed_e + w\,n_od_o}{d_e^2 + w\,d_o^2}
 
 G is strictly positive real (Khalil, *Nonlinear Systems*, Lemma 6.1) if all its poles lie in the
 open left half plane, Re G(jω) > 0 for all ω, and at infinity G > 0 or lim ω² Re G > 0.
@@ -23,10 +22,9 @@ POSITIVE = 1e-9
 
 
 class RealPart(NamedTuple):
-    """Re G(jω) = R(w)/D(w) and Im G(jω) = ω I(w)/D(w), w = (ω/``scale``)², scale [rad/s]."""
+    """Re G(jω) = R(w)/D(w), w = (ω/``scale``)², scale [rad/s]."""
 
     real: Polynomial
-    imaginary: Polynomial
     magnitude: Polynomial
     scale: float
 
@@ -68,16 +66,6 @@ class RealPart(NamedTuple):
             intervals.append((joined, high))
         return tuple(intervals)
 
-    @property
-    def marginal_gains(self) -> list[float]:
-        """Every K for which s + K G(s) = 0 has a root jω, ω > 0: Re G = 0 and K = −ω/Im G."""
-        gains = []
-        for omega in self._positive(self.real):
-            w = (omega / self.scale) ** 2
-            if self.imaginary(w) != 0.0:
-                gains.append(float(-self.scale * self.magnitude(w) / self.imaginary(w)))
-        return gains
-
     def _positive(self, polynomial: Polynomial) -> list[float]:
         """ω [rad/s] of the roots in w with positive real part, in ascending order."""
         roots = polynomial.trim().roots().real
@@ -85,11 +73,11 @@ class RealPart(NamedTuple):
 
 
 def real_part(numerator: np.ndarray, denominator: np.ndarray) -> RealPart:
-    """Re and Im of G(jω) for a proper G; coefficients start with the highest power."""
+    """Re G(jω) for a proper G; coefficients start with the highest power."""
     scale = _scale(denominator)
     (ne, no), (de, do) = _parts(numerator, scale), _parts(denominator, scale)
     w = Polynomial([0.0, 1.0])
-    return RealPart(ne * de + w * no * do, no * de - ne * do, de * de + w * do * do, scale)
+    return RealPart(ne * de + w * no * do, de * de + w * do * do, scale)
 
 
 def strictly_positive_real(numerator: np.ndarray, denominator: np.ndarray) -> tuple[bool, str]:

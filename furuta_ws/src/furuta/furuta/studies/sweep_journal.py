@@ -1,6 +1,6 @@
-"""The journal of a study, which lets it continue after a kill.
+"""The journal of a sweep, which lets it continue after a kill.
 
-While a study runs, its results are in an SQLite file beside the output: a description of the study,
+While a sweep runs, its results are in an SQLite file beside the output: a description of the sweep,
 and one row per run. A result is there entirely or not at all, whenever the process is killed.
 """
 
@@ -11,11 +11,9 @@ import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-import numpy as np
-
-from furuta.studies.sweep import RunResult
+from furuta.studies.sweep import RunResult, Sweep
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_sim.simulation.closed_loop import Outcome
@@ -25,7 +23,7 @@ from furuta_sim.simulation.closed_loop import Outcome
 SCHEMA = """
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = OFF;
-CREATE TABLE IF NOT EXISTS study (description TEXT);
+CREATE TABLE IF NOT EXISTS sweep (description TEXT);
 CREATE TABLE IF NOT EXISTS runs (number INTEGER PRIMARY KEY, result TEXT);
 """
 
@@ -33,37 +31,35 @@ CREATE TABLE IF NOT EXISTS runs (number INTEGER PRIMARY KEY, result TEXT);
 class Journal:
     """The results so far by number of the run, in a file that survives a kill.
 
-    ``study`` describes what the results depend on, ``columns`` names what each result has. As a
-    container it has the numbers of the runs that are done.
+    The results depend on the ``sweep`` and on what a run measures. As a container the journal has
+    the numbers of the runs that are done.
     """
 
-    def __init__(
-        self, out: Path, study: NamedTuple, columns: tuple[str, ...] = Outcome._fields
-    ) -> None:
+    def __init__(self, out: Path, sweep: Sweep) -> None:
         self._path = out.with_name(out.name + ".part")
         out.parent.mkdir(parents=True, exist_ok=True)
-        description = json.dumps(study._asdict() | {"columns": columns}, default=_plain)
+        description = json.dumps(sweep._asdict() | {"columns": Outcome._fields}, default=str)
         with self._explained():
             self._file = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
             known = self._description(description)
         if known != description:
             self._file.close()
             raise ParameterError(
-                f"{self._path} belongs to another {type(study).__name__.lower()} or version of "
-                "this program; finish that one with its own arguments, or delete the file"
+                f"{self._path} belongs to another sweep or version of this program; finish that "
+                "one with its own arguments, or delete the file"
             )
 
     def _description(self, new: str) -> str:
-        """What the journal describes; an empty one describes the ``new`` study from now on."""
+        """What the journal describes; an empty one describes the ``new`` sweep from now on."""
         try:
             self._file.executescript(SCHEMA)
-            known = self._file.execute("SELECT description FROM study").fetchone()
+            known = self._file.execute("SELECT description FROM sweep").fetchone()
         except sqlite3.OperationalError:
             raise
         except sqlite3.DatabaseError:
             return "not a journal"
         if known is None:
-            self._file.execute("INSERT INTO study VALUES (?)", (new,))
+            self._file.execute("INSERT INTO sweep VALUES (?)", (new,))
             return new
         return str(known[0])
 
@@ -84,10 +80,6 @@ class Journal:
         """The number of runs that are done."""
         (count,) = self._file.execute("SELECT count(*) FROM runs").fetchone()
         return int(count)
-
-    def __iter__(self) -> Iterator[int]:
-        """The numbers of the runs that are done."""
-        return (number for (number,) in self._file.execute("SELECT number FROM runs"))
 
     def __getitem__(self, number: int) -> dict[str, Any]:
         """The result of a run that is done."""
@@ -111,8 +103,3 @@ class Journal:
     def close(self) -> None:
         """Close the file and keep it for the next call."""
         self._file.close()
-
-
-def _plain(value: Any) -> Any:
-    """What JSON has instead of an array or another object."""
-    return value.tolist() if isinstance(value, np.ndarray) else str(value)

@@ -34,9 +34,9 @@ from furuta_bringup.options import (
     SEED,
     json_option,
     parameter_options,
-    print_json,
     rig_option,
 )
+from furuta_bringup.printing import print_json
 from furuta_bringup.study_runs import with_progress
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError

@@ -18,8 +18,8 @@ from furuta.studies.experiments import (
     run_experiment,
 )
 from furuta.studies.swing_up.rig_loop import judge, swing_up_settings
-from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, print_json
-from furuta_bringup.printing import show
+from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
+from furuta_bringup.printing import print_json, show
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate

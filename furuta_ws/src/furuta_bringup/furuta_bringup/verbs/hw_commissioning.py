@@ -12,7 +12,8 @@ import numpy as np
 from rich.console import Console
 
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, print_json
+from furuta_bringup.options import json_option
+from furuta_bringup.printing import print_json
 from furuta_hw.commissioning.friction import (
     RAMP_RATE,
     check_arm_range,

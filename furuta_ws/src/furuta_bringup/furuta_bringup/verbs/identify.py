@@ -12,7 +12,8 @@ from rich.console import Console
 
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange, NonZero
-from furuta_bringup.options import json_option, names_options, print_json
+from furuta_bringup.options import json_option, names_options
+from furuta_bringup.printing import print_json
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.identify_files import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options

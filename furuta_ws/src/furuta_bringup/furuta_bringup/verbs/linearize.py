@@ -13,7 +13,7 @@ from furuta.margins import linear_report
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.linear_loop import nyquist_report
 from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import ideal_options, json_option, model_options
+from furuta_bringup.options import feedback_option, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import FIGURE_4
@@ -29,7 +29,7 @@ GIVEN = "given"
 @click.option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
 @click.option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
 @click.option("--out", type=FIGURE, help="Draw the Nyquist plot, or G of the passivity condition.")
-@ideal_options
+@feedback_option
 @model_options
 @json_option
 def command(
@@ -37,7 +37,6 @@ def command(
     figure_4: bool,
     passivity: bool,
     out: Path | None,
-    law: str | None,
     feedback: tuple[float, float, float, float] | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -59,14 +58,13 @@ def command(
         raise click.UsageError("--out needs one of --nyquist, --figure-4 and --passivity")
     nominal = loop(load_settings(files, assignments))
     report = linear_report(nominal.controller, feedback)
+    ideal = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
     if nyquist:
-        given = AnalysisOptions(files, assignments, law, feedback).checked_loop()
-        cases = {GIVEN: given}
-        if figure_4:
-            cases = {case: given.with_gains(gains) for case, gains in FIGURE_4.items()}
+        feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
+        cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
         report |= _nyquist(cases, out)
     if passivity:
-        report |= _passivity(AnalysisOptions(files, assignments, "lugre", feedback), nominal, out)
+        report |= _passivity(ideal, nominal, out)
     show(report, as_json)
 
 
@@ -78,8 +76,8 @@ def _nyquist(cases: dict[str, IdealLoop], out: Path | None) -> dict[str, Any]:
     return nyquist_report(cases)
 
 
-def _passivity(options: AnalysisOptions, nominal: Loop, out: Path | None) -> dict[str, Any]:
-    passivity = observer_passivity(options.checked_loop(), nominal.observer.observer_gain)
+def _passivity(ideal: IdealLoop, nominal: Loop, out: Path | None) -> dict[str, Any]:
+    passivity = observer_passivity(ideal, nominal.observer.observer_gain)
     if out is not None:
         from furuta.figures.convergence import draw_convergence
 

@@ -7,7 +7,8 @@ import os
 import click
 from rclpy.node import Node
 
-from furuta_bringup.options import json_option, print_json
+from furuta_bringup.options import json_option
+from furuta_bringup.printing import print_json
 from furuta_graph.processes import executable as find
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of, spin_until

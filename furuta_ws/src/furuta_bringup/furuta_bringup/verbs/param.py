@@ -11,7 +11,8 @@ import click
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 
-from furuta_bringup.options import json_option, namespace_option, print_json
+from furuta_bringup.options import json_option, namespace_option
+from furuta_bringup.printing import print_json
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError, number_from_text, shortened
 from furuta_ros.context import ros_context

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -81,37 +82,23 @@ def command(
     sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
     size = sweep.size
     journal = Journal(out, sweep)
-    resumed, counts = len(journal), Counts()
+    resumed, counts = len(journal), Counter[str]()
     try:
         results = journal.record(run_sweep(sweep, journal, scheduler))
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
         rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
-        write_runs(counts.count(rows), out)
+        write_runs(_counted(rows, counts), out)
         if picture is not None:
             _draw(sweep, journal, picture)
+        first = journal[0]
         journal.delete()
     finally:
         journal.close()
-    _report(counts, resumed, out, as_json)
-
-
-class Counts:
-    """How many runs there are, and of which kind; why the first impossible one is so."""
-
-    def __init__(self) -> None:
-        self.runs = self.fell = self.switched_off = self.impossible = 0
-        self.reason = ""
-
-    def count(self, rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Count the rows on their way."""
-        for row in rows:
-            self.runs += 1
-            self.fell += bool(row["fell"])
-            self.switched_off += bool(row["switched_off"])
-            self.impossible += bool(row["error"])
-            self.reason = self.reason or row["error"]
-            yield row
+    if counts["impossible"] == counts["runs"]:
+        raise ParameterError(f"no run is possible: {first['error']}")
+    kinds = {kind: counts[kind] for kind in ("fell", "switched_off", "impossible")}
+    show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
 
 
 def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
@@ -121,15 +108,11 @@ def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
     draw_sweep(sweep.axes, rows, picture)
 
 
-def _report(counts: Counts, resumed: int, out: Path, as_json: bool) -> None:
-    summary = {
-        "runs": counts.runs,
-        "resumed": resumed,
-        "fell": counts.fell,
-        "switched_off": counts.switched_off,
-        "impossible": counts.impossible,
-        "file": str(out),
-    }
-    if counts.impossible == counts.runs:
-        raise ParameterError(f"no run is possible: {counts.reason}")
-    show(summary, as_json)
+def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[dict[str, Any]]:
+    """The rows, which are counted by kind on their way."""
+    for row in rows:
+        counts["runs"] += 1
+        counts.update(kind for kind in ("fell", "switched_off") if row[kind])
+        if row["error"]:
+            counts["impossible"] += 1
+        yield row

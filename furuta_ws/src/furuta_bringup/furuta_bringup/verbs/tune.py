@@ -14,13 +14,8 @@ from furuta.studies.tuning.result import TuningResult, write_parameter_file
 from furuta.studies.tuning.search import SEARCHABLE
 from furuta.studies.tuning.tuning import ProgressCallback, tune, tune_simulated
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import (
-    SIMULATED_SECONDS,
-    json_option,
-    model_options,
-    namespace_option,
-    print_json,
-)
+from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, namespace_option
+from furuta_bringup.printing import print_json
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
