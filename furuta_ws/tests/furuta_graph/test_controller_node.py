@@ -158,7 +158,7 @@ def test_a_state_that_is_answered_twice_is_integrated_once(loop: Loop) -> None:
     loop.bench.spin(lambda: len(loop.commands) == before + 1)
     once = loop.node._memory.copy()
     loop.node._memory[:] = memory
-    loop.node._step(0.1)
+    loop.node._compute(0.1)
     assert (loop.node._memory == once).all()
     assert not (once == memory).all()
 
