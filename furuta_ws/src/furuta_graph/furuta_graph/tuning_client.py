@@ -21,6 +21,7 @@ from furuta_ros.messages import read_joints
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
+from furuta_sim.settings.nodes import ESTIMATOR, FRICTION_OBSERVER
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -65,16 +66,16 @@ class TuningClient:
         self._executor = executor
         self._stop = stop
         self._waiting = estimates.waiting
-        self.estimator = self._read("estimator", EstimatorParameters)
-        self.observer = self._read("friction_observer", ObserverParameters)
+        self.estimator = self._read(ESTIMATOR, EstimatorParameters)
+        self.observer = self._read(FRICTION_OBSERVER, ObserverParameters)
         self._applied = values(self.observer)
 
     def apply(self, observer: ObserverParameters) -> None:
         """Set the parameters that differ, all or none, and drop earlier estimates."""
         new = values(observer)
-        changes = {name: each for name, each in new.items() if each != self._applied[name]}
+        changes = {name: value for name, value in new.items() if value != self._applied[name]}
         if changes:
-            self.client.set_all("friction_observer", changes)
+            self.client.set_all(FRICTION_OBSERVER, changes)
             self._applied = new
         self._waiting.clear()
 
@@ -97,5 +98,5 @@ class TuningClient:
         return self._waiting.popleft()
 
     def _read(self, node: str, group: type[Group]) -> Group:
-        names = [each.name for each in declared(group)]
+        names = [parameter.name for parameter in declared(group)]
         return build(group, self.client.get(node, names))
