@@ -52,9 +52,9 @@ def lanes() -> dict[str, float]:
     compile_stages([ideal[0], sensors[0]])
     million = MILLION_FROM * MILLION_SECONDS / PlantParameters().sample_time
     start = perf_counter()
-    found = sum(1 for _ in batch((_ideal(k) for k in range(MILLION_FROM)), MILLION_SECONDS))
+    number = sum(1 for _ in batch((_ideal(k) for k in range(MILLION_FROM)), MILLION_SECONDS))
     wall = perf_counter() - start
-    assert found == MILLION_FROM
+    assert number == MILLION_FROM
     return {
         "batch_vs_single_ideal": median(_lane_ratio(ideal) for _ in range(MEASUREMENTS)),
         "batch_vs_single_sensors": median(_lane_ratio(sensors) for _ in range(MEASUREMENTS)),
@@ -70,7 +70,7 @@ def ideal_batch_rate() -> float:
     loops = [_ideal(k) for k in range(LANE_RUNS)]
     compile_stages(loops[:1])
     start = process_time()
-    steps = sum(each.steps for each in batch(loops, SECONDS, workers=1))
+    steps = sum(outcome.steps for outcome in batch(loops, SECONDS, workers=1))
     return steps / (process_time() - start)
 
 
@@ -82,7 +82,7 @@ def vector_width() -> int:
 
 def _lane_ratio(loops: list[Loop]) -> float:
     start = process_time()
-    alone = [outcome(each, SECONDS) for each in loops[:SINGLE_RUNS]]
+    alone = [outcome(loop, SECONDS) for loop in loops[:SINGLE_RUNS]]
     single = (process_time() - start) / SINGLE_RUNS
     start = process_time()
     together = list(batch(loops, SECONDS, workers=1))

@@ -81,21 +81,21 @@ def errors() -> dict[str, float]:
         "continuous_amplitude_rad": exact.phi_peak_to_peak_rad,
         "continuous_period_s": exact.period_s,
     }
-    for name, found in {
+    for name, measured in {
         "": simulated_limit_cycle(),
         "_mujoco": MujocoLoop().limit_cycle(),
         "_mujoco_rk4": MujocoLoop("RK4").limit_cycle(),
     }.items():
-        amplitude, period = _error(found, reference)
+        amplitude, period = _error(measured, reference)
         results |= {f"amplitude_error{name}": amplitude, f"period_error{name}": period}
     return results
 
 
-def _error(found: Oscillation, reference: Oscillation) -> tuple[float, float]:
+def _error(measured: Oscillation, reference: Oscillation) -> tuple[float, float]:
     """Relative errors of amplitude and period."""
     return (
-        abs(found.phi_peak_to_peak_rad / reference.phi_peak_to_peak_rad - 1.0),
-        abs(found.period_s / reference.period_s - 1.0),
+        abs(measured.phi_peak_to_peak_rad / reference.phi_peak_to_peak_rad - 1.0),
+        abs(measured.period_s / reference.period_s - 1.0),
     )
 
 

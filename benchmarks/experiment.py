@@ -30,7 +30,7 @@ LOOP = Loop(
     EstimatorParameters(sensors=SENSORS, sample_time=STEP),
 )
 # u = l·x
-FEEDBACK = tuple(-each for each in ControllerParameters().feedback_gain)
+FEEDBACK = tuple(-gain for gain in ControllerParameters().feedback_gain)
 # Periods of the accurate solution; the first third of them is not measured.
 PERIODS = 4
 

@@ -123,8 +123,8 @@ def simulated(compensation: str, seconds: float) -> dict[str, Any]:
 
 def main() -> None:
     """Measure with and without compensation."""
-    options = [each for each in sys.argv[1:] if each.startswith("--")]
-    given = [each for each in sys.argv[1:] if not each.startswith("--")]
+    options = [argument for argument in sys.argv[1:] if argument.startswith("--")]
+    given = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     seconds = float(given[0]) if given else SECONDS
     result = {}
     for compensation in ("none", "lugre"):

@@ -42,17 +42,17 @@ def stage_costs(make: Callable[[int], Loop]) -> dict[str, float]:
     first = prepare(make(0), 10.0)
     assert first is not None
     group = first.group
-    ready = [each for k in range(group.width) if (each := prepare(make(k), 10.0))]
+    ready = [prepared for k in range(group.width) if (prepared := prepare(make(k), 10.0))]
     block = block_of(ready)
     rows = block.rows("noise")[:, : group.width]
     generator = np.random.default_rng(0)
     noise = generator.standard_normal((group.width, SETTLED_SAMPLES, len(rows)))
-    addresses = {each: stage_address(each, group) for part in PARTS for each in part}
+    addresses = {stage: stage_address(stage, group) for part in PARTS for stage in part}
 
     def run(stages: list[int], samples: int) -> None:
         run_stages(np.array([stages] * 3), block.address, rows, noise, 0, samples, samples)
 
-    run([addresses[each] for each in PARTS[0]], SETTLED_SAMPLES)
+    run([addresses[stage] for stage in PARTS[0]], SETTLED_SAMPLES)
     empty = _fastest(lambda: run([0], SAMPLES))
     per_lane = 1e9 / (SAMPLES * group.width)
     costs = {

@@ -68,7 +68,7 @@ class Record(NamedTuple):
 
     def part(self, begin: int, end: int) -> Record:
         """The samples begin ≤ k < end; time is not shifted."""
-        return Record(*(each[begin:end] for each in self))
+        return Record(*(series[begin:end] for series in self))
 
     @property
     def start(self) -> tuple[float, float]:

@@ -78,19 +78,19 @@ def fit(record: Record, names: tuple[str, ...], start: Joint = START) -> Joint:
             predict(_joint(start, names, first + scaled * steps), record) - record.position
         )
 
-    found = np.zeros(len(names))
+    solution = np.zeros(len(names))
     for _ in range(STARTS_OF_FIT):
-        slopes = _differences(residuals, found)
-        found = least_squares(
+        slopes = _differences(residuals, solution)
+        solution = least_squares(
             residuals,
-            found,
+            solution,
             jac=lambda scaled: _differences(residuals, scaled),
             method="lm",
             x_scale=1.0 / np.maximum(np.linalg.norm(slopes, axis=0), 1e-6),
             ftol=1e-5,
             max_nfev=EVALUATIONS,
         ).x
-    return _joint(start, names, first + found * steps)
+    return _joint(start, names, first + solution * steps)
 
 
 def without_drift(joint: Joint, record: Record) -> Joint:
@@ -102,7 +102,7 @@ def _differences(residuals: Callable[[np.ndarray], np.ndarray], scaled: np.ndarr
     """Central differences with a step of one (n, k)."""
     unit = np.eye(len(scaled))
     return np.column_stack(
-        [0.5 * (residuals(scaled + each) - residuals(scaled - each)) for each in unit]
+        [0.5 * (residuals(scaled + step) - residuals(scaled - step)) for step in unit]
     )
 
 
@@ -118,9 +118,9 @@ def standard_errors(joint: Joint, record: Record, names: tuple[str, ...]) -> dic
     inverse = np.linalg.pinv(slopes.T @ slopes)
     size = max(1, round(BLOCK / record.step))
     blocks = [slice(begin, begin + size) for begin in range(0, len(residuals), size)]
-    scores = np.array([slopes[each].T @ residuals[each] for each in blocks])
+    scores = np.array([slopes[block].T @ residuals[block] for block in blocks])
     errors = np.sqrt(np.diag(inverse @ scores.T @ scores @ inverse))
-    return dict(zip(names, (float(each) for each in errors), strict=True))
+    return dict(zip(names, (float(error) for error in errors), strict=True))
 
 
 def _joint(start: Joint, names: tuple[str, ...], vector: np.ndarray) -> Joint:
@@ -155,7 +155,7 @@ def _compare(file: Path) -> None:
         held_out = [_held_out(fit(a, free), b) for a, b in (halves, halves[::-1])]
         whole = fit(record, (*free, "drift"))
         sizes = [*held_out, error_mm(whole, record), error_mm(without_drift(whole, record), record)]
-        print(f"{name:44}{len(free):11d}" + "".join(f"{each:8.2f}" for each in sizes), flush=True)
+        print(f"{name:44}{len(free):11d}" + "".join(f"{size:8.2f}" for size in sizes), flush=True)
 
 
 def _held_out(joint: Joint, half: Record) -> float:
@@ -176,12 +176,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])  # type: ignore[union-attr]
     verbs = parser.add_subparsers(dest="verb", required=True)
     for verb in ("fit", "compare", "predict"):
-        each = verbs.add_parser(verb)
+        of_verb = verbs.add_parser(verb)
         if verb == "predict":
-            each.add_argument("model", type=Path)
-        each.add_argument("record", type=Path)
+            of_verb.add_argument("model", type=Path)
+        of_verb.add_argument("record", type=Path)
         if verb != "compare":
-            each.add_argument("--out", type=Path, required=verb == "fit")
+            of_verb.add_argument("--out", type=Path, required=verb == "fit")
     given = parser.parse_args()
     try:
         if given.verb == "fit":

@@ -23,7 +23,7 @@ import numpy as np
 from rigs_from_recordings import KNOWN, chosen_seeds, random_rig
 
 from furuta_graph.processes import executable
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import rig_file_text
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_sim.emulator.monitor import ask
 
@@ -55,8 +55,8 @@ class Commands:
     def shown(self, *arguments: object) -> dict[str, Any]:
         """What ``furuta ARGUMENTS --json`` prints, whatever its status."""
         process = self._start(*arguments, "--json", errors=subprocess.DEVNULL)
-        found: dict[str, Any] = json.loads(process.communicate()[0])
-        return found
+        answer: dict[str, Any] = json.loads(process.communicate()[0])
+        return answer
 
     @contextmanager
     def emulated(self, rig: Path) -> Iterator[None]:
@@ -110,13 +110,13 @@ def _rest(process: subprocess.Popen[str], before: str) -> str:
 def study(seed: int, folder: Path) -> tuple[bool, str]:
     """Whether a random rig is held upright in the end, and the result in words."""
     commands = Commands(folder)
-    base, truth, found = (folder / f"{name}.yaml" for name in ("base", "truth", "my_rig"))
+    base, truth, identified = (folder / f"{name}.yaml" for name in ("base", "truth", "my_rig"))
     for file, rig in ((base, KNOWN), (truth, random_rig(seed))):
         file.write_text(rig_file_text(rig, NO_UNCERTAINTY, file.stem), encoding="utf-8")
     with commands.emulated(truth):
-        recordings = _identify(commands, base, found)
+        recordings = _identify(commands, base, identified)
         ask(commands.monitor, "hold", theta=0.0)
-        commands.drive("--rig", found, "--set", "compensation=combined")
+        commands.drive("--rig", identified, "--set", "compensation=combined")
         log = folder / "log.npz"
         ask(commands.monitor, "save", path=str(log))
     phi, theta = _last_run(log)
@@ -127,20 +127,20 @@ def study(seed: int, folder: Path) -> tuple[bool, str]:
     return stands, text
 
 
-def _identify(commands: Commands, base: Path, found: Path) -> int:
+def _identify(commands: Commands, base: Path, identified: Path) -> int:
     """Record, identify and check until a compensation holds; returns the number of recordings.
 
     The signal is that of docs/identification.md.
     """
     recordings: list[Path] = []
     while True:
-        recordings.append(found.with_name(f"hanging_{len(recordings)}"))
+        recordings.append(identified.with_name(f"hanging_{len(recordings)}"))
         ask(commands.monitor, "hold", theta=3.13)
         commands.drive("--rig", base, "--record", recordings[-1], *_options(EXCITATION | LIMITS))
-        options = ("--command", "effort", "--rig", base, "--window", 1, "--write", found)
-        found.unlink(missing_ok=True)
+        options = ("--command", "effort", "--rig", base, "--window", 1, "--write", identified)
+        identified.unlink(missing_ok=True)
         commands.furuta("identify", *recordings, *options)
-        if commands.shown("compare", "--rig", found)["recommended"] is not None:
+        if commands.shown("compare", "--rig", identified)["recommended"] is not None:
             return len(recordings)
         if len(recordings) == RECORDINGS:
             raise CommandError(f"no compensation holds after {RECORDINGS} recordings")
@@ -150,16 +150,16 @@ def _options(excitation: dict[str, Any]) -> list[str]:
     settings = {f"excitation.{name}": value for name, value in excitation.items()}
     settings |= {"mode": "open_loop"}
     pairs = [f"controller.{name}={value}" for name, value in settings.items()]
-    return [part for each in [*pairs, "compensation=none"] for part in ("--set", each)]
+    return [part for pair in [*pairs, "compensation=none"] for part in ("--set", pair)]
 
 
 def _last_run(log: Path) -> tuple[np.ndarray, np.ndarray]:
     """φ and θ [rad] while the rig was armed for the last time."""
-    with np.load(log) as found:
-        armed = np.flatnonzero(found["armed"])
+    with np.load(log) as columns:
+        armed = np.flatnonzero(columns["armed"])
         first = armed[np.flatnonzero(np.diff(armed, prepend=-2) > 1)[-1]]
         last = armed[-1] + 1
-        return found["phi"][first:last], found["theta"][first:last]
+        return columns["phi"][first:last], columns["theta"][first:last]
 
 
 def main() -> None:

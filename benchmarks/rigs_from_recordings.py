@@ -23,8 +23,7 @@ from furuta_control.excitation import ExcitationParameters
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
-from furuta_hw.rigs.rig_file import load_rig
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_identification.identify import identify
 from furuta_identification.options import Options
 from furuta_identification.result.identified_rig import identified_rig
@@ -72,7 +71,7 @@ def random_rig(seed: int) -> Rig:
         ),
         pendulum_friction=PendulumFriction(rng.uniform(1e-4, 6e-4), 0.0),
         drive=KNOWN.drive._replace(delay=0.002 * int(rng.integers(0, 3))),
-        tilt=Tilt(*(float(each) for each in tilt)),
+        tilt=Tilt(*(float(angle) for angle in tilt)),
         waves=TorqueWaves((2.0, 14.0), tuple(wave[:2]), tuple(wave[2:])),
     )
 
@@ -92,16 +91,16 @@ def recorded(rig: Rig, seed: int) -> Recording:
     return Recording(f"rig {seed}", run.time, measured, run.time, run.command)
 
 
-def balanced(truth: Rig, found: Rig) -> dict[str, Any]:
+def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     """The arm's peak to peak [rad] for every compensation, NaN where the pendulum fell."""
     plant = rig_settings(truth)["plant"]
-    settings = rig_settings(found) | {"plant": plant}
+    settings = rig_settings(identified) | {"plant": plant}
     candidates = parse_candidates(CHOICES, settings, tuned=False)
-    loops = [loop(each.applied_to(settings)) for each in candidates]
+    loops = [loop(candidate.applied_to(settings)) for candidate in candidates]
     outcomes = batch(loops, BALANCED_SECONDS)
     return {
-        name: float("nan") if each.fell else each.phi_peak_to_peak_rad
-        for name, each in zip(CHOICES, outcomes, strict=True)
+        name: float("nan") if outcome.fell else outcome.phi_peak_to_peak_rad
+        for name, outcome in zip(CHOICES, outcomes, strict=True)
     }
 
 
@@ -120,7 +119,7 @@ def main() -> None:
     for seed in seeds:
         residuals = study(seed)
         stood += not np.any(np.isnan(list(residuals.values())))
-        text = ", ".join(f"{name} {each:.3f}" for name, each in residuals.items())
+        text = ", ".join(f"{name} {residual:.3f}" for name, residual in residuals.items())
         print(f"rig {seed}: {text} rad", flush=True)
     print(f"{stood} of {len(seeds)} rigs stand with every compensation")
 
@@ -129,10 +128,10 @@ def study(seed: int) -> dict[str, float]:
     """Identify a random rig from its recording, write and read its file, balance the truth."""
     truth = random_rig(seed)
     model = identify([recorded(truth, seed)], Options(window=1.0))
-    found, uncertainty = identified_rig(model, KNOWN)
+    identified, uncertainty = identified_rig(model, KNOWN)
     with TemporaryDirectory() as directory:
         file = Path(directory) / "rig.yaml"
-        file.write_text(rig_file_text(found, uncertainty, f"rig {seed}"), encoding="utf-8")
+        file.write_text(rig_file_text(identified, uncertainty, f"rig {seed}"), encoding="utf-8")
         return balanced(truth, load_rig(file))
 
 

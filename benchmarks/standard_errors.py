@@ -57,16 +57,16 @@ def study(seed: int) -> tuple[str, bool, dict[str, tuple[float, float]]]:
     """
     rig, _, recording = sampled(seed)
     model = identify([recording], Options())
-    found = summary(model)
-    errors = found["standard_errors"]
+    values = summary(model)
+    errors = values["standard_errors"]
     usable = verdict([model.predict(recording) for recording in model.recordings])["usable"]
     return (
         usable,
         has_one_level(model.recordings),
         {
-            name: ((found[name] - value) / errors[name], 100.0 * errors[name] / abs(value))
+            name: ((values[name] - value) / errors[name], 100.0 * errors[name] / abs(value))
             for name, value in truth(rig).items()
-            if found[name] is not None and errors[name] is not None
+            if values[name] is not None and errors[name] is not None
         },
     )
 
@@ -84,24 +84,24 @@ def main() -> None:
         except ParameterError as error:
             print(f"{seed}: asked: {error}", flush=True)
             continue
-        rounded = {name: round(float(each[0]), 1) for name, each in values.items()}
+        rounded = {name: round(float(pair[0]), 1) for name, pair in values.items()}
         levels = "one level" if one_level else "several levels"
         print(f"{seed}: usable: {judged}, {levels};", rounded, flush=True)
         usable = judged == "yes"
-        for found, counts in zip(
+        for group, counts in zip(
             groups.values(), (True, usable, usable and not one_level), strict=True
         ):
-            for name, each in values.items():
+            for name, pair in values.items():
                 if counts:
-                    found[name].append(each)
-    for title, found in groups.items():
-        _print(title, found)
+                    group[name].append(pair)
+    for title, group in groups.items():
+        _print(title, group)
 
 
-def _print(title: str, found: Found) -> None:
+def _print(title: str, group: Found) -> None:
     print(f"{title:26}{'number':>8}{'within':>9}{'median':>9}{'error':>9}")
-    together = [each for rows in found.values() for each in rows]
-    for name, rows in [*found.items(), ("together", together)]:
+    together = [pair for rows in group.values() for pair in rows]
+    for name, rows in [*group.items(), ("together", together)]:
         if rows:
             deviations, errors = np.array(rows).T
             within = 100.0 * np.mean(np.abs(deviations) <= ERRORS)

@@ -177,7 +177,7 @@ def slider(presses: str = "30") -> dict[str, Any]:
     events: list[float] = []
 
     def receive(event: ParameterEvent) -> None:
-        if any(each.name == "alpha0" for each in event.changed_parameters):
+        if any(parameter.name == "alpha0" for parameter in event.changed_parameters):
             events.append(event.stamp.sec + 1e-9 * event.stamp.nanosec)
 
     delays = []
@@ -220,12 +220,12 @@ def memory(minutes: str = "60") -> dict[str, Any]:
 
 def _children_memory(parent: int) -> dict[str, float]:
     """Resident memory of the child processes [MB]."""
-    found = {}
-    for each in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
-        command = Path(f"/proc/{each}/cmdline").read_text().split("\0")
-        pages = int(Path(f"/proc/{each}/statm").read_text().split()[1])
-        found["page" if "--attach" in command else "graph"] = pages * 4096 / MEGABYTE
-    return found
+    sizes = {}
+    for child in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
+        command = Path(f"/proc/{child}/cmdline").read_text().split("\0")
+        pages = int(Path(f"/proc/{child}/statm").read_text().split()[1])
+        sizes["page" if "--attach" in command else "graph"] = pages * 4096 / MEGABYTE
+    return sizes
 
 
 def start() -> dict[str, Any]:
@@ -250,7 +250,7 @@ def bag(minutes: str = "60", drags: str = "20") -> dict[str, Any]:
                 drawn = shown.ask("show", address) - begun
                 parts = np.random.default_rng(1).uniform(0.02, 0.98, int(drags))
                 answered = [shown.ask("drag", TIME_LINE, f"{part:.4f}") for part in parts]
-        size = sum(each.stat().st_size for each in path.iterdir())
+        size = sum(file.stat().st_size for file in path.iterdir())
     return {
         "address_s": printed,
         "drawn_s": drawn,
@@ -265,8 +265,10 @@ def _write_long_bag(recorded: Path, path: Path, seconds: float) -> None:
     run = [executable("furuta_bringup", "furuta"), "run", "--lockstep", "--record", recorded]
     subprocess.run([*map(str, run), "--seconds", str(RECORDED)], check=True, capture_output=True)
     with Bag(recorded) as source:
-        topics = [_bag_topic(each.topic, each.msgtype) for each in source.connections]
-        index = {each.topic: number for number, each in enumerate(source.connections)}
+        topics = [
+            _bag_topic(connection.topic, connection.msgtype) for connection in source.connections
+        ]
+        index = {connection.topic: number for number, connection in enumerate(source.connections)}
         messages = [(index[t.topic], time, data) for t, time, data in source.messages()]
         writer = BagWriter(path, topics, {})
         for copy in range(round(seconds / RECORDED)):
@@ -281,7 +283,7 @@ def _bag_topic(name: str, kind: str) -> BagTopic:
     return BagTopic(name, kind, definition, offered_qos(QOS.depth), type_hash(kind, definition))
 
 
-MEASUREMENTS = {each.__name__: each for each in (latency, slider, memory, start, bag)}
+MEASUREMENTS = {function.__name__: function for function in (latency, slider, memory, start, bag)}
 
 if __name__ == "__main__":
     if len(sys.argv) < 2 or sys.argv[1] not in MEASUREMENTS:

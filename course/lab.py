@@ -131,7 +131,7 @@ def _environment() -> dict[str, str]:
 
 
 def _command() -> str:
-    found = shutil.which("furuta")
-    if found is None:
+    command = shutil.which("furuta")
+    if command is None:
         raise RuntimeError("no command furuta on the path; start Jupyter by make course")
-    return found
+    return command

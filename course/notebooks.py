@@ -89,8 +89,8 @@ def check(directory: Path, names: list[str]) -> bool:
         pictures = sum(1 for _ in _pictures(notebook, folder / source.stem))
         right = sum(line.startswith("Right: ") for line in _printed(notebook))
         seconds = perf_counter() - began
-        found = f"{right:3d} checks  {pictures:2d} pictures"
-        print(f"{source.stem:20} {seconds:6.1f} s  {found}  {fault}", flush=True)
+        summary = f"{right:3d} checks  {pictures:2d} pictures"
+        print(f"{source.stem:20} {seconds:6.1f} s  {summary}  {fault}", flush=True)
     return not failed
 
 

@@ -40,7 +40,7 @@ def collect(folder: Path, reference: Path) -> int:
         page = (reference / f"{name}.md").read_text()
         (folder / f"{name}.md").write_text(site_text(ROOT / "docs" / f"{name}.md", take, page))
     listed = {file for file in names if file.parent == ROOT / "docs"}
-    missing = sorted(each.name for each in set((ROOT / "docs").glob("*.md")) - listed)
+    missing = sorted(page.name for page in set((ROOT / "docs").glob("*.md")) - listed)
     if missing:
         raise BrokenLinkError(f"docs/README.md does not list {', '.join(missing)}")
     return len(names) + len(REFERENCE)
@@ -48,14 +48,14 @@ def collect(folder: Path, reference: Path) -> int:
 
 def loaded_from_elsewhere(site: Path) -> list[str]:
     """Addresses on other hosts that a page or style sheet of the site would load."""
-    found = []
+    addresses = []
     for pattern, suffix in ((LOADED, "html"), (LOADED_BY_STYLE, "css")):
         for file in site.rglob(f"*.{suffix}"):
-            found += [
+            addresses += [
                 f"{file.relative_to(site)}: {address}"
                 for address in pattern.findall(file.read_text(errors="replace"))
             ]
-    return found
+    return addresses
 
 
 def main(site: Path, reference: Path) -> int:
@@ -73,8 +73,8 @@ def main(site: Path, reference: Path) -> int:
     if done.returncode:
         return done.returncode
     elsewhere = loaded_from_elsewhere(site)
-    for each in elsewhere:
-        print(f"error: loaded from another host: {each}", file=sys.stderr)
+    for address in elsewhere:
+        print(f"error: loaded from another host: {address}", file=sys.stderr)
     print(f"{pages} pages: {site / 'index.html'}")
     return bool(elsewhere)
 

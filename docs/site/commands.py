@@ -103,7 +103,7 @@ def blocks(file: Path) -> Iterator[Block]:
         if line.startswith("```"):
             while number < len(lines) and not lines[number].startswith("```"):
                 number += 1
-            body = [f"    {each}" for each in lines[start + 1 : number]]
+            body = [f"    {line}" for line in lines[start + 1 : number]]
             number += 1
             if line.strip() != "```sh":
                 continue
@@ -142,13 +142,13 @@ def without_comment(command: str) -> str:
 def titled_code(name: str) -> str:
     """The code with this title on any page."""
     for file in page_files():
-        found = re.search(
+        match = re.search(
             rf"^```\w+ title={re.escape(name)}\n(.*?)^```",
             file.read_text(),
             re.DOTALL | re.MULTILINE,
         )
-        if found:
-            return found[1]
+        if match:
+            return match[1]
     raise ValueError(f"no page has a block of code titled {name}")
 
 
@@ -175,7 +175,7 @@ class Reader:
         if (block.page, block.heading) != self._place:
             self.end_background()
             self._place = (block.page, block.heading)
-        skipped = all(reason_not_to_run(each, block.notes) for each in block.commands)
+        skipped = all(reason_not_to_run(command, block.notes) for command in block.commands)
         for kind, text in block.notes if not skipped else ():
             if kind == "file":
                 (self._folder / text).write_text(titled_code(text))
@@ -240,7 +240,7 @@ class Reader:
 
 
 def _needs_ros(block: Block) -> bool:
-    return any(re.search(r"^(ros2|colcon|rosdep)\b", each) for each in block.commands)
+    return any(re.search(r"^(ros2|colcon|rosdep)\b", command) for command in block.commands)
 
 
 def _interrupt(process: subprocess.Popen[str]) -> str:

@@ -91,7 +91,7 @@ def site_text(file: Path, take: Callable[[Path], str], text: str = "") -> str:
     names = page_names()
     text = text or (contents() if file == START else file.read_text())
     lines = [
-        line if in_code else LINK.sub(lambda found: _site_link(found, file, names, take), line)
+        line if in_code else LINK.sub(lambda match: _site_link(match, file, names, take), line)
         for line, in_code in _lines(text)
     ]
     page = _without_mermaid("\n".join(lines)) + "\n"
@@ -108,12 +108,12 @@ def _lines(text: str) -> Iterator[tuple[str, bool]]:
 
 
 def _site_link(
-    found: re.Match[str], file: Path, names: dict[Path, str], take: Callable[[Path], str]
+    match: re.Match[str], file: Path, names: dict[Path, str], take: Callable[[Path], str]
 ) -> str:
-    picture, text, link = found.groups()
+    picture, text, link = match.groups()
     address, _, anchor = link.partition("#")
     if "://" in link or not address:
-        return found.group()
+        return match.group()
     target = Path(os.path.normpath(file.parent / address))
     is_source = target.suffix == ".md" and target not in names
     if target.is_dir() or (is_source and target.exists()):
@@ -143,9 +143,9 @@ def _without_mermaid(text: str) -> str:
     return re.sub(r"```mermaid\n(.*?)```", _arrows, text, flags=re.DOTALL)
 
 
-def _arrows(found: re.Match[str]) -> str:
+def _arrows(match: re.Match[str]) -> str:
     rows = []
-    for line in found.group(1).splitlines():
+    for line in match.group(1).splitlines():
         if edge := MERMAID_EDGE.search(line):
             start, label, end = edge.groups()
             rows.append((start, f"{label.strip(chr(34))} →", end))

@@ -51,6 +51,6 @@ def draw(name: str) -> None:
 
 
 if __name__ == "__main__":
-    for each in sys.argv[1:] or [DRAWING, *COMMANDS]:
-        print(each, flush=True)
-        draw(each)
+    for picture in sys.argv[1:] or [DRAWING, *COMMANDS]:
+        print(picture, flush=True)
+        draw(picture)

@@ -59,10 +59,10 @@ def _help_texts(
     title = context.command_path.removeprefix("./furuta ")
     yield f"{heading} {title}\n\n```text\n{command.get_help(context)}\n```\n"
     if isinstance(command, click.Group):
-        for each in command.list_commands(context):
-            inner = command.get_command(context, each)
+        for subcommand in command.list_commands(context):
+            inner = command.get_command(context, subcommand)
             if inner is not None:
-                yield from _help_texts(each, inner, context, heading + "#")
+                yield from _help_texts(subcommand, inner, context, heading + "#")
 
 
 def parameters_page() -> str:
@@ -80,8 +80,8 @@ def topic_rows(topics: Iterable[Topic]) -> list[str]:
         "| topic | type | from → to | content |",
         "|---|---|---|---|",
         *(
-            f"| `{each.name}` | {_message_type(each.type)} | {each.ends} | {each.content} |"
-            for each in topics
+            f"| `{topic.name}` | {_message_type(topic.type)} | {topic.ends} | {topic.content} |"
+            for topic in topics
         ),
     ]
 
@@ -99,7 +99,7 @@ def topics_page() -> str:
             "Names are relative, so that a namespace moves a whole graph. Joints are `arm` (φ) and "
             "`pendulum` (θ, zero\nupright). Torque and friction are in volts at the drive, as the "
             "paper normalises them. All topics are\nreliable with depth 10.\n",
-            *topic_rows((*EVERY_TOPIC, *(each.throttled for each in THROTTLED_TOPICS))),
+            *topic_rows((*EVERY_TOPIC, *(topic.throttled for topic in THROTTLED_TOPICS))),
             "\n## Columns of exported series\n",
             *column_table(),
             "",
@@ -110,8 +110,8 @@ def topics_page() -> str:
 def rig_files_page() -> str:
     """The keys of rig files."""
     sections: dict[str, list[Declared]] = {}
-    for each in declared(Rig):
-        sections.setdefault(each.name.partition(".")[0], []).append(each)
+    for field in declared(Rig):
+        sections.setdefault(field.name.partition(".")[0], []).append(field)
     turns = About("travel of the arm in turns, in the place of `limits.arm_angle`", "", 0.0, 1e5)
     sections["limits"].append(Declared(ARM_TURNS, float, "–", turns))
     parts = [
@@ -145,12 +145,12 @@ def _code(names: Iterable[str]) -> str:
 def _rig_section(name: str, rows: list[Declared]) -> Iterator[str]:
     yield f"## {name}\n"
     yield "| key | symbol | default | unit | allowed | meaning |\n|---|---|---|---|---|---|"
-    for each in rows:
-        key = each.name.partition(".")[2]
-        symbol, meaning = _symbol(name, key, each.about)
-        default = f"{each.default:.6g}" if isinstance(each.default, float) else each.default
+    for row in rows:
+        key = row.name.partition(".")[2]
+        symbol, meaning = _symbol(name, key, row.about)
+        default = f"{row.default:.6g}" if isinstance(row.default, float) else row.default
         yield (
-            f"| `{key}` | {symbol} | {_plain(default)} | {each.about.unit} | {each.about.allowed} "
+            f"| `{key}` | {symbol} | {_plain(default)} | {row.about.unit} | {row.about.allowed} "
             f"| {meaning} |"
         )
     yield ""
@@ -186,20 +186,22 @@ def library_page() -> str:
 
 def _signature(name: str, function: Any) -> str:
     parameters = inspect.signature(function).parameters.values()
-    lines = [f"    {_parameter(each)}," for each in parameters]
-    if any(each.kind is each.KEYWORD_ONLY for each in parameters):
-        first = next(i for i, each in enumerate(parameters) if each.kind is each.KEYWORD_ONLY)
+    lines = [f"    {_parameter(parameter)}," for parameter in parameters]
+    if any(parameter.kind is parameter.KEYWORD_ONLY for parameter in parameters):
+        first = next(
+            i for i, parameter in enumerate(parameters) if parameter.kind is parameter.KEYWORD_ONLY
+        )
         lines.insert(first, "    *,")
     result = str(inspect.signature(function).return_annotation)
     return "\n".join([f"{name}(", *lines, f") -> {result}"]) if lines else f"{name}() -> {result}"
 
 
-def _parameter(each: inspect.Parameter) -> str:
+def _parameter(parameter: inspect.Parameter) -> str:
     """A parameter as it is written; a long default is only said to exist."""
-    text = f"{each.name}: {each.annotation}"
-    if each.default is each.empty:
+    text = f"{parameter.name}: {parameter.annotation}"
+    if parameter.default is parameter.empty:
         return text
-    default = repr(each.default)
+    default = repr(parameter.default)
     return f"{text} = {default if len(default) < 40 else '...'}"
 
 
@@ -236,9 +238,9 @@ def _field_table(thing: Any) -> list[str]:
     return [
         "| field | default | unit | allowed | meaning |\n|---|---|---|---|---|",
         *(
-            f"| `{each.name}` | {_plain(each.default)} | {each.about.unit} | {each.about.allowed} "
-            f"| {each.about.meaning} |"
-            for each in rows
+            f"| `{row.name}` | {_plain(row.default)} | {row.about.unit} | {row.about.allowed} "
+            f"| {row.about.meaning} |"
+            for row in rows
         ),
         "",
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import Any
 
 from lifecycle_msgs.msg import Transition
@@ -14,6 +15,7 @@ from testbench import Bench
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 
+SETTLING = 500  # samples between holding the pendulum and arming
 # Limits that neither a delay of the machine nor the falling pendulum exceeds.
 PERMISSIVE_RIG = """
 speed: {sensor: encoder}
@@ -31,7 +33,7 @@ def bridge(bench: Bench, **parameters: Any) -> HardwareBridgeNode:
     node: HardwareBridgeNode = bench.add(
         HardwareBridgeNode([Parameter(name, value=value) for name, value in given.items()])
     )
-    node.start()
+    node.start_up()
     return node
 
 
@@ -54,6 +56,27 @@ def arm(bench: Bench, armed: bool = True) -> tuple[bool, str]:
     """Ask to arm or to disarm."""
     answer = ask(bench, SetBool, "arm", SetBool.Request(data=armed))
     return answer.success, answer.message
+
+
+def try_to_arm(bench: Bench) -> tuple[bool, str]:
+    """Ask the bridge once to arm; it may not be running."""
+    client = bench.probe.create_client(SetBool, "hardware_bridge/arm")
+    end = monotonic() + 5.0
+    bench.spin(lambda: client.service_is_ready() or monotonic() > end)
+    future = client.call_async(SetBool.Request(data=True))
+    bench.spin(lambda: future.done() or monotonic() > end)
+    if not future.done():
+        return False, "no answer"
+    return future.result().success, future.result().message
+
+
+def hold_and_arm(bench: Bench, rig: Any) -> str:
+    """Hold the pendulum until the filters have settled, then arm; returns why that failed."""
+    held = rig.ask("hold")
+    # If a bridge connects in between, the rig counts from zero again.
+    bench.spin(lambda: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
+    armed, message = try_to_arm(bench)
+    return "" if armed else f"not armed: {message}"
 
 
 class Loop:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from elf import Elf
@@ -33,7 +32,6 @@ SCRIPT, LOG, BLOCK = 0x10000000, 0x20000000, 0x1000000
 STACK, STACK_SIZE = 0x40000000, 0x10000
 # What a processor saves on the stack before an interrupt [bytes].
 FRAME = 32
-UNTOUCHED = b"\xa5"
 
 
 class CortexM:
@@ -55,13 +53,6 @@ class CortexM:
         for address, content in elf.loaded():
             self.uc.mem_write(address, content)
 
-    def call(self, function: str, *arguments: int) -> int:
-        """Call a C function to its end; returns its result."""
-        self._begin(function, *arguments)
-        self._run()
-        assert self.uc.reg_read(UC_ARM_REG_PC) == RETURN
-        return int(self.uc.reg_read(UC_ARM_REG_R0))
-
     def _begin(self, function: str, *arguments: int, stack: int = STACK + STACK_SIZE) -> None:
         """Prepare a call."""
         for register, value in zip(ARGUMENTS, arguments, strict=False):
@@ -74,7 +65,10 @@ class CortexM:
         """Replay a script; returns the log."""
         assert LOG_FACTOR * len(script) < BLOCK
         self.uc.mem_write(SCRIPT, script)
-        size = self.call("emulated_replay", SCRIPT, len(script), LOG)
+        self._begin("emulated_replay", SCRIPT, len(script), LOG)
+        self._run()
+        assert self._ended()
+        size = self.uc.reg_read(UC_ARM_REG_R0)
         return bytes(self.uc.mem_read(LOG, size))
 
     def count(self, script: bytes) -> int:
@@ -82,17 +76,10 @@ class CortexM:
 
         Those of the script's interpreter are not counted, because a board has none.
         """
-        return self._count(lambda: self.replay(script), without="emulated_replay")
-
-    def count_function(self, function: str) -> int:
-        """Call a function; return how many instructions it executes."""
-        return self._count(lambda: self.call(function))
-
-    def _count(self, run: Callable[[], object], without: str = "") -> int:
         executed = 0
-        begin = self.functions[without] & ~1
-        later = [each for each in self.functions.values() if each > begin + 1]
-        end = min(later, default=PROGRAM_SIZE) if without else begin
+        begin = self.functions["emulated_replay"] & ~1
+        later = [address for address in self.functions.values() if address > begin + 1]
+        end = min(later, default=PROGRAM_SIZE)
 
         def on_instruction(_: object, address: int, *__: object) -> None:
             nonlocal executed
@@ -100,16 +87,9 @@ class CortexM:
 
         self.uc.ctl_flush_tb()  # code that was translated before would not be counted
         hook = self.uc.hook_add(UC_HOOK_CODE, on_instruction)
-        run()
+        self.replay(script)
         self.uc.hook_del(hook)
         return executed
-
-    def stack_use(self, run: Callable[[], object]) -> int:
-        """Return how many bytes of stack ``run`` uses."""
-        self.uc.mem_write(STACK, UNTOUCHED * STACK_SIZE)
-        run()
-        content = bytes(self.uc.mem_read(STACK, STACK_SIZE))
-        return len(content.lstrip(UNTOUCHED))
 
     def state(self) -> bytes:
         """The program's memory."""

@@ -40,8 +40,7 @@ class Elf:
 
     def loaded(self) -> list[tuple[int, bytes]]:
         """Address and content of what is in memory at the start, without zeros."""
-        parts = (each for each in self.sections if each.flags & ALLOCATED)
-        return [(s.address, self._content(s)) for s in parts if s.kind != NO_BITS]
+        return [(s.address, self._content(s)) for s in self._allocated() if s.kind != NO_BITS]
 
     def code_size(self) -> int:
         """Code and constants [bytes]."""
@@ -53,13 +52,13 @@ class Elf:
 
     def functions(self) -> dict[str, int]:
         """Addresses of all symbols by name."""
-        (table,) = (each for each in self.sections if each.kind == SYMBOL_TABLE)
+        (table,) = (section for section in self.sections if section.kind == SYMBOL_TABLE)
         names = self._content(self.sections[table.link])
         symbols = struct.iter_unpack("<IIIBBH", self._content(table))
         return {names[at : names.index(b"\0", at)].decode(): value for at, value, *_ in symbols}
 
     def _allocated(self) -> list[Section]:
-        return [each for each in self.sections if each.flags & ALLOCATED]
+        return [section for section in self.sections if section.flags & ALLOCATED]
 
     def _content(self, section: Section) -> bytes:
         return self._data[section.offset : section.offset + section.size]

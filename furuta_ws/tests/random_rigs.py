@@ -213,3 +213,30 @@ def _simulate(u, phi, alpha, beta, gamma, delta, c, forward, backward, c2, waves
         k4 = _rates(x + h * k3, u[n], *p, waves, tx, ty, lag)
         x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     return out
+
+
+# A rig with waves, tilt, unequal friction, a ceiling, a delay and speeds that lag.
+EXAMPLE = Rig(
+    alpha=0.0075,
+    beta=0.0025,
+    gamma=0.002,
+    delta=0.22,
+    viscous=0.25,
+    forward=0.13,
+    backward=0.11,
+    pendulum_viscous=4e-4,
+    waves=np.array([[1.0, 0.01, 0.0], [5.0, 0.06, 0.05]]),
+    tilt_x=-0.03,
+    tilt_y=0.02,
+    ceiling=3.0,
+    delay=0.003,
+    lag=0.006,
+)
+
+
+def example(
+    kind: str, amplitude: float, readings: Readings | None = None, seconds: float = 5.0
+) -> Recording:
+    """A recording of the example under a command of a kind."""
+    rng = np.random.default_rng(len(kind))
+    return record(EXAMPLE, kind, amplitude, seconds, readings or Readings(), rng, kind)

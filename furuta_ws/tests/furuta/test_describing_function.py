@@ -54,40 +54,31 @@ def simulated(amplitude: float, omega: float, p: Friction) -> complex:
     phase = 2 * np.pi * (np.arange(samples) + 0.5) / samples
     z = period(end / (1.0 - (shifted - end) / 1e-3), phase)
     v = amplitude * np.sin(phase)
-    z_dot = v - p.sigma0 * np.abs(v) / np.array([reference.level(each, p) for each in v]) * z
+    z_dot = v - p.sigma0 * np.abs(v) / np.array([reference.level(speed, p) for speed in v]) * z
     force = p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
     return fundamental(force, phase, amplitude)
 
 
 @pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
 @pytest.mark.parametrize("p", [Friction(), UNEQUAL])
-@pytest.mark.parametrize("amplitude", [1e-3, 0.04, 0.3, 10.0])
+@pytest.mark.parametrize("amplitude", [0.04, 10.0])
 def test_static_laws_by_quadrature(kind: int, p: Friction, amplitude: float) -> None:
     """N is the first Fourier coefficient of F(A sin x), real for any asymmetry."""
     law = FrictionLaw(kind, p)
 
     def coefficient(weight: object) -> float:
-        parts = [
+        quarters = (
             quad(
                 lambda x: steady_friction(amplitude * np.sin(x), law) * weight(x),  # type: ignore
-                *ends,
-                points=(ends[0] + 1e-3, ends[1] - 1e-3),
+                0.5 * k * np.pi,
+                0.5 * (k + 1) * np.pi,
+                points=(0.5 * k * np.pi + 1e-3, 0.5 * (k + 1) * np.pi - 1e-3),
                 limit=500,
                 epsabs=1e-12,
             )[0]
-            for ends in ((0, np.pi / 2), (np.pi / 2, np.pi), (np.pi, 1.5 * np.pi))
-        ]
-        parts.append(
-            quad(
-                lambda x: steady_friction(amplitude * np.sin(x), law) * weight(x),  # type: ignore
-                1.5 * np.pi,
-                2 * np.pi,
-                points=(2 * np.pi - 1e-3,),
-                limit=500,
-                epsabs=1e-12,
-            )[0]
+            for k in range(4)
         )
-        return sum(parts) / np.pi / amplitude
+        return sum(quarters) / np.pi / amplitude
 
     n = describing_function(amplitude, 3.0, law)
     assert n.imag == 0.0
@@ -110,8 +101,7 @@ def test_closed_forms_by_hand() -> None:
     assert bias(1.0, FrictionLaw(COULOMB, UNEQUAL)) == pytest.approx(0.25 * 0.21)
 
 
-@pytest.mark.parametrize("amplitude", [1e-3, 0.01, 0.05, 0.3, 2.0])
-@pytest.mark.parametrize("omega", [1.0, 30.0])
+@pytest.mark.parametrize(("amplitude", "omega"), [(1e-3, 30.0), (0.05, 1.0), (2.0, 1.0)])
 @pytest.mark.parametrize("p", [Friction(), Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)])
 def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Friction) -> None:
     """N is the fundamental of equation (5) simulated by a stiff solver."""
@@ -119,7 +109,7 @@ def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Frictio
     assert n == pytest.approx(simulated(amplitude, omega, p), rel=2e-6)
 
 
-@pytest.mark.parametrize("deflection", np.geomspace(1e-6, 1e3, 19))
+@pytest.mark.parametrize("deflection", np.geomspace(1e-6, 1e3, 7))
 @pytest.mark.parametrize("omega", [0.1, 50.0])
 def test_lugre_without_stribeck_effect_has_a_closed_form(deflection: float, omega: float) -> None:
     """With g constant and κ = σ₀X/α₀, Z₁ = (2α₀/σ₀)(2/π (1 − tanh κ/κ) − j I₁(κ)/cosh κ)."""
@@ -164,7 +154,7 @@ def test_asymmetry_enters_in_second_order_only() -> None:
     """With unequal levels the fundamental differs from that of the mean level as a²."""
     equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))
     errors = [
-        abs(simulated(0.1, 3.0, Friction(asymmetry=each)) / equal - 1.0) for each in (0.1, 0.2, 0.4)
+        abs(simulated(0.1, 3.0, Friction(asymmetry=a)) / equal - 1.0) for a in (0.1, 0.2, 0.4)
     ]
     assert errors[0] < 2e-3
     assert np.diff(np.log2(errors)) == pytest.approx([2.0, 2.0], abs=0.4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import reference
 
-from furuta.limit_cycles.continuation import Branch, fold_value
+from furuta.limit_cycles.continuation import Branch, BranchPoint, fold_value
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
@@ -33,7 +33,7 @@ def ideal(
 
 
 def _gain(**poles: float) -> tuple[float, ...]:
-    return tuple(float(-each) for each in place_poles(BODY, DesiredPoles(**poles)))
+    return tuple(float(-gain) for gain in place_poles(BODY, DesiredPoles(**poles)))
 
 
 def test_values_of_the_paper() -> None:
@@ -145,18 +145,18 @@ def test_amplitude_scales_with_the_friction_level() -> None:
     assert two.period_s == pytest.approx(one.period_s, rel=1e-6)
 
 
-def branch(low: float = 0.0, high: float = 0.3) -> list:
+@pytest.fixture(scope="module")
+def points() -> list[BranchPoint]:
     """The cycle over viscous friction, through the fold."""
 
     def loop_at(viscous: float) -> IdealLoop:
         return ideal(Friction(viscous=viscous))
 
-    return Branch(loop_at, low, high).follow(0.0, limit_cycle(loop_at(0.0)))
+    return Branch(loop_at, 0.0, 0.3).follow(0.0, limit_cycle(loop_at(0.0)))
 
 
-def test_branch_folds_where_the_cycle_disappears() -> None:
+def test_branch_folds_where_the_cycle_disappears(points: list[BranchPoint]) -> None:
     """Below the viscous friction of the fold there is a limit cycle, above it none."""
-    points = branch()
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
     value = fold_value(points, fold)
     assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "oscillation"
@@ -165,25 +165,23 @@ def test_branch_folds_where_the_cycle_disappears() -> None:
     assert multiplier == pytest.approx(1.0, abs=0.15)
 
 
-def test_unstable_cycle_bounds_the_region_of_attraction() -> None:
+def test_unstable_cycle_bounds_the_region_of_attraction(points: list[BranchPoint]) -> None:
     """A start just inside the unstable cycle ends in the stable one, just outside it falls."""
-    unstable = next(p for p in branch() if not p.cycle.stable and p.value < 0.15)
+    unstable = next(p for p in points if not p.cycle.stable and p.value < 0.15)
     loop = ideal(Friction(viscous=unstable.value))
     point = np.array(unstable.cycle.point)
     ends = {limit_cycle(loop, point * (1.0 + d)).kind for d in (-0.01, 0.01)}
     assert ends == {"oscillation", "unbounded"}
 
 
-def test_map_does_not_depend_on_workers() -> None:
-    """The points of a map equal single results for any number of threads."""
-    values = [5.0, 7.0, 9.0]
+def test_a_point_of_a_map_is_a_limit_cycle() -> None:
+    """Computed by one of several threads, it equals the single result."""
 
     def loop_at(first: float, second: float) -> IdealLoop:
         return ideal(omega1=first, omega2=second)
 
-    maps = [list(map_feedbacks(loop_at, values, values, workers)) for workers in (1, 3)]
-    assert maps[0] == maps[1]
-    assert maps[0][4].cycle == limit_cycle(loop_at(7.0, 7.0))
+    mapped = list(map_feedbacks(loop_at, [5.0, 7.0], [7.0, 9.0]))
+    assert mapped[2].cycle == limit_cycle(loop_at(7.0, 7.0))
 
 
 def test_impossible_loops_are_rejected() -> None:

@@ -12,7 +12,7 @@ from furuta.describing_functions.predicted_cycles import Prediction, predict_cyc
 from furuta.describing_functions.residual import residual
 from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
 from furuta_model.friction.parameters import Friction
-from furuta_model.linear import DesiredPoles, linearize, place_poles
+from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.transfer import FIGURE_4, Transfer, transfer
 
@@ -71,36 +71,12 @@ def test_every_cycle_balances(kind: int, feedback: tuple[float, ...]) -> None:
         assert cycle.period_s * cycle.omega_rad_s == pytest.approx(2 * np.pi)
 
 
-def test_prediction_of_the_rig() -> None:
-    """Coulomb at 0.21 V: 0.643 rad and 2.074 s; LuGre somewhat slower and smaller."""
-    (coulomb,) = predict_cycles(transfer(P, PLACED), FrictionLaw(COULOMB)).cycles
-    assert coulomb.phi_peak_to_peak_rad == pytest.approx(0.643, abs=1e-3)
-    assert coulomb.period_s == pytest.approx(2.074, abs=1e-3)
-    (lugre,) = predict_cycles(transfer(P, PLACED), FrictionLaw(LUGRE)).cycles
-    assert lugre.phi_peak_to_peak_rad == pytest.approx(0.6369, abs=1e-4)
-    assert lugre.period_s == pytest.approx(2.1491, abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("gain", "p", "stable"),
-    [
-        # Bristles without damping.
-        (
-            (26.405, 3.6467, 58.786, 6.479),
-            Friction(alpha1=0.0, sigma0=25.906, sigma1=0.0),
-            [False, True],
-        ),
-        (
-            (23.567, 1.818, 52.279, 3.085),
-            Friction(alpha1=0.0, sigma0=16.37, sigma1=0.0),
-            [False, True],
-        ),
-    ],
-)
-def test_several_cycles(gain: tuple[float, ...], p: Friction, stable: list[bool]) -> None:
-    """An unstable cycle separates rest from a stable one."""
-    prediction = predict_cycles(transfer(P, gain), FrictionLaw(LUGRE, p))
-    assert [cycle.stable for cycle in prediction.cycles] == stable
+def test_several_cycles() -> None:
+    """On a bristle without damping an unstable cycle separates rest from a stable one."""
+    g = transfer(P, (26.405, 3.6467, 58.786, 6.479))
+    p = Friction(alpha1=0.0, sigma0=25.906, sigma1=0.0)
+    cycles = predict_cycles(g, FrictionLaw(LUGRE, p)).cycles
+    assert [cycle.stable for cycle in cycles] == [False, True]
 
 
 def test_stability_agrees_with_the_poles() -> None:
@@ -186,15 +162,3 @@ def test_winding_number_counts_zeros() -> None:
         )
         assert inside.any()
     assert len(cells) < 100
-
-
-def test_no_state_feedback_avoids_a_solution() -> None:
-    """Coulomb friction acts as a viscous one of any size, and a large one always destabilises."""
-    random = np.random.default_rng(8)
-    a, b = linearize(FurutaPendulum())
-    for _ in range(200):
-        omega, zeta = random.uniform(1.0, 30.0, 2), random.uniform(0.2, 2.0, 2)
-        gain = place_poles(FurutaPendulum(), DesiredPoles(omega[0], zeta[0], omega[1], zeta[1]))
-        damped = gain + np.array([0.0, 1e6, 0.0, 0.0])
-        assert np.max(np.linalg.eigvals(a - np.outer(b, gain)).real) < 0.0
-        assert np.max(np.linalg.eigvals(a - np.outer(b, damped)).real) > 0.0

@@ -25,12 +25,9 @@ class Study(NamedTuple):
     values: np.ndarray = np.array([1.0, 2.0])
 
 
-STUDY = Study()
-
-
-def recorded(out: Path, study: NamedTuple = STUDY, stop: int = 9) -> list[int]:
+def recorded(out: Path, stop: int = 9) -> list[int]:
     """Add results to the journal of ``out``, at most ``stop``; the numbers that were there."""
-    journal = Journal(out, study)
+    journal = Journal(out, Study())
     before = list(journal)
     rest = [(number, RESULTS[number]) for number in RESULTS if number not in journal][:stop]
     assert list(journal.record(iter(rest))) == rest

@@ -18,8 +18,8 @@ def commands(command: click.Command) -> Iterator[click.Command]:
     """The command, and those of a group."""
     yield command
     if isinstance(command, click.Group):
-        for each in command.commands.values():
-            yield from commands(each)
+        for inner in command.commands.values():
+            yield from commands(inner)
 
 
 @pytest.mark.parametrize("verb", VERBS)
@@ -27,7 +27,7 @@ def test_who_takes_parameter_files_takes_a_rig(verb: str) -> None:
     """So that a rig is the same rig everywhere."""
     module = import_module(f"furuta_bringup.verbs.{verb.replace('-', '_')}")
     for command in commands(module.command):
-        names = {each.name for each in command.params}
+        names = {parameter.name for parameter in command.params}
         assert "files" not in names or "rig" in names, command.name
 
 
@@ -37,7 +37,7 @@ def test_the_rig_is_the_first_parameter_file(tmp_path: Path) -> None:
     @click.command()
     @model_options
     def verb(files: tuple[Path, ...], assignments: tuple[str, ...]) -> None:
-        print([each.name for each in files], assignments)
+        print([file.name for file in files], assignments)
 
     rig, other = tmp_path / "mine.yaml", tmp_path / "other.yaml"
     arguments = ["--params", str(other), "--rig", str(rig), "--set", "a=1"]

@@ -40,8 +40,8 @@ def parsed(rig: str) -> Any:
 def test_joints_have_the_names_of_the_topics(rig: str) -> None:
     """A robot state publisher finds the joints of ``joint_states`` by name."""
     robot = parsed(rig)
-    assert [each.name for each in robot.joints] == list(topic_names.JOINTS)
-    assert {each.type for each in robot.joints} == {"continuous"}
+    assert [joint.name for joint in robot.joints] == list(topic_names.JOINTS)
+    assert {joint.type for joint in robot.joints} == {"continuous"}
     assert robot.get_root() == "base"
     assert all(link.visuals for link in robot.links)
 
@@ -78,7 +78,7 @@ def test_display_starts_publisher_and_rviz_in_the_namespace() -> None:
     assert (publisher.package, publisher.namespace) == ("robot_state_publisher", "/left")
     assert 'xyz="0.085 0 0"' in publisher.parameters["robot_description"]
     layout = yaml.safe_load(open(rviz.arguments[1]).read())  # noqa: SIM115
-    shown = {each["Class"]: each for each in layout["Visualization Manager"]["Displays"]}
+    shown = {display["Class"]: display for display in layout["Visualization Manager"]["Displays"]}
     model = shown["rviz_default_plugins/RobotModel"]
     assert model["Description Topic"]["Value"] == "robot_description"
     assert layout["Visualization Manager"]["Global Options"]["Fixed Frame"] == "base"
@@ -89,10 +89,10 @@ def test_display_starts_publisher_and_rviz_in_the_namespace() -> None:
 def test_plotjuggler_layout_shows_the_five_topics() -> None:
     """Curves are named by topic, joint and field."""
     root = ET.parse(share("config", "plotjuggler.xml")).getroot()
-    topics = {each.get("name", "").strip("/") for each in root.iter("topic")}
+    topics = {topic.get("name", "").strip("/") for topic in root.iter("topic")}
     assert topics == STATES | NUMBERS
-    curves = [each.get("name", "").strip("/").split("/") for each in root.iter("curve")]
-    assert {each[0] for each in curves} == topics
+    curves = [curve.get("name", "").strip("/").split("/") for curve in root.iter("curve")]
+    assert {topic for topic, *_ in curves} == topics
     for topic, *rest in curves:
         if topic in NUMBERS:
             assert rest == ["data"]
@@ -107,10 +107,10 @@ def test_foxglove_layout_shows_the_five_topics() -> None:
     panels = layout["configById"]
     assert set(panels) == set(re.findall(r'"((?:3D|Plot)!\d)"', json.dumps(layout["layout"])))
     paths = [path["value"] for panel in panels.values() for path in panel.get("paths", [])]
-    found = set()
+    shown = set()
     for path in paths:
         topic, field = re.fullmatch(r"/(\w+)\.(\w+(?:\[[01]\])?)", path).groups()  # type: ignore[union-attr]
-        found.add(topic)
+        shown.add(topic)
         allowed = r"data" if topic in NUMBERS else r"(position|velocity|effort)\[[01]\]"
         assert re.fullmatch(allowed, field), path
-    assert found == STATES | NUMBERS
+    assert shown == STATES | NUMBERS

@@ -108,26 +108,23 @@ def test_a_read_only_bridge_cannot_be_activated(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("parameters", "reason"),
     [
-        ({"port": ""}, "no port given"),
         ({"port": "/dev/nothing"}, "cannot open /dev/nothing: No such file"),
         ({"rig": "missing.yaml"}, "cannot read rig file missing.yaml"),
+        ({"driver": "telepathy"}, "no rig driver telepathy; known are serial_protocol"),
     ],
 )
-def test_a_failed_configuration_has_a_reason(bench: Bench, parameters: dict, reason: str) -> None:
+def test_a_failed_configuration_has_a_reason(
+    bench: Bench, tmp_path: Path, parameters: dict, reason: str
+) -> None:
     """The node stays unconfigured, and the transition can be tried again."""
+    if "driver" in parameters:
+        file = tmp_path / "rig.yaml"
+        file.write_text(f"line: {parameters}")
+        parameters = {"rig": str(file)}
     node = bridge(bench, autostart="active", **parameters)
     assert node.state == "unconfigured"
     assert reason in node.failure
     assert not change(bench, Transition.TRANSITION_CONFIGURE)
-
-
-def test_an_unknown_driver_is_a_failed_configuration(bench: Bench, tmp_path: Path) -> None:
-    """The reason names the drivers that exist."""
-    file = tmp_path / "rig.yaml"
-    file.write_text("line: {driver: telepathy}")
-    node = bridge(bench, autostart="active", rig=str(file))
-    assert node.state == "unconfigured"
-    assert "no rig driver telepathy; known are serial_protocol" in node.failure
 
 
 def test_measurements_are_those_of_the_rig(bench: Bench) -> None:

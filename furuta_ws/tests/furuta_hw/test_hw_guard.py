@@ -55,47 +55,33 @@ def test_nothing_passes_before_arming() -> None:
 
 
 def test_commands_are_limited_in_size_and_slew() -> None:
-    """From 0 V by at most the slew rate, to at most the largest voltage."""
+    """From 0 V by at most the slew rate, to at most the largest voltage; infinity stops."""
     rig = armed(voltage=3.0, slew_rate=1000.0)
     assert [rig.sample(8.0) for _ in range(5)] == [1.0, 2.0, 3.0, 3.0, 3.0]
     assert rig.sample(-8.0) == 2.0
     assert rig.sample(1.5) == 1.5
-
-
-@pytest.mark.parametrize("bad", [nan, inf, -inf])
-def test_a_command_that_is_not_finite_stops(bad: float) -> None:
-    """NaN and infinities."""
-    rig = armed()
-    assert rig.guard.command(rig.now, bad) is None
-    assert not rig.guard.armed
-    assert "command is" in rig.guard.reason
+    assert rig.sample(inf) is None
+    assert rig.guard.reason == "command is inf"
 
 
 @pytest.mark.parametrize(
     ("field", "value", "reason"),
     [
         ("pendulum_angle", 0.76, "pendulum angle 0.760 rad is beyond 0.75 rad"),
-        ("pendulum_angle", -0.76, "pendulum angle"),
         ("arm_angle", 7.0, "arm angle"),
         ("arm_speed", -9.95, "arm speed"),
         ("arm_angle", nan, "not finite"),
-        ("pendulum_angle", inf, "not finite"),
+        ("at_rail", True, "end of its range"),
+        ("fault", True, "reports a fault"),
     ],
 )
-def test_a_measurement_out_of_bounds_stops(field: str, value: float, reason: str) -> None:
+def test_a_measurement_out_of_bounds_stops(field: str, value: Any, reason: str) -> None:
     """At once, and the rig cannot be armed with such a measurement."""
     rig = armed()
     rig.measure(**{field: value})
     assert not rig.guard.armed
     assert reason in rig.guard.reason
     assert reason in rig.guard.arm(rig.now)
-
-
-def test_a_sensor_at_the_end_of_its_range_stops() -> None:
-    """Beyond its range a converter does not measure."""
-    rig = armed()
-    rig.measure(at_rail=True)
-    assert "end of its range" in rig.guard.reason
 
 
 def test_stale_commands_and_measurements_stop() -> None:
@@ -115,8 +101,12 @@ def test_stale_commands_and_measurements_stop() -> None:
 
 
 def test_a_missing_friction_observer_stops() -> None:
-    """Commands alone are not enough: the loop is complete, or the rig is at 0 V."""
+    """A command may overtake its estimate; further ones do not feed the rig's watchdog."""
     rig = armed(estimate_age=0.03)
+    rig.with_observer = False
+    assert [rig.sample(0.1) is None for _ in range(4)] == [False, True, True, True]
+    rig.with_observer = True
+    assert rig.sample(0.0) is not None
     rig.with_observer = False
     assert [rig.sample() for _ in range(30)] == [0.0] + [None] * 29
     assert rig.guard.armed
@@ -153,18 +143,11 @@ def test_an_encoder_that_is_stuck_stops() -> None:
     assert rig.guard.armed
 
 
-@pytest.mark.parametrize(
-    ("changes", "reason"),
-    [
-        ({"watchdog": True}, "watchdog"),
-        ({}, "the rig stopped"),
-        ({"fault": True}, "reports a fault"),
-    ],
-)
-def test_a_rig_that_stopped_by_itself_stops_the_guard(changes: dict, reason: str) -> None:
+@pytest.mark.parametrize(("watchdog", "reason"), [(True, "watchdog"), (False, "the rig stopped")])
+def test_a_rig_that_stopped_by_itself_stops_the_guard(watchdog: bool, reason: str) -> None:
     """The rig was armed and is not any more."""
     rig = armed()
-    rig.measure(armed=False, **changes)
+    rig.measure(armed=False, watchdog=watchdog)
     assert reason in rig.guard.reason
 
 
@@ -190,12 +173,3 @@ def test_a_stop_is_latched_with_its_first_reason() -> None:
     assert rig.sample(1.0, armed=False) is None
     assert rig.guard.arm(rig.now) == ""
     assert rig.sample(0.5) == 0.5
-
-
-def test_commands_without_estimates_are_withheld() -> None:
-    """One may overtake its estimate; further ones do not feed the rig's watchdog."""
-    rig = armed()
-    rig.with_observer = False
-    assert [rig.sample(0.1) is None for _ in range(4)] == [False, True, True, True]
-    rig.with_observer = True
-    assert rig.sample(0.1) is not None

@@ -67,6 +67,6 @@ def test_it_can_be_commissioned(rig_file: Path) -> None:
     """Experiments in SI units work with every driver."""
     rig = load_rig(rig_file)
     with RigSession("mock", rig) as session:
-        found = session.drive(find_signs(rig, 1.0), 1.0, 3.0)
-        assert (found.arm, found.pendulum) == (1, None)
+        signs = session.drive(find_signs(rig, 1.0), 1.0, 3.0)
+        assert (signs.arm, signs.pendulum) == (1, None)
         assert next(session.samples()).codes is None

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from furuta_hw.rigs.rig import Rig
-from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import Uncertainty, changed_rig
 from furuta_model.parameters import ParameterError
 from furuta_model.parts.tilt import Tilt

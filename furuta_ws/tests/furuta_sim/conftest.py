@@ -43,4 +43,4 @@ def stepping(zig: None, tmp_path_factory: pytest.TempPathFactory) -> CortexM:
 @pytest.fixture(scope="session")
 def replays(cortex_m: dict[str, CortexM]) -> dict[str, Replay]:
     """All machines by name, each as a function from script to log."""
-    return {"host": load_replay()} | {name: each.replay for name, each in cortex_m.items()}
+    return {"host": load_replay()} | {name: machine.replay for name, machine in cortex_m.items()}

@@ -115,7 +115,7 @@ def test_memory_does_not_grow() -> None:
         gc.unfreeze()
         return most
 
-    garbage = 1_000_000  # that the garbage collector may leave, for any number of runs
+    garbage = 2_000_000  # that the garbage collector may leave, for any number of runs
     for count, short, long in ((1000, 0.01, 0.4), (500, 0.6, 2.4)):  # single runs, lanes
         peak(count, short)  # loads the compiled code
         small = peak(count, short)

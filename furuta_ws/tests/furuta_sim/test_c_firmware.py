@@ -1,14 +1,9 @@
-"""The C firmware sends the bytes of the reference and has its states, on every processor.
-
-``FURUTA_FIRMWARE_FRAMES`` sets the number of random frames.
-"""
+"""The C firmware sends the bytes of the reference and has its states, on every processor."""
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable
-from itertools import count
 from pathlib import Path
 from random import Random
 
@@ -26,23 +21,18 @@ from furuta_sim.emulator.faults import Faults
 
 Replays = dict[str, Callable[[bytes], bytes]]
 
-FRAMES = int(os.environ.get("FURUTA_FIRMWARE_FRAMES", "20000"))
 CUTS = 1000
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "hardware.md"
 SESSION = 4660  # of the documentation's test vectors
 
 
-def test_random_schedules(replays: Replays) -> None:
+@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 70), marks=pytest.mark.long)])
+def test_random_schedules(replays: Replays, seeds: range) -> None:
     """Frames of every kind, damaged, repeated, late, of other sessions, beyond wrap-arounds."""
-    sent = 0
-    for seed in count():
+    for seed in seeds:
         schedule = random_schedule(seed, 500)
-        logs = {name: replay(schedule.script) for name, replay in replays.items()}
-        for log in {*logs.values()}:
+        for log in {replay(schedule.script) for replay in replays.values()}:
             assert_same(schedule, log)
-        sent += schedule.frames
-        if sent >= FRAMES:
-            break
 
 
 def vectors() -> dict[str, bytes]:
@@ -88,24 +78,15 @@ def test_vectors_of_the_documentation(replays: Replays) -> None:
     assert [step.state.discarded for step in schedule.steps][-1] == 3
 
 
-def test_sample_numbers_wrap_around(replays: Replays) -> None:
-    """Driven across 2³² without interruption."""
+def test_counters_wrap_around(replays: Replays) -> None:
+    """Driven across sample 2³² without interruption; 2¹⁶ discarded frames count as none."""
     schedule = Schedule(Random(0))
     schedule.start_session()
     schedule.set_numbers(2**32 - 10, 2**32 - 10)
     for _ in range(20):
         schedule.sample()
         schedule.send(frames.DriveFrame(77, schedule.firmware.number, 5))
-    assert schedule.firmware.driven == 20
-    assert schedule.firmware.number == 10
-    for replay in replays.values():
-        assert_same(schedule, replay(schedule.script))
-
-
-def test_discarded_frames_wrap_around(replays: Replays) -> None:
-    """The counter of 16 bits begins again at 0."""
-    schedule = Schedule(Random(0))
-    schedule.start_session()
+    assert (schedule.firmware.driven, schedule.firmware.number) == (20, 10)
     for _ in range(5):
         schedule.receive(b"\1\0" * 14_000)
         schedule.sample()
@@ -114,6 +95,7 @@ def test_discarded_frames_wrap_around(replays: Replays) -> None:
         assert_same(schedule, replay(schedule.script))
 
 
+@pytest.mark.long
 def test_a_host_killed_at_any_byte(replays: Replays) -> None:
     """A thousand random cuts: 0 V within the watchdog after the last answered sample, and after."""
     random = Random(1)
@@ -163,15 +145,6 @@ def test_a_board_offers_what_it_supports(
         assert (state.period_us, state.watchdog) == offered
 
 
-def test_discarded_counts_from_hello(zig: None) -> None:
-    """Damaged frames that arrive with Hello count if they come after it."""
-    schedule = Schedule(Random(0))
-    hello = encode(frames.HelloFrame(frames.VERSION, 77, 1000, 5))
-    schedule.receive(b"\1\0" * 3 + hello + b"\1\0" * 2)
-    schedule.sample()
-    assert schedule.steps[-1].state.discarded == 2
-
-
 def test_the_emulated_rig_is_the_same(zig: None) -> None:
     """The same motion and bytes with both, on a line with faults, and after a reboot."""
     faults = Faults(lost=0.1, repeated=0.1, corrupt=0.1)
@@ -189,7 +162,6 @@ def test_the_emulated_rig_is_the_same(zig: None) -> None:
         for rig in rigs:
             rig.receive(data)
         assert reference.step() == compiled.step()
-        assert reference.volts == compiled.volts
         assert state_of(reference) == state_of(compiled)
         if k == 1500:
             for rig in rigs:
@@ -202,7 +174,7 @@ def state_of(rig: EmulatedRig) -> tuple[object, ...]:
     """What the emulator shows of its firmware."""
     it = rig.firmware
     shown = it.session, it.period_us, it.watchdog, it.number, it.answered, it.code, it.driven
-    return *shown, it.armed, it.tripped, it.discarded % 2**16
+    return *shown, rig.volts, it.armed, it.tripped, it.discarded % 2**16
 
 
 def test_two_rigs_do_not_share_memory(zig: None) -> None:

@@ -59,6 +59,7 @@ def outcome(log: bytes) -> tuple[State, bytes]:
     return entries[-1][1], b"".join(out for out, _ in entries)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_interrupt_at_every_instruction(stepping: CortexM, name: str) -> None:
     """State and bytes are those of the sample before the frame or of the sample after it.

@@ -7,13 +7,18 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta_hw.commissioning.friction import check_hanging, measure_friction
+from furuta_hw.commissioning.friction import (
+    RAMP_RATE,
+    check_arm_range,
+    check_hanging,
+    measure_friction,
+)
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
-from furuta_hw.errors import DriverError, NotStillError
+from furuta_hw.errors import RigError
 from furuta_hw.protocol.frames import FrameReader, SensorsFrame
 from furuta_hw.rigs.calibration import ArmEncoder, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig
@@ -62,27 +67,22 @@ def perform(rig: Rig, experiment: Experiment, true: Rig | None = None) -> tuple:
 def test_friction_is_found(friction: Friction) -> None:
     """Levels, asymmetry and viscous part, from one count of 25 mrad and a noisy tachometer."""
     rig = Rig(friction=friction)
-    found, furthest = perform(rig, measure_friction(rig, 3.0))
+    messages: list[str] = []
+    found, furthest = perform(rig, measure_friction(rig, RAMP_RATE, messages.append))
     assert found.alpha0 == pytest.approx(friction.alpha0, rel=0.01)
     stiction = friction.alpha0 + friction.alpha1
     assert found.alpha0 + found.alpha1 == pytest.approx(stiction, rel=0.04)
     assert found.asymmetry == pytest.approx(friction.asymmetry, abs=0.01)
     assert found.viscous == pytest.approx(friction.viscous, abs=0.005)
     assert furthest < 3.0
+    assert messages[:2] + messages[-1:] == ["ramp 1 of 6", "ramp 2 of 6", "slide 8 of 8"]
+    assert len(messages) == 14
 
 
 def test_friction_needs_a_large_enough_arm_range() -> None:
     """A range too small for a slide is rejected before anything moves."""
     with pytest.raises(ParameterError, match="arm range must be at least"):
-        next(measure_friction(Rig(), 0.5))
-
-
-def test_friction_reports_every_motion() -> None:
-    """Six ramps and eight slides, in order."""
-    rig, messages = Rig(), []
-    perform(rig, measure_friction(rig, 3.0, rate=1.0, report=messages.append))
-    assert messages[:2] + messages[-1:] == ["ramp 1 of 6", "ramp 2 of 6", "slide 8 of 8"]
-    assert len(messages) == 14
+        check_arm_range(Rig(), 0.5)
 
 
 def test_friction_needs_a_pendulum_that_hangs_at_rest() -> None:
@@ -91,19 +91,18 @@ def test_friction_needs_a_pendulum_that_hangs_at_rest() -> None:
     for rig in (Rig(), full_turn):
         check_hanging(still(rig, pi))
         for theta in (0.0, 0.3, -0.3):
-            with pytest.raises(NotStillError, match="must hang, but its sensor reads"):
+            with pytest.raises(RigError, match="must hang, but its sensor reads"):
                 check_hanging(still(rig, theta, 2))
     hanging = still(full_turn, pi)
     swinging = [
         sample._replace(pendulum_angle=pi + 0.2 * np.sin(0.005 * k))
         for k, sample in enumerate(hanging)
     ]
-    with pytest.raises(NotStillError, match="swings by"):
+    with pytest.raises(RigError, match="swings by"):
         check_hanging(swinging)
 
 
-@pytest.mark.parametrize("arm", [1, -1])
-@pytest.mark.parametrize("speed", [1, -1])
+@pytest.mark.parametrize(("arm", "speed"), [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_signs_are_found(arm: int, speed: int) -> None:
     """For every wiring of encoder and tachometer, with the default rig file."""
     true = Rig(arm=ArmEncoder(sign=arm), speed=SpeedSensor(sign=speed))
@@ -126,7 +125,7 @@ def still(rig: Rig, theta: float, number: int = 500) -> list[RigSample]:
     body.firmware.session = 0
     reader, converter = FrameReader(), SampleConverter(rig)
     frames = [frame for _ in range(number) for frame in reader.feed(body.step())]
-    return [converter.convert(each) for each in frames if isinstance(each, SensorsFrame)]
+    return [converter.convert(frame) for frame in frames if isinstance(frame, SensorsFrame)]
 
 
 def test_zeros_are_found() -> None:
@@ -148,11 +147,11 @@ def test_zeros_of_moving_sensors_are_rejected() -> None:
         for k, sample in enumerate(samples)
         if sample.codes is not None
     ]
-    with pytest.raises(NotStillError, match="arm moves"):
+    with pytest.raises(RigError, match="arm moves"):
         find_zeros(moved, Rig(), hanging=False)
-    with pytest.raises(NotStillError, match="end of its range"):
+    with pytest.raises(RigError, match="end of its range"):
         find_zeros(still(Rig(), 2.0), Rig(), hanging=False)
     without_codes = [sample._replace(codes=None) for sample in samples]
-    with pytest.raises(DriverError, match="no raw codes"):
+    with pytest.raises(RigError, match="no raw codes"):
         find_zeros(without_codes, Rig(), hanging=False)
     assert np.ptp([sample.arm_angle for sample in samples]) == 0

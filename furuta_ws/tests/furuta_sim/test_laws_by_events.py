@@ -17,7 +17,6 @@ from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.laws import LAWS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.converter import Actuator
-from furuta_model.parts.plant_memory import SPRINGS
 from furuta_model.sensors import Sensors
 from furuta_model.state import PHI
 from furuta_sim.parameters import PlantFriction, PlantParameters
@@ -60,10 +59,10 @@ def test_limit_cycle_of_a_law(law: str, number: int) -> None:
     settled = record.state[len(record.state) // 2 :]
     found, middle = measure_oscillation(settled, STEP), 0.5 * np.ptp(settled[:, PHI])
     middle += float(settled[:, PHI].min())
-    own = {"lugre": 1, "dahl": 1, "maxwell_slip": springs}.get(law, 0)
-    start = simulation._state
-    first = SPRINGS if law == "maxwell_slip" else 4
-    x = np.concatenate([start[:4], start[first : first + own]])
+    own = {"lugre": 1, "dahl": 1}.get(law, 0)
+    x = simulation.state[: 4 + own]
+    if law == "maxwell_slip":
+        x = np.append(x, simulation._memory["plant"]["springs"][0, :springs])
     gains = -np.array(controller.feedback_gain)
     loop = EventLoop(law, p, gains, springs if law == "maxwell_slip" else 0)
     cycle = loop.run(x, 3.2 * found.period_s, middle)

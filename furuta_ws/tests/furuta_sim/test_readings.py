@@ -207,7 +207,7 @@ def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
     simulation.loop = loop._replace(controller=ControllerParameters(enabled=False))
     simulation.run(10.0)
     simulation.loop = loop
-    state = simulation._state
+    state = simulation.state
     assert cos(state[2]) < 0.0
     for angle in np.linspace(2.0, 0.0, 1000):
         state[:5] = [0.0, 0.0, angle, -2.0, 0.0]

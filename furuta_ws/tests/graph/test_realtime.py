@@ -73,5 +73,5 @@ def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> N
     missed = controller.missed_estimates
     graph.close()
     assert abs(theta) < 0.2
-    assert missed > 1000
+    assert missed > 100
     assert timeouts == 0

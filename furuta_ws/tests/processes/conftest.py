@@ -41,6 +41,12 @@ class Processes:
         command = executable(about.package, about.executable)
         return self.start(command, *(["--ros-args", *ros] if ros else []))
 
+    def ready_node(self, name: str, *arguments: str) -> subprocess.Popen[str]:
+        """Start a node and wait until it says that it is ready."""
+        process = self.node(name, *arguments)
+        wait_until_ready(process, 1)
+        return process
+
     def furuta(self, *arguments: str | Path) -> subprocess.Popen[str]:
         """Start a verb of the command line."""
         return self.start(executable("furuta_bringup", "furuta"), *arguments)
@@ -74,6 +80,15 @@ class Processes:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.communicate()
+
+
+def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
+    """Read the log of a process until so many nodes are ready."""
+    assert process.stderr is not None
+    while nodes:
+        line = process.stderr.readline()
+        assert line, "the process ended before its nodes were ready"
+        nodes -= "ready" in line
 
 
 class EmulatedRig:
@@ -131,9 +146,11 @@ def furuta(
 ) -> Callable[..., tuple[int, str, str]]:
     """Run a verb in this process: exit status, standard output, standard error.
 
-    A test that has started ROS itself, or that sends signals, uses ``processes.run``.
+    A test that has started ROS itself, that sends signals, or whose verb becomes another program
+    uses ``processes.run``.
     """
     monkeypatch.setenv("COLUMNS", WIDTH)
+    monkeypatch.delattr(os, "execv")  # it would replace the process of the tests
 
     def run(*arguments: str | Path | float) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["furuta", *map(str, arguments)])

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 from pathlib import Path
 from typing import Any
 
-import click
 import pytest
-from sources import ROOT
-
-from furuta_bringup import main
 
 PNG = b"\x89PNG"
 
@@ -23,19 +18,6 @@ def answer(result: tuple[int, str, str]) -> dict[str, Any]:
     assert status == 0, err
     parsed: dict[str, Any] = json.loads(out)
     return parsed
-
-
-def test_verbs_of_the_readme_have_the_options_that_it_names() -> None:
-    """README: all verbs of its table on the loop's motion accept these."""
-    readme = (ROOT / "README.md").read_text()
-    table = readme[readme.index("| question | verb |") :].split("\n\n")[0]
-    verbs = set(re.findall(r"`([a-z-]+)[ `]", table))
-    assert verbs == {"simulate", "linearize", "limit-cycle"}
-    for verb in verbs:
-        command = main.furuta.get_command(click.Context(main.furuta), verb)
-        assert command is not None
-        options = {name for parameter in command.params for name in parameter.opts}
-        assert {"--json", "--set", "--params", "--out", "--feedback", "--law"} <= options, verb
 
 
 def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:

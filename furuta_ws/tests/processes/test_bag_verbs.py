@@ -111,7 +111,7 @@ def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Pa
     bench.spin(lambda: len(kept) == 2000 and len(renamed) == 2000, 60.0)
     out, err = process.communicate(timeout=120.0)
     assert process.returncode == 0, err
-    assert out.startswith("4000 messages")
+    assert out.split()[:2] == ["published", "4000"]
     assert monotonic() - start > 2.0 / 4
     stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in renamed]
     assert stamps == sorted(stamps)

@@ -140,7 +140,7 @@ def test_completion(furuta: Any, monkeypatch: Any) -> None:
 
 def test_reset(furuta: Any, processes: Any) -> None:
     """A running plant answers; without one there is one line."""
-    processes.node("plant", "clock:=lockstep")
+    processes.ready_node("plant", "clock:=lockstep")
     status, out, err = furuta("reset", "--json")
     assert status == 0, err
     assert "initial state" in json.loads(out)["message"]
@@ -296,7 +296,7 @@ def test_node_refuses_bad_start(processes: Any, arguments: list[str], reason: st
 
 def test_param_verbs(furuta: Any, processes: Any) -> None:
     """Set, get and list on a running node, as ``ros2 param`` does."""
-    processes.node("friction_observer")
+    processes.ready_node("friction_observer")
     assert furuta("param", "set", "friction_observer", "sigma0", "90")[0] == 0
     status, out, _ = furuta("param", "get", "friction_observer", "sigma0")
     assert (status, out.strip()) == (0, "90.0")

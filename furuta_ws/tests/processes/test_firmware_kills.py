@@ -1,7 +1,4 @@
-"""A host that is killed at a random moment: the C firmware goes to 0 V within its watchdog.
-
-``FURUTA_HOST_KILLS=1000`` kills that many.
-"""
+"""A host that is killed at a random moment: the C firmware goes to 0 V within its watchdog."""
 
 from __future__ import annotations
 
@@ -18,9 +15,9 @@ import pytest
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import FrameReader, SensorsFrame, encode
 
-pytestmark = pytest.mark.realtime
+pytestmark = [pytest.mark.realtime, pytest.mark.long]
 
-KILLS = int(os.environ.get("FURUTA_HOST_KILLS", "5"))
+KILLS = 5
 PERIOD = 1_000_000  # [ns]
 WATCHDOG = 50  # samples
 CODE = 100

@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bridge_bench import hold_and_arm
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.parameter import Parameter
-from std_srvs.srv import SetBool
 from testbench import Bench
 
 from furuta_control.controller_node import ControllerNode
@@ -39,9 +39,6 @@ PERIOD = 1_000_000
 # Longer than by default: a loaded machine stops processes for more than 50 ms at times.
 WATCHDOG = 0.2  # [s]
 AGES = {"command_age": 0.2, "measurement_age": 0.2, "estimate_age": 0.2}  # [s]
-SETTLING = 500  # samples between holding the pendulum upright and arming
-# Rounds of kills; more on demand, because a round takes long.
-ROUNDS = int(os.environ.get("FURUTA_KILL_ROUNDS", "1"))
 KILLED_NODES = ("hardware_bridge", "controller", "estimator", "friction_observer")
 
 
@@ -60,52 +57,35 @@ def load() -> Iterator[None]:
             burner.wait()
 
 
-class Experimenter:
-    """Holds the pendulum upright and arms the bridge."""
+def balance(bench: Bench, rig: Any, samples: int = 500) -> None:
+    """Hold the pendulum upright and arm until it has been balanced for so many samples.
 
-    def __init__(self, bench: Bench, rig: Any) -> None:
-        self._bench, self._rig = bench, rig
-        self._client = bench.probe.create_client(SetBool, "hardware_bridge/arm")
+    A delay of the machine may stop the rig in between; then it starts again.
+    """
+    end = monotonic() + PATIENCE
+    attempts = [attempt(bench, rig, samples)]
+    while attempts[-1]:
+        assert monotonic() < end, "\n".join(attempts[-20:])
+        attempts.append(attempt(bench, rig, samples))
 
-    def arm(self, armed: bool = True) -> tuple[bool, str]:
-        """Ask the bridge once; it may not be running."""
-        future = self._client.call_async(SetBool.Request(data=armed))
-        end = monotonic() + 5.0
-        self._bench.spin(lambda: future.done() or monotonic() > end)
-        if not future.done():
-            return False, "no answer"
-        return future.result().success, future.result().message
 
-    def balance(self, samples: int = 500) -> None:
-        """Hold and arm until the pendulum has been balanced for so many samples.
+def attempt(bench: Bench, rig: Any, samples: int) -> str:
+    """Try to balance for so many samples; returns why it failed."""
+    begun = rig.ask("hold")["driven"]
+    failure = hold_and_arm(bench, rig)
+    if failure:
+        return failure
+    end = monotonic() + 5.0 + 0.01 * samples
 
-        A delay of the machine may stop the rig in between; then it starts again.
-        """
-        end = monotonic() + PATIENCE
-        attempts = [self._attempt(samples)]
-        while attempts[-1]:
-            assert monotonic() < end, "\n".join(attempts[-20:])
-            attempts.append(self._attempt(samples))
+    def over() -> bool:
+        stopped = rig.status["driven"] > begun and not rig.status["armed"]
+        return stopped or rig.status["driven"] > begun + samples or monotonic() > end
 
-    def _attempt(self, samples: int) -> str:
-        """Hold the pendulum until the filters have settled, arm; returns why it failed."""
-        rig, held = self._rig, self._rig.ask("hold")
-        # If a bridge connects in between, the rig counts from zero again.
-        self._bench.spin(lambda: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
-        armed, message = self.arm()
-        if not armed:
-            return f"not armed: {message}"
-        begun, end = held["driven"], monotonic() + 5.0 + 0.01 * samples
-
-        def over() -> bool:
-            stopped = rig.status["driven"] > begun and not rig.status["armed"]
-            return stopped or rig.status["driven"] > begun + samples or monotonic() > end
-
-        self._bench.spin(over, timeout=90.0)
-        status = rig.status
-        upright = abs(status["state"][2]) < 0.2
-        good = status["armed"] and status["driven"] > begun + samples and upright
-        return "" if good else f"armed, then {status}"
+    bench.spin(over, timeout=90.0)
+    status = rig.status
+    upright = abs(status["state"][2]) < 0.2
+    good = status["armed"] and status["driven"] > begun + samples and upright
+    return "" if good else f"armed, then {status}"
 
 
 def write_rig(directory: Path, **limits: float) -> Path:
@@ -136,15 +116,8 @@ def composed(bench: Bench, rig: Any, compensation: str = "none", **limits: float
     bench.add(EstimatorNode())
     bench.add(FrictionObserverNode([Parameter("compensation", value=compensation)]))
     bench.add(ControllerNode())
-    bridge.start()
-    assert bridge.state == "active", bridge.failure
+    assert bridge.start_up() == ""
     return bridge
-
-
-def needs_compiler(options: tuple[str, ...]) -> None:
-    """The C firmware needs ziglang, which make test installs."""
-    if "--firmware" in options:
-        pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
 
 
 # Wide enough that a delay of the machine does not end a run in lock-step.
@@ -156,7 +129,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     rig = emulate("--lockstep")
     measurements, commands = bench.collect(MEASUREMENT), bench.collect(COMMAND)
     composed(bench, rig, "lugre", **PATIENT)
-    Experimenter(bench, rig).balance(1500)
+    balance(bench, rig, 1500)
     bench.spin(lambda: len(commands) > 100)
     log = rig.log(tmp_path / "log.npz")
     armed = np.flatnonzero(log["armed"])
@@ -177,9 +150,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     assert any(np.array_equal(quantised[k : k + tail], volts) for k in range(len(quantised) - tail))
 
 
-@pytest.mark.parametrize(
-    ("compensation", "options"), [("none", ()), ("lugre", ()), ("none", ("--firmware",))]
-)
+@pytest.mark.parametrize(("compensation", "options"), [("lugre", ()), ("none", ("--firmware",))])
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench, emulate: Any, tmp_path: Path, compensation: str, options: tuple[str, ...]
 ) -> None:
@@ -189,10 +160,11 @@ def test_limit_cycle_is_the_simulated_one(
     the motion is below one count of the encoder and varies by half between windows.
     benchmarks/hardware.py runs longer.
     """
-    needs_compiler(options)
+    if options:  # make test installs the compiler of the C firmware
+        pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
     rig = emulate("--lockstep", *options)
     bridge = composed(bench, rig, compensation, **PATIENT)
-    Experimenter(bench, rig).balance(100)
+    balance(bench, rig, 100)
     begun = rig.status["sample"]
     bench.spin(lambda: rig.status["sample"] > begun + 11_000, 120.0)
     log = rig.log(tmp_path / "log.npz")
@@ -204,13 +176,11 @@ def test_limit_cycle_is_the_simulated_one(
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("options", [(), ("--firmware",)], ids=("reference", "C"))
-def test_real_time_stabilises(bench: Bench, emulate: Any, options: tuple[str, ...]) -> None:
-    """At 1 kHz the pendulum is balanced for two seconds, with either firmware."""
-    needs_compiler(options)
-    rig = emulate(*options)
+def test_real_time_stabilises(bench: Bench, emulate: Any) -> None:
+    """At 1 kHz the pendulum is balanced for two seconds."""
+    rig = emulate()
     composed(bench, rig)
-    Experimenter(bench, rig).balance(2000)
+    balance(bench, rig, 2000)
     assert abs(rig.status["state"][2]) < 0.2
 
 
@@ -224,24 +194,22 @@ def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_
         name: bridge if name == HARDWARE_BRIDGE else () for name, *_ in graph_nodes(HARDWARE_BRIDGE)
     }
     running = {name: processes.node(name, *start[name]) for name in start}
-    node = Experimenter(bench, rig)
     watchdog = round(WATCHDOG * 1e9)
     with load():
-        for _ in range(ROUNDS):
-            for name in KILLED_NODES:
-                node.balance(100)
-                alive = monotonic_ns()
-                running[name].send_signal(signal.SIGKILL)
-                running[name].wait()
-                dead = monotonic_ns()
-                bench.spin(lambda dead=dead: monotonic_ns() > dead + 2 * watchdog)
-                log = rig.log(tmp_path / "log.npz")
-                after = log["time_ns"] > dead + watchdog + PERIOD
-                # A killed process can take its time to end on a busy machine.
-                assert np.any(log["volts"][log["time_ns"] <= alive][-2000:] != 0.0), name
-                assert np.all(log["volts"][after] == 0.0), name
-                running[name] = processes.node(name, *start[name])
-        node.balance(100)
+        for name in KILLED_NODES:
+            balance(bench, rig, 100)
+            alive = monotonic_ns()
+            running[name].send_signal(signal.SIGKILL)
+            running[name].wait()
+            dead = monotonic_ns()
+            bench.spin(lambda dead=dead: monotonic_ns() > dead + 2 * watchdog)
+            log = rig.log(tmp_path / "log.npz")
+            after = log["time_ns"] > dead + watchdog + PERIOD
+            # A killed process can take its time to end on a busy machine.
+            assert np.any(log["volts"][log["time_ns"] <= alive][-2000:] != 0.0), name
+            assert np.all(log["volts"][after] == 0.0), name
+            running[name] = processes.node(name, *start[name])
+        balance(bench, rig, 100)
 
 
 @pytest.mark.realtime
@@ -251,13 +219,12 @@ def test_bridge_ends_cleanly(bench: Bench, processes: Any, emulate: Any) -> None
     bench.add(EstimatorNode())
     bench.add(FrictionObserverNode())
     bench.add(ControllerNode())
-    node = Experimenter(bench, rig)
     for number in (signal.SIGINT, signal.SIGTERM):
         bridge = processes.node(
             *("hardware_bridge", f"port:={rig.port}", f"rig:={rig.port.parent / 'rig.yaml'}"),
             "autostart:=active",
         )
-        node.balance(100)
+        balance(bench, rig, 100)
         bridge.send_signal(number)
         bench.spin(lambda bridge=bridge: bridge.poll() is not None)
         _, err = bridge.communicate(timeout=PATIENCE)
@@ -285,9 +252,8 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
     bridge = composed(bench, rig, disagreement=0.05)
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
-    node = Experimenter(bench, rig)
     for fault, reason in FAULTS:
-        node.balance(100)
+        balance(bench, rig, 100)
         statuses.clear()
         stops = bridge.guard.stops
         rig.ask("faults", **fault)
@@ -295,12 +261,14 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
         assert rig.status["volts"] == 0.0
         given = bridge.guard.reason
         assert reason in given
-        bench.spin(lambda given=given: any(given == each.status[0].message for each in statuses))
+        bench.spin(
+            lambda given=given: any(given == status.status[0].message for status in statuses)
+        )
         bench.settle(0.2)
         assert (bridge.guard.stops, bridge.guard.reason) == (stops + 1, given)
         assert rig.status["volts"] == 0.0
         rig.ask("faults", **{name: type(value)() for name, value in fault.items()})
-    node.balance(100)
+    balance(bench, rig, 100)
 
 
 @pytest.mark.realtime
@@ -308,7 +276,7 @@ def test_small_faults_are_tolerated(bench: Bench, emulate: Any) -> None:
     """One frame in fifty lost, repeated or corrupt each: counted, and the pendulum is balanced."""
     rig = emulate("--fault", "lost=0.02", "--fault", "repeated=0.02", "--fault", "corrupt=0.02")
     bridge = composed(bench, rig, bad_frames=0.3)
-    Experimenter(bench, rig).balance(1000)
+    balance(bench, rig, 1000)
     line = bridge.connection.statistics()
     assert min(line.lost, line.corrupt, line.repeated, line.discarded_by_rig) > 5
 
@@ -318,15 +286,15 @@ def test_a_failed_line_recovers(bench: Bench, processes: Any, emulate: Any, tmp_
     """The rig reboots, or its line is closed: a stop, then samples again, then arming by hand."""
     rig = emulate()
     bridge = composed(bench, rig)
-    Experimenter(bench, rig).balance(100)
+    balance(bench, rig, 100)
     rig.ask("reboot")
     bench.spin(lambda: not bridge.guard.armed)
     samples = bridge.samples
     bench.spin(lambda: bridge.samples > samples + 100)
-    Experimenter(bench, rig).balance(100)
+    balance(bench, rig, 100)
     rig.process.kill()
     rig.process.wait()
     bench.spin(lambda: not bridge.connection.connected and not bridge.guard.armed)
     rig = emulate()
     bench.spin(lambda: bridge.connection.connected)
-    Experimenter(bench, rig).balance(200)
+    balance(bench, rig, 200)

@@ -66,7 +66,7 @@ def test_signs(furuta: Any, emulate: Any, tmp_path: Path) -> None:
     assert status == 0, err
     assert json.loads(out) == {"arm.sign": 1, "speed.sign": 1, "pendulum.sign": -1}
     assert rig.status["driven"] > 0
-    assert (rig.status["volts"], rig.status["armed"]) == (0.0, False)
+    wait_until(lambda: (rig.status["volts"], rig.status["armed"]) == (0.0, False))
 
 
 def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
@@ -83,7 +83,6 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
         (["hw", "rig", "nobody"], "no rig nobody; rigs are"),
         (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
         (["hw", "friction", "--port", "mock", "--arm-range", "0.2"], "arm range must be at least"),
-        (["hw", "emulate", "--fault", "gremlin=1"], "no fault gremlin"),
         (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "has its own clock"),
         (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
     ],
@@ -96,17 +95,20 @@ def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -
     assert len(err.strip().splitlines()) == 1
 
 
+def test_an_unknown_fault_is_one_line(processes: Any) -> None:
+    """The verb becomes the emulator, which says so."""
+    status, out, err = processes.run("hw", "emulate", "--fault", "gremlin=1")
+    assert (status, out) == (1, "")
+    assert "no fault gremlin" in err
+    assert len(err.strip().splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["check", "--seconds", "0"],
         ["check", "--seconds", "nan"],
-        ["read", "--seconds", "3601"],
-        ["zero", "--seconds", "-1"],
-        ["signs", "--voltage", "0"],
         ["signs", "--arm-range", "nan"],
         ["friction", "--rate", "11"],
-        ["friction", "--arm-range", "0"],
     ],
     ids=" ".join,
 )

@@ -11,6 +11,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from processes.conftest import wait_until_ready
 
 from furuta_graph.children import Children
 from furuta_graph.processes import executable
@@ -66,15 +67,6 @@ def runs(pid: int) -> bool:
     """Whether a process runs and is not merely waiting to be reaped."""
     state = proc(pid, "stat").rpartition(")")[2].split()
     return bool(state) and state[0] != "Z"
-
-
-def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
-    """Read the log of a process until so many nodes are ready."""
-    assert process.stderr is not None
-    while nodes:
-        line = process.stderr.readline()
-        assert line
-        nodes -= "ready" in line
 
 
 def end_of(process: subprocess.Popen[str]) -> tuple[int, str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from math import pi
 from pathlib import Path
@@ -12,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from bridge_bench import hold_and_arm
 from rclpy.parameter import Parameter
-from std_srvs.srv import SetBool
 from testbench import Bench
 
 from furuta.studies.swing_up.rig_loop import swing_up_settings
@@ -28,14 +27,10 @@ from furuta_sim.settings.rigs import find_rig, rig_directory
 pytestmark = pytest.mark.timeout(900)
 
 NAME = "qube_servo_2"
-# Swing-ups from different angles; more on demand.
-SWING_UPS = int(os.environ.get("FURUTA_SWING_UPS", "1"))
-ANGLES = [-pi + 0.2 * k for k in range(SWING_UPS)]
 # Wide enough for a loaded machine [s].
 WATCHDOG, AGE = 0.2, 5.0
 PATIENCE = 240.0
 SETTINGS = swing_up_settings(find_rig(NAME))
-SETTLING = 500  # samples between holding the pendulum and arming
 LONGEST = 8000  # samples in which it must be caught
 
 
@@ -49,41 +44,15 @@ def write_rig(directory: Path, age: float) -> Path:
     return path
 
 
-def arm(bench: Bench) -> bool:
-    """Ask the bridge once to drive; it may not be running."""
-    client = bench.probe.create_client(SetBool, "hardware_bridge/arm")
-    future = client.call_async(SetBool.Request(data=True))
-    end = monotonic() + 5.0
-    bench.spin(lambda: future.done() or monotonic() > end)
-    return future.done() and future.result().success
-
-
-def hold_and_arm(bench: Bench, rig: Any) -> None:
-    """Hold the pendulum until the filters have settled, then arm."""
-    end = monotonic() + PATIENCE
-    while True:
-        held = rig.ask("hold")
-        bench.spin(lambda held=held: not 0 <= rig.status["sample"] - held["sample"] <= SETTLING)
-        if arm(bench):
-            return
-        assert monotonic() < end
-
-
 def overrides(node: str) -> list[Parameter]:
     """A node's parameters for swing-up on the rig."""
     return [Parameter(name, value=value) for name, value in SETTINGS[node].items()]
 
 
-@pytest.mark.parametrize("theta", ANGLES)
-def test_swings_up_over_the_serial_line(
-    bench: Bench, emulate: Any, tmp_path: Path, theta: float
-) -> None:
-    """From hanging the real graph brings the pendulum upright, and balances it.
-
-    ``FURUTA_SWING_UPS=10`` repeats it from ten angles.
-    """
+def test_swings_up_over_the_serial_line(bench: Bench, emulate: Any, tmp_path: Path) -> None:
+    """From hanging the real graph brings the pendulum upright, and balances it."""
     rig_file = write_rig(tmp_path, AGE)
-    rig = emulate("--lockstep", "--rig", rig_file, "--initial", f"theta={theta}")
+    rig = emulate("--lockstep", "--rig", rig_file, "--initial", f"theta={-pi}")
     bridge = bench.add(
         HardwareBridgeNode(
             [
@@ -101,9 +70,8 @@ def test_swings_up_over_the_serial_line(
     bench.probe.create_subscription(
         ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
     )
-    bridge.start()
-    assert bridge.state == "active", bridge.failure
-    hold_and_arm(bench, rig)
+    assert bridge.start_up() == ""
+    bench.spin(lambda: not hold_and_arm(bench, rig), PATIENCE)
     begun = rig.status["driven"]
     bench.spin(lambda: modes[-1] == "balance" or rig.status["driven"] > begun + LONGEST, PATIENCE)
     assert modes[-1] == "balance", (modes, bridge.guard.reason)
@@ -111,6 +79,7 @@ def test_swings_up_over_the_serial_line(
     assert np.cos(rig.status["state"][THETA]) > 0.95
 
 
+@pytest.mark.long
 @pytest.mark.realtime
 def test_a_kill_in_the_middle_of_a_swing(
     bench: Bench, processes: Any, emulate: Any, tmp_path: Path

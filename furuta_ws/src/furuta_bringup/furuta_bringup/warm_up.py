@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_model.sensors import Sensors
 from furuta_model.transfer import transfer
 from furuta_ros.context import ros_context
 from furuta_sim.lanes.lanes import compile_stages
-from furuta_sim.parameters import PlantParameters
 from furuta_sim.settings.settings import default_settings
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # Compensations whose stages are compiled for batches; others are compiled when they are worth it.
 IN_LANES = ("none", "coulomb", "lugre")
-IDEAL = Sensors(ideal=True)
 
 if __name__ == "__main__":
     simulate(Loop(), 0.01)
-    compile_stages(Loop(observer=ObserverParameters(compensation=name)) for name in IN_LANES)
-    compile_stages([Loop(PlantParameters(sensors=IDEAL), EstimatorParameters(sensors=IDEAL))])
+    compile_stages(make_loop({"compensation": name}) for name in IN_LANES)
+    compile_stages([make_loop({"sensors.ideal": True})])
     loop = AnalysisOptions(law="lugre").ideal_loop()
     limit_cycle(loop)
     predicted_peak_to_peak(loop)

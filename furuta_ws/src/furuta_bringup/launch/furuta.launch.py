@@ -45,7 +45,7 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     view = given.pop("view")
     check_choice("view", view, ("true", "false"))
-    graph = [_node(each) for each in launched_nodes(**given)]
+    graph = [_node(launched) for launched in launched_nodes(**given)]
     return [*graph, *(map(_display_node, _displayed(given)) if view == "true" else [])]
 
 

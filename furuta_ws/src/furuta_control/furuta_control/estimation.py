@@ -37,7 +37,11 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-METHODS: tuple[Method, ...] = (kalman.METHOD, lowpass.METHOD, whole_circle.METHOD)
+METHODS: tuple[Method, ...] = (
+    kalman.METHOD,
+    lowpass.METHOD,
+    whole_circle.METHOD,
+)
 
 _NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)

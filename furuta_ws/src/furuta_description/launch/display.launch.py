@@ -21,14 +21,14 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     return [
         Node(
-            package=each.package,
-            executable=each.executable,
-            name=each.executable,
-            namespace=each.namespace or None,
-            parameters=[each.parameters] if each.parameters else [],
-            arguments=each.arguments,
+            package=display.package,
+            executable=display.executable,
+            name=display.executable,
+            namespace=display.namespace or None,
+            parameters=[display.parameters] if display.parameters else [],
+            arguments=display.arguments,
         )
-        for each in display_nodes(**given)
+        for display in display_nodes(**given)
     ]
 
 

@@ -63,8 +63,7 @@ def run_hardware(
     """
     with _running(HardwareGraph, graph, record, scheduling) as running:
         stop, bridge = StopSignal(), running.bridge
-        bridge.start()
-        if bridge.state != bridge.parameters.autostart:
+        if bridge.start_up():
             raise SystemExit(1)  # the bridge has logged the reason
         limit = _TimeLimit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""

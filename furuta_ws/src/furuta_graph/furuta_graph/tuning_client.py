@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from time import monotonic
-from typing import NamedTuple, TypeVar
+from typing import Any
 
 import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS
@@ -21,9 +19,7 @@ from furuta_ros.messages import read_joints
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
-from furuta_sim.settings.nodes import ESTIMATOR, FRICTION_OBSERVER
-
-Group = TypeVar("Group", bound=NamedTuple)
+from furuta_sim.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
 
 # Longest wait for the next estimate [s].
 TIMEOUT = 10.0
@@ -66,11 +62,11 @@ class TuningClient:
         self._executor = executor
         self._stop = stop
         self._waiting = estimates.waiting
-        self.estimator = self._read(ESTIMATOR, EstimatorParameters)
-        self.observer = self._read(FRICTION_OBSERVER, ObserverParameters)
+        self.estimator = self._read(ESTIMATOR)
+        self.observer = self._read(FRICTION_OBSERVER)
         self._applied = values(self.observer)
 
-    def apply(self, observer: ObserverParameters) -> None:
+    def apply(self, observer: Any) -> None:
         """Set the parameters that differ, all or none, and drop earlier estimates."""
         new = values(observer)
         changes = {name: value for name, value in new.items() if value != self._applied[name]}
@@ -97,6 +93,7 @@ class TuningClient:
             self._executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         return self._waiting.popleft()
 
-    def _read(self, node: str, group: type[Group]) -> Group:
+    def _read(self, node: str) -> Any:
+        group = NODES[node].parameters
         names = [parameter.name for parameter in declared(group)]
         return build(group, self.client.get(node, names))

@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 
 from furuta_hw import drivers
 from furuta_hw.connection.rig_driver import RigDriver
-from furuta_hw.errors import DriverError
+from furuta_hw.errors import RigError
 from furuta_hw.rigs.rig import Rig
 
 # The class that a module of furuta_hw/drivers defines.
@@ -16,7 +16,7 @@ CLASS_NAME = "Driver"
 
 
 def make_driver(port: str, rig: Rig) -> RigDriver:
-    """Make the driver that the rig file names. Raises :class:`DriverError`."""
+    """Make the driver that the rig file names. Raises :class:`RigError`."""
     return find_driver(rig.line.driver)(port, rig)
 
 
@@ -26,17 +26,17 @@ def find_driver(name: str) -> type[RigDriver]:
     if not colon:
         known = sorted(module.name for module in iter_modules(drivers.__path__))
         if name not in known:
-            raise DriverError(
+            raise RigError(
                 f"no rig driver {name}; known are {', '.join(known)}, or give package.module:Class"
             )
         module_name, class_name = f"{drivers.__name__}.{name}", CLASS_NAME
     try:
-        found = getattr(import_module(module_name), class_name, None)
+        driver = getattr(import_module(module_name), class_name, None)
     except (ImportError, ValueError) as error:
-        raise DriverError(f"cannot import rig driver {name}: {error}") from None
-    if not (isinstance(found, type) and issubclass(found, RigDriver)):
-        raise DriverError(f"rig driver {name}: {class_name} is not a subclass of RigDriver")
-    if isabstract(found):
-        missing = ", ".join(sorted(found.__abstractmethods__))
-        raise DriverError(f"rig driver {name}: {class_name} does not implement {missing}")
-    return found
+        raise RigError(f"cannot import rig driver {name}: {error}") from None
+    if not (isinstance(driver, type) and issubclass(driver, RigDriver)):
+        raise RigError(f"rig driver {name}: {class_name} is not a subclass of RigDriver")
+    if isabstract(driver):
+        missing = ", ".join(sorted(driver.__abstractmethods__))
+        raise RigError(f"rig driver {name}: {class_name} does not implement {missing}")
+    return driver

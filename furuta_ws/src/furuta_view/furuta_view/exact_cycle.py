@@ -10,13 +10,10 @@ import numpy as np
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import trace
-from furuta_control.control import ControllerParameters
-from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.parameters import PlantNodeParameters
-from furuta_sim.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, PLANT
+from furuta_sim.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
 
 # What the motion depends on; other parameters need no new computation.
 RELEVANT = ("model.", "friction.", "omega", "zeta", "gain", "alpha", "sigma", "stribeck", "viscous")
@@ -62,12 +59,16 @@ def exact_cycle(values: Values) -> np.ndarray | None:
 
 
 def _ideal_loop(values: Values) -> IdealLoop:
-    controller = build(ControllerParameters, values[CONTROLLER])
+    controller = _built(CONTROLLER, values)
     if PLANT in values:
-        plant = build(PlantNodeParameters, values[PLANT]).plant
+        plant = _built(PLANT, values).plant
         model, law, friction = plant.model, plant.friction.law, plant.friction.parameters
     else:
-        observer = build(ObserverParameters, values[FRICTION_OBSERVER])
+        observer = _built(FRICTION_OBSERVER, values)
         model, law, friction = controller.model, "lugre", observer.friction
     l1, l2, l3, l4 = (-gain for gain in controller.feedback_gain)
     return IdealLoop(model, analysed_law(law, friction), l1, l2, l3, l4)
+
+
+def _built(node: str, values: Mapping[str, Mapping[str, Any]]) -> Any:
+    return build(NODES[node].parameters, values[node])

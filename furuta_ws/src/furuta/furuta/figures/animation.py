@@ -62,7 +62,7 @@ def _prepared(run: Record, last: int) -> tuple[Any, Any]:
         style_time_series(axis, f"{label} [rad]")
     curves = [axis.plot([], [], color=f"C{k}", lw=1.4)[0] for k, axis in enumerate(axes)]
     pendulum_axis.set_xlabel("time [s]")
-    tips = np.array([positions(each)[2] for each in run.state[: last + 1]])
+    tips = np.array([positions(state)[2] for state in run.state[: last + 1]])
     length = round(PATH_TIME / run.sample_time)
 
     def draw(sample: int) -> tuple[Any, ...]:

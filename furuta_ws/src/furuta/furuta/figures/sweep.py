@@ -23,10 +23,10 @@ def draw_sweep(parameters: tuple[SweptParameter, ...], rows: Rows, path: Path) -
     """
     finished = [row for row in rows if not row["error"] and not row["fell"]]
     failed = [row for row in rows if row["error"] or row["fell"]]
-    choices = [each for each in parameters if _is_choice(each)]
+    choices = [parameter for parameter in parameters if _is_choice(parameter)]
     if len(parameters) == 2 and len(choices) == 1:
         (choice,) = choices
-        (number,) = (each for each in parameters if each is not choice)
+        (number,) = (parameter for parameter in parameters if parameter is not choice)
         _draw_lines(number, choice, finished, path)
     elif len(parameters) == 2:
         _draw_plane(*parameters, finished, failed, path)

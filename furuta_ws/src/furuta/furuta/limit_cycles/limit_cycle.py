@@ -84,9 +84,9 @@ class _Search:
         time = 0.0
         for number in range(RETURNS):
             end = self._follow()
-            found = self._after(end, number)
-            if found is not None:
-                return found
+            motion = self._after(end, number)
+            if motion is not None:
+                return motion
             time += end.time
             if number >= MIN_RETURNS and time > MOTION_TIME:
                 break
@@ -223,9 +223,9 @@ class _Excursion:
 
 
 def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
-    low = np.min([each.low for each in excursions], axis=0)
-    high = np.max([each.high for each in excursions], axis=0)
-    phi, theta = (float(each) for each in high - low)
+    low = np.min([excursion.low for excursion in excursions], axis=0)
+    high = np.max([excursion.high for excursion in excursions], axis=0)
+    phi, theta = (float(size) for size in high - low)
     return LimitCycle(
         "oscillation",
         phi,

@@ -49,7 +49,8 @@ def rest_stability(y: np.ndarray, loop: IdealLoop) -> RestStability:
     if loop.law.bristle:
         sides = [_side(y, direction, loop) for direction in (1.0, -1.0)]
         return RestStability(
-            max(rate for rate, _ in sides), tuple(each for rate, each in sides if rate > 0.0)
+            max(rate for rate, _ in sides),
+            tuple(direction for rate, direction in sides if rate > 0.0),
         )
     if breakaway_level(1.0, loop.law) + breakaway_level(-1.0, loop.law) > 0.0:
         return _stuck(loop)

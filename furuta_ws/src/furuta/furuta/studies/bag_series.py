@@ -41,8 +41,14 @@ TYPES = {
 def bag_series(path: Path, names: Names) -> Series:
     """The columns of a bag of the graph, or of another rig's if there are ``names``."""
     with Bag(path) as bag:
-        types = [(last_part(each.topic), each.msgtype) for each in bag.connections]
-        graphs = [each.topic for each in bag.connections if last_part(each.topic) == MEASUREMENT]
+        types = [
+            (last_part(connection.topic), connection.msgtype) for connection in bag.connections
+        ]
+        graphs = [
+            connection.topic
+            for connection in bag.connections
+            if last_part(connection.topic) == MEASUREMENT
+        ]
     usual = all(TYPES[name] == kind for name, kind in types if name in TYPES)
     if len(graphs) > 1:
         raise ParameterError(f"{path} holds several graphs: {', '.join(sorted(graphs))}")
@@ -73,7 +79,9 @@ def _others(path: Path, recorded: RecordedLoop) -> dict[str, np.ndarray]:
     arrivals = np.zeros(len(rows), np.int64)
     floats: dict[str, list[tuple[int, float]]] = {name: [] for name in FLOATS}
     with Bag(path) as bag:
-        topics = [each for each in bag.connections if last_part(each.topic) in TYPES]
+        topics = [
+            connection for connection in bag.connections if last_part(connection.topic) in TYPES
+        ]
         for connection, time, message in bag.messages_in_memory(topics):
             name = last_part(connection.topic)
             if name in floats:

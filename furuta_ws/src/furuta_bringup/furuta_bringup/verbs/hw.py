@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import click
+from rclpy.node import Node
 
-from furuta_bringup.options import json_option
-from furuta_bringup.verbs.hw_bridge import arm, disarm, state
+from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.verbs.hw_commissioning import check, friction, read, show, signs, zero
 from furuta_graph.processes import executable
+from furuta_graph.system_client import TRANSITIONS, BridgeClient
 from furuta_hw.rigs.rig import Rig
 from furuta_model.linear import linearize
+from furuta_ros.context import ros_context
+from furuta_ros.spinning import executor_of
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import rig_settings
 
@@ -24,8 +29,48 @@ def command() -> None:
     """
 
 
-for each in (arm, disarm, state, check, read, zero, signs, friction):
-    command.add_command(each)
+for verb in (check, read, zero, signs, friction):
+    command.add_command(verb)
+
+
+@contextmanager
+def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
+    with ros_context(namespace=namespace):
+        node = Node("furuta_hw")
+        yield BridgeClient(node, executor_of([node]))
+
+
+@command.command()
+@namespace_option
+def arm(namespace: str) -> None:
+    """Arm the bridge: commands drive the rig from now on.
+
+    If the bridge refuses, or stops within half a second, the reason is printed and the exit status
+    is 1.
+    """
+    with _bridge_client(namespace) as client:
+        client.arm_and_watch()
+        print("armed")
+
+
+@command.command()
+@namespace_option
+def disarm(namespace: str) -> None:
+    """Disarm the bridge: the rig goes to 0 V."""
+    with _bridge_client(namespace) as client:
+        client.disarm()
+        print("disarmed, 0 V")
+
+
+@command.command()
+@click.argument("transition", required=False, type=click.Choice(list(TRANSITIONS)))
+@namespace_option
+def state(transition: str | None, namespace: str) -> None:
+    """Print the state of the managed bridge, after a TRANSITION if given."""
+    with _bridge_client(namespace) as client:
+        if transition:
+            client.change_state(transition)
+        print(client.state())
 
 
 @command.command("rig")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 import numpy as np
@@ -13,7 +13,6 @@ from rich.console import Console
 
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, print_json
-from furuta_bringup.verbs.hw_options import drive_options, rig_options, seconds_option
 from furuta_hw.commissioning.friction import (
     RAMP_RATE,
     check_arm_range,
@@ -29,10 +28,41 @@ from furuta_ros.errors import UserError
 from furuta_ros.process_start import interrupt_raised
 from furuta_sim.settings.rigs import find_rig
 
+Function = TypeVar("Function", bound=Callable[..., Any])
+
 # Time between two lines of ``read`` [s].
 DISPLAY_PERIOD = 0.1
 # Time for which the pendulum must hang at rest before friction is measured [s].
 REST_SECONDS = 1.0
+
+
+def rig_options(function: Function) -> Function:
+    """``--port`` and ``--rig``."""
+    rig_help, port_help = "Rig file.", "Port of the rig, or mock for an emulated rig."
+    function = click.option(
+        "--rig", "name", default="paper", show_default=True, metavar="NAME|FILE", help=rig_help
+    )(function)
+    return click.option("--port", required=True, metavar="PORT", help=port_help)(function)
+
+
+def number_option(
+    name: str, numbers: FiniteRange, default: float, text: str
+) -> Callable[[Function], Function]:
+    """An option whose value is one of ``numbers``."""
+    return click.option(name, type=numbers, default=default, show_default=True, help=text)
+
+
+def seconds_option(default: float, text: str) -> Callable[[Function], Function]:
+    """``--seconds``."""
+    return number_option("--seconds", FiniteRange(0.0, 3600.0, min_open=True), default, text)
+
+
+def drive_options(function: Function) -> Function:
+    """``--voltage`` and ``--arm-range``, the limits of verbs that drive."""
+    voltages, angles = FiniteRange(0.0, 1e3, min_open=True), FiniteRange(0.01, 1e6)
+    stop = "Stop when the arm is further than this from its start, in either direction [rad]."
+    function = number_option("--voltage", voltages, 2.0, "Largest voltage [V].")(function)
+    return number_option("--arm-range", angles, 3.0, stop)(function)
 
 
 @contextmanager
@@ -73,12 +103,9 @@ def check(port: str, name: str, seconds: float, as_json: bool) -> None:
         "samples": samples,
         "samples_per_s": samples / duration,
         "expected_per_s": 1.0 / rig.line.sample_time,
-        "lost": line.lost,
-        "corrupt": line.corrupt,
-        "repeated": line.repeated,
-        "other_sessions": line.other_sessions,
     }
-    show(result, as_json)
+    frames = {name: count for name, count in line._asdict().items() if name != "discarded_by_rig"}
+    show(result | frames, as_json)
     if line.bad > rig.limits.bad_frames * samples:
         raise UserError(f"{line.bad} of {samples} frames were lost or corrupt")
 
@@ -117,8 +144,8 @@ def _sample_line(sample: RigSample) -> str:
 
 def _summary(samples: list[RigSample]) -> dict[str, Any]:
     """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
-    codes = code_statistics(samples)._asdict() if samples[-1].codes else {}
-    angles = [(each.arm_angle, each.arm_speed, each.pendulum_angle) for each in samples]
+    codes = code_statistics(samples) if samples[-1].codes else {}
+    angles = [(s.arm_angle, s.arm_speed, s.pendulum_angle) for s in samples]
     names = ("phi_rad", "phi_dot_rad_s", "theta_rad")
     means = dict(zip(names, map(float, np.mean(angles, axis=0)), strict=True))
     return codes | means | {"at_rail": samples[-1].at_rail}
@@ -145,20 +172,14 @@ def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> 
 def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
     """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
     with _open_rig(port, name) as session:
-        found = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
-    show({f"{name}.sign": value for name, value in found._asdict().items()}, as_json)
+        result = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
+    show({f"{sensor}.sign": sign for sensor, sign in result._asdict().items()}, as_json)
 
 
 @click.command()
 @rig_options
 @drive_options
-@click.option(
-    "--rate",
-    type=FiniteRange(1e-3, 10.0),
-    default=RAMP_RATE,
-    show_default=True,
-    help="Rate of the voltage ramps [V/s].",
-)
+@number_option("--rate", FiniteRange(1e-3, 10.0), RAMP_RATE, "Rate of the voltage ramps [V/s].")
 @click.option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
 @json_option
 def friction(
@@ -178,7 +199,7 @@ def friction(
         check_arm_range(session.rig, arm_range)
         if not removed:
             check_hanging(list(session.samples(REST_SECONDS)))
-        experiment = measure_friction(session.rig, arm_range, rate, status.update)
+        experiment = measure_friction(session.rig, rate, status.update)
         levels = session.drive(experiment, voltage, arm_range)
     derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
     show(levels._asdict() | derived, as_json)

@@ -29,15 +29,15 @@ def list_(as_json: bool) -> None:
         node = Node("furuta_node_list")
         end = node.get_clock().now().nanoseconds + int(DISCOVERY * 1e9)
         spin_until(executor_of([node]), lambda: node.get_clock().now().nanoseconds > end)
-        found = sorted(
+        names = sorted(
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in node.get_node_names_and_namespaces()
             if name != node.get_name()
         )
     if as_json:
-        print_json({"nodes": found})
+        print_json({"nodes": names})
     else:
-        print("\n".join(found))
+        print("\n".join(names))
 
 
 @command.command(context_settings={"ignore_unknown_options": True})

@@ -86,7 +86,7 @@ def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
     pairs = (
         [assignments]
         if len(assignments) == 2 and "=" not in assignments[0]
-        else [tuple(each.split("=", 1)) for each in assignments]
+        else [tuple(text.split("=", 1)) for text in assignments]
     )
     if any(len(pair) != 2 or pair[0].startswith("-") for pair in pairs):
         raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
@@ -103,11 +103,11 @@ def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
         value = parse_yaml(text, name)
     except ParameterError:
         raise ParameterError(f"{name}: cannot read the value {text!r}") from None
-    types = {each.type for each in client.describe(node, [name])}
+    types = {described.type for described in client.describe(node, [name])}
     if ParameterType.PARAMETER_DOUBLE in types:
         return _double(name, value)
     if ParameterType.PARAMETER_DOUBLE_ARRAY in types and isinstance(value, list):
-        return [_double(name, each) for each in value]
+        return [_double(name, item) for item in value]
     return value if types else number_from_text(value)
 
 
@@ -126,7 +126,7 @@ def defaults(node: str | None, markdown: bool) -> None:
     if node is not None and node not in NODES:
         raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
     render = parameter_table if markdown else parameter_file
-    print("\n".join(render(each) for each in ([node] if node else NODES)), end="")
+    print("\n".join(render(name) for name in ([node] if node else NODES)), end="")
 
 
 def _plain(value: Any) -> Any:

@@ -15,16 +15,16 @@ from rclpy.timer import Timer
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import SetBool
 
-from furuta_hw.bridge.diagnostics_node import rig_status
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.bridge.parameters import BridgeParameters
+from furuta_hw.bridge.rig_status import rig_status
 from furuta_hw.bridge.sample_clock import SampleClock
 from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.driver_loading import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
-from furuta_hw.rigs.rig import Rig, SafetyLimits
+from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import describe_discovery, reaches_network
@@ -84,7 +84,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
         # Transitions call methods that a subclass may override, so not from the constructor.
-        self._start_timer: Timer | None = self._steady_timer(START_DELAY, self.start)
+        self._start_timer: Timer | None = self._steady_timer(START_DELAY, self.start_up)
 
     @property
     def state(self) -> str:
@@ -102,20 +102,17 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         arm, pendulum = self._writer.message.position
         return arm, pendulum
 
-    def start(self) -> None:
-        """Enter the state of the parameter ``autostart``; called when the node starts to spin."""
-        if self._start_timer is None:
-            return
-        self.destroy_timer(self._start_timer)
-        self._start_timer = None
-        goal = self.parameters.autostart
-        if goal != "unconfigured" and self.trigger_configure() == SUCCESS and goal == "active":
-            self.trigger_activate()
-
     def start_up(self) -> str:
-        """Enter the state of ``autostart``; returns why that failed, if so."""
-        self.start()
+        """Enter the state of ``autostart``, once; returns why that failed, if so.
+
+        Called at the latest when the node starts to spin.
+        """
         goal = self.parameters.autostart
+        if self._start_timer is not None:
+            self.destroy_timer(self._start_timer)
+            self._start_timer = None
+            if goal != "unconfigured" and self.trigger_configure() == SUCCESS and goal == "active":
+                self.trigger_activate()
         return "" if self.state == goal else f"{self.state} instead of {goal}: {self.failure}"
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -127,7 +124,10 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             connection.open()
         except (RigError, ParameterError) as error:
             return self._fail(str(error))
-        self.guard = Guard(self._limits(), self.rig.line.sample_time)
+        limits = self.rig.limits
+        if parameters.any_pendulum_angle:
+            limits = limits._replace(pendulum_angle=pi)
+        self.guard = Guard(limits, self.rig.line.sample_time)
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
         self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
@@ -135,11 +135,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             self._steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
-
-    def _limits(self) -> SafetyLimits:
-        """The rig's limits; none on the pendulum's angle if the user allows any."""
-        limits = self.rig.limits
-        return limits._replace(pendulum_angle=pi) if self.parameters.any_pendulum_angle else limits
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make arming possible."""
@@ -274,7 +269,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
 
-    def _steady_timer(self, period: float, callback: Callable[[], None]) -> Timer:
+    def _steady_timer(self, period: float, callback: Callable[[], object]) -> Timer:
         """Make a timer that does not follow changes of the system's time."""
         return self.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 

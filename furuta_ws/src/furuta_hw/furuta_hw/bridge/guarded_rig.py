@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from time import monotonic
 
 from furuta_hw.connection.rig_connection import RigConnection
@@ -28,11 +29,9 @@ class GuardedRig:
 
     def samples(self) -> Iterator[RigSample]:
         """Yield the new samples after the guard has checked each of them."""
-        try:
+        samples: list[RigSample] = []
+        with self._stopped_on_failure():
             samples = self.connection.samples()
-        except LineError as error:
-            self._on_line_error(error)
-            return
         for sample in samples:
             self.guard.count_bad_frames(self.connection.new_bad_frames())
             self.guard.measured(monotonic(), sample)
@@ -46,10 +45,8 @@ class GuardedRig:
         volts = self.guard.command(monotonic(), u)
         self._handle_stop()
         if volts is not None:
-            try:
+            with self._stopped_on_failure():
                 self.connection.drive(volts)
-            except LineError as error:
-                self._on_line_error(error)
 
     def arm(self) -> str:
         """Arm the rig; returns the reason if that is not possible, otherwise an empty string."""
@@ -59,11 +56,9 @@ class GuardedRig:
             return f"no line to the rig: {self.connection.failure}"
         reason = self.guard.arm(monotonic())
         if not reason:
-            try:
+            with self._stopped_on_failure():
                 self.connection.arm()
-            except LineError as error:
-                self._on_line_error(error)
-                return str(error)
+            reason = self.guard.reason
         return reason
 
     def stop(self, reason: str) -> None:
@@ -88,9 +83,13 @@ class GuardedRig:
             self.connection.stop()
             self._report_stop()
 
-    def _on_line_error(self, error: LineError) -> None:
-        """Stop. The connection recovers by itself, and its samples start again."""
-        self.guard.stop(str(error))
-        self._handle_stop()
-        self.guard.forget_samples()
-        self.restarts += 1
+    @contextmanager
+    def _stopped_on_failure(self) -> Iterator[None]:
+        """Stop if the line fails. The connection recovers by itself; its samples start again."""
+        try:
+            yield
+        except LineError as error:
+            self.guard.stop(str(error))
+            self._handle_stop()
+            self.guard.forget_samples()
+            self.restarts += 1

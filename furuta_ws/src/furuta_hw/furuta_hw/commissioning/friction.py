@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta_hw.commissioning.session import Experiment
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_hw.errors import NotStillError
+from furuta_hw.errors import RigError
 from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
@@ -31,10 +31,6 @@ RAMPS = 3  # in each direction
 # Largest angle [rad] between the pendulum and hanging, and largest change of it, at the start.
 HANGING_RANGE = 0.25 * pi
 STILL_RANGE = 0.1
-
-
-def silent(message: str) -> None:
-    """Report nothing."""
 
 
 class FrictionLevels(NamedTuple):
@@ -67,20 +63,20 @@ def check_hanging(samples: Sequence[RigSample]) -> None:
 
     An upright or swinging pendulum pulls at the arm, and its torque would count as friction. A
     sensor at the end of its range shows only that the pendulum is not upright. Raises
-    :class:`NotStillError`.
+    :class:`RigError`.
     """
-    seen = [each.pendulum_angle for each in samples if not each.at_rail]
+    seen = [sample.pendulum_angle for sample in samples if not sample.at_rail]
     if not seen:
         return
     angles = np.array([wrapped(angle - pi) for angle in seen])  # zero hanging
     furthest = angles[np.argmax(np.abs(angles))]
     if abs(furthest) > HANGING_RANGE:
-        raise NotStillError(
+        raise RigError(
             f"the pendulum must hang, but its sensor reads {wrapped(furthest + pi):.2f} rad "
             "(0 is upright); let it hang, or give --removed if there is none"
         )
     if np.ptp(angles) > STILL_RANGE:
-        raise NotStillError(
+        raise RigError(
             f"the pendulum swings by {np.ptp(angles):.2f} rad; wait until it hangs at rest"
         )
 
@@ -95,10 +91,7 @@ def check_arm_range(rig: Rig, arm_range: float) -> None:
 
 
 def measure_friction(
-    rig: Rig,
-    arm_range: float,
-    rate: float = RAMP_RATE,
-    report: Callable[[str], None] = silent,
+    rig: Rig, rate: float, report: Callable[[str], None]
 ) -> Experiment[FrictionLevels]:
     """Measure friction by voltage ramps until the arm breaks away, and by slow slides.
 
@@ -106,9 +99,7 @@ def measure_friction(
     arm breaks away. While the arm slides at a constant speed v under a speed control, its voltage
     is the friction at v: levels and viscous friction are the straight line through all slides.
     ``report`` is called before each motion.
-    Raises :class:`ParameterError` if ``arm_range`` [rad] is too small for the slides.
     """
-    check_arm_range(rig, arm_range)
     yield 0.0
     stiction = yield from _ramps(rig, rate, report)
     positive, negative, viscous = yield from _slides(rig, report)

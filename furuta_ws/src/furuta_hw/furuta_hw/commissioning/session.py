@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from furuta_hw.connection.rig_driver import LineStatistics, RigSample
 from furuta_hw.driver_loading import make_driver
-from furuta_hw.errors import LineError, StoppedError
+from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
 
@@ -60,7 +60,7 @@ class RigSession:
     def drive(self, experiment: Experiment[Result], voltage: float, arm_range: float) -> Result:
         """Run an experiment within ±``voltage`` [V] and ±``arm_range`` [rad] of where the arm is.
 
-        The angle of the pendulum is not limited. Raises :class:`StoppedError`.
+        The angle of the pendulum is not limited. Raises :class:`RigError`.
         """
         samples = self._samples_from_here()
         guard = self._make_guard(voltage, arm_range)
@@ -75,7 +75,7 @@ class RigSession:
                 guard.measured(now, sample)
                 applied = guard.command(now, volts)
                 if applied is None:
-                    raise StoppedError(guard.reason)
+                    raise RigError(guard.reason)
                 self._driver.drive(applied)
                 volts = experiment.send(sample)
         except StopIteration as done:
@@ -103,10 +103,10 @@ class RigSession:
 
     def _arm(self, guard: Guard, now: float, sample: RigSample) -> None:
         if guard.stops:
-            raise StoppedError(guard.reason)
+            raise RigError(guard.reason)
         guard.measured(now, sample)
         guard.command(now, 0.0)
         reason = guard.arm(now)
         if reason:
-            raise StoppedError(reason)
+            raise RigError(reason)
         self._driver.arm()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from threading import Thread
 from time import monotonic
 from typing import Any
@@ -57,11 +57,8 @@ class RigConnection:
         if not self.connected:
             self._reopen_when_due()
             return []
-        try:
+        with self._closed_on_failure():
             samples = self._decode_inbox()
-        except LineError as error:
-            self._disconnect(error)
-            raise
         if samples:
             self._schedule_retry()
         elif monotonic() > self._retry_at:
@@ -73,20 +70,14 @@ class RigConnection:
         """Arm the rig. Raises :class:`LineError`."""
         if not self.connected:
             raise LineError(self.failure)
-        try:
+        with self._closed_on_failure():
             self._driver.arm()
-        except LineError as error:
-            self._disconnect(error)
-            raise
 
     def drive(self, volts: float) -> None:
         """Apply a voltage [V]. Raises :class:`LineError`."""
         if self.connected:
-            try:
+            with self._closed_on_failure():
                 self._driver.drive(volts)
-            except LineError as error:
-                self._disconnect(error)
-                raise
 
     def stop(self) -> None:
         """Disarm the rig and set it to 0 V. If the line fails, the rig's watchdog stops it."""
@@ -118,11 +109,17 @@ class RigConnection:
             raise self._read_error
         return samples
 
-    def _disconnect(self, error: LineError) -> None:
-        self.stop()
-        self.close()
-        self.failure = str(error)
-        self._schedule_retry()
+    @contextmanager
+    def _closed_on_failure(self) -> Iterator[None]:
+        """Stop the rig and close the line if it fails."""
+        try:
+            yield
+        except LineError as error:
+            self.stop()
+            self.close()
+            self.failure = str(error)
+            self._schedule_retry()
+            raise
 
     def _reopen_when_due(self) -> None:
         if monotonic() > self._retry_at:

@@ -1,4 +1,4 @@
-"""Reads rig files: YAML with a section for each part of a :class:`Rig`.
+"""Reads and writes rig files: YAML with a section for each part of a :class:`Rig`.
 
 The model is given in one of three forms: ``model`` (α, β, γ, δ), ``linear`` (the four identified
 coefficients of (3)) or ``physical``. The arm's travel is given as ``limits.arm_angle`` [rad] or as
@@ -7,10 +7,12 @@ coefficients of (3)) or ``physical``. The arm's travel is given as ``limits.arm_
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import pi
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
+
+import yaml
 
 from furuta_hw.rigs.physical import (
     PhysicalParameters,
@@ -19,9 +21,9 @@ from furuta_hw.rigs.physical import (
     normalised_viscous,
 )
 from furuta_hw.rigs.rig import Rig
-from furuta_hw.rigs.uncertainty import Uncertainty, uncertainty_from
+from furuta_hw.rigs.uncertainty import Uncertainty, uncertainty_from, uncertainty_section
 from furuta_model.linear import from_linear
-from furuta_model.parameters import About, ParameterError, build, declared, number_from_text
+from furuta_model.parameters import About, ParameterError, build, declared, number_from_text, values
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.yaml_files import read_yaml
 
@@ -40,6 +42,15 @@ ARM_TURNS = "limits.arm_turns"
 # Sections of a rig file that hold text for the reader, and one that has its own reader.
 TEXT_SECTIONS = ("name", "sources", "notes")
 UNCERTAINTY = "uncertainty"
+# Sections that are written even if they agree with the paper's rig.
+ALWAYS_WRITTEN = ("model", "friction", "poles")
+# The other forms of the model, and all names that a file may have.
+_FORMS: dict[str, type[NamedTuple]] = {"linear": LinearCoefficients, "physical": PhysicalParameters}
+_NAMES = {parameter.name for parameter in declared(Rig)} | {
+    *(f"{form}.{name}" for form, group in _FORMS.items() for name in group._fields),
+    ARM_TURNS,
+}
+_SECTIONS = {name.partition(".")[0] for name in _NAMES}
 
 
 def load_rig(file: Path) -> Rig:
@@ -72,51 +83,46 @@ def is_rig_file(content: Mapping[Any, Any]) -> bool:
 
 def _rig(content: Mapping[str, Any]) -> Rig:
     """Build the rig from the content of its file."""
-    given: dict[str, Any] = {}
-    forms = [form for form in ("model", "linear", "physical") if form in content]
+    forms = [form for form in ("model", *_FORMS) if form in content]
     if len(forms) > 1:
         raise ParameterError(f"give one of model, linear, physical, not {' and '.join(forms)}")
-    for section, values in content.items():
+    given: dict[str, Any] = {}
+    for section, parameters in content.items():
         if section in (*TEXT_SECTIONS, UNCERTAINTY):
             continue
-        if not isinstance(values, Mapping):
+        if not isinstance(parameters, Mapping):
             raise ParameterError(f"{section} must map names to values")
         if section not in _SECTIONS:
-            raise ParameterError(f"unknown: {section}.{next(iter(values), '')}")
-        given |= {f"{section}.{name}": _numbers(value) for name, value in values.items()}
-    given = _normalised(_with_arm_angle(given))
-    known = [each.name for each in declared(Rig)]
-    unknown = sorted(str(name) for name in given if name not in known)
+            raise ParameterError(f"unknown: {section}.{next(iter(parameters), '')}")
+        given |= {f"{section}.{name}": _numbers(value) for name, value in parameters.items()}
+    unknown = sorted(str(name) for name in given if name not in _NAMES)
     if unknown:
         raise ParameterError(f"unknown: {', '.join(unknown)}")
-    return build(Rig, given)
+    return build(Rig, _with_model(_with_arm_angle(given)))
 
 
 def _numbers(value: Any) -> Any:
     """Text that is a number as such, in lists too."""
     if isinstance(value, list):
-        return [number_from_text(each) for each in value]
+        return [number_from_text(element) for element in value]
     return number_from_text(value)
 
 
-def _normalised(given: dict[str, Any]) -> dict[str, Any]:
+def _with_model(given: dict[str, Any]) -> dict[str, Any]:
     """Convert ``linear`` or ``physical`` to ``model``; explicitly given values take precedence."""
-    linear = _section(given, LinearCoefficients, "linear")
-    if linear is not None:
+    forms = {name.partition(".")[0] for name in given}
+    if "linear" in forms:
+        linear = build(LinearCoefficients, given, "linear.")
         if linear.b41 == 0.0:
             raise ParameterError("linear.b41 must be below 0")
-        given = _model(from_linear(*linear)) | given
-    physical = _section(given, PhysicalParameters, "physical")
-    if physical is not None:
+        return _model(from_linear(*linear)) | given
+    if "physical" in forms:
+        physical = build(PhysicalParameters, given, "physical.")
         friction = {"friction.viscous": normalised_viscous(physical)}
         if physical.friction_torque > 0.0:
             friction["friction.alpha0"] = normalised_coulomb(physical)
-        given = _model(normalised_model(physical)) | friction | given
-    return {name: v for name, v in given.items() if name.partition(".")[0] not in _FORMS}
-
-
-_FORMS = ("linear", "physical")
-_SECTIONS = {*_FORMS, *(each.name.partition(".")[0] for each in declared(Rig))}
+        return _model(normalised_model(physical)) | friction | given
+    return given
 
 
 def _with_arm_angle(given: dict[str, Any]) -> dict[str, Any]:
@@ -128,21 +134,37 @@ def _with_arm_angle(given: dict[str, Any]) -> dict[str, Any]:
     turns = given[ARM_TURNS]
     if isinstance(turns, bool) or not isinstance(turns, (int, float)) or not 0.0 < turns <= 1e5:
         raise ParameterError(f"{ARM_TURNS} must be above 0 and at most 100000, given {turns}")
-    others = {name: value for name, value in given.items() if name != ARM_TURNS}
-    return others | {"limits.arm_angle": 2.0 * pi * turns}
+    return given | {"limits.arm_angle": 2.0 * pi * turns}
 
 
 def _model(model: FurutaPendulum) -> dict[str, Any]:
     return {f"model.{name}": value for name, value in model._asdict().items()}
 
 
-def _section(given: dict[str, Any], group: type[Any], name: str) -> Any:
-    """Build the group from the section of that name; None without such a section."""
-    prefix = f"{name}."
-    values = {n: v for n, v in given.items() if n.startswith(prefix)}
-    if not values:
-        return None
-    unknown = sorted(set(values) - {prefix + name for name in group._fields})
-    if unknown:
-        raise ParameterError(f"unknown: {', '.join(unknown)}")
-    return build(group, values, prefix)
+def rig_file_text(
+    rig: Rig, uncertainty: Uncertainty, name: str, comments: Iterable[str] = ()
+) -> str:
+    """The text of a rig file; ``comments`` come first, one a line."""
+    head = "".join(f"# {' '.join(comment.split())}\n" for comment in comments)
+    content: dict[str, Any] = {"name": name, **_sections(rig)}
+    if uncertainty.names:
+        content[UNCERTAINTY] = uncertainty_section(uncertainty)
+    return head + yaml.safe_dump(
+        content, sort_keys=False, allow_unicode=True, width=100, default_flow_style=None
+    )
+
+
+def _sections(rig: Rig) -> dict[str, dict[str, Any]]:
+    """The values that differ from the paper's, by section; numbers with nine digits."""
+    default, sections = values(Rig()), dict[str, dict[str, Any]]()
+    for full, value in values(rig).items():
+        section, _, name = full.partition(".")
+        if section in ALWAYS_WRITTEN or value != default[full]:
+            sections.setdefault(section, {})[name] = _rounded(value)
+    return sections
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_rounded(element) for element in value]
+    return float(f"{value:.9g}") if isinstance(value, float) else value

@@ -1,4 +1,4 @@
-r"""Uncertainty of a rig's values: standard errors with correlations, and rigs drawn from them.
+r"""Uncertainty of a rig's values: standard errors with correlations.
 
 Inertias are uncertain in the coordinates of the identification: log β, log γ, log δ and the
 logarithm of the arm's inertia without the pendulum's reaction, :math:`α - γ^2/β`. So every draw is

@@ -25,11 +25,11 @@ def fit_growing_segments(
 ) -> Optimum:
     """Fit one recording in ever longer segments of at most ``window`` [s].
 
-    The ``excerpts`` of a recording share its zero.
+    After each fit its residuals weight the channels anew. The ``excerpts`` of a recording share its
+    zero.
     """
-    lengths = dict.fromkeys(min(length, window) for length in SEGMENT_LENGTHS)
-    for length in lengths:
-        optimum = optimise(excerpts, names, start, length, scale, robust=True)
+    for length in SEGMENT_LENGTHS:
+        optimum = optimise(excerpts, names, start, min(length, window), scale, robust=True)
         start, scale = optimum.values, residual_scale(optimum)
     return optimum
 

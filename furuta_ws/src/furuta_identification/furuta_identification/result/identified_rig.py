@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta_control.pole_choice import quadratic_poles
 from furuta_hw.rigs.rig import Rig, SafetyLimits
-from furuta_hw.rigs.rig_file_text import rig_file_text
+from furuta_hw.rigs.rig_file import rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.model import Model
 from furuta_identification.result.base_rig import base_rig
@@ -20,6 +19,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
 from furuta_model.parts.torque_waves import TorqueWaves
+from furuta_model.pole_choice import quadratic_poles
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75

@@ -83,25 +83,9 @@ class CompiledFirmware:
         """Number of the session; None without one."""
         return self._state.session if self._state.in_session else None
 
-    @property
-    def period_us(self) -> int:
-        """Time between samples [µs]."""
-        return self._state.period_us
-
-    @property
-    def watchdog(self) -> int:
-        """The watchdog [samples]."""
-        return self._state.watchdog
-
-    @property
-    def number(self) -> int:
-        """Number of the newest sample."""
-        return self._state.number
-
-    @property
-    def answered(self) -> int:
-        """Sample of the newest Drive frame that was applied."""
-        return self._state.answered
+    def __getattr__(self, name: str) -> int:
+        """The ``number``, ``answered``, ``period_us``, ``watchdog`` and ``discarded`` frames."""
+        return int(getattr(self._state, name))
 
     @property
     def code(self) -> int:
@@ -112,11 +96,6 @@ class CompiledFirmware:
     def driven(self) -> int:
         """Drive frames applied, also before a reboot."""
         return self._driven_before + self._state.driven
-
-    @property
-    def discarded(self) -> int:
-        """Frames discarded since the session started, modulo 2¹⁶."""
-        return self._state.discarded
 
     @property
     def armed(self) -> bool:

@@ -7,6 +7,7 @@ first driven, and again after ``hold``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -69,9 +70,9 @@ class EmulatedRig:
         self.faults = faults or Faults()
         self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
         self._inbox = b""
-        self._stuck_arm_code: int | None = None
-        self.volts = 0.0
+        self.volts = 0.0  # applied over the last sample
         self._memory = initial_plant(self.plant)
+        self._arm_code = self._arm.to_code(self.x[PHI])
         self.held = True
         self._driven_before = 0
         move(self._memory.copy()[0], 0.0, self._plant)  # compile before time matters
@@ -81,6 +82,11 @@ class EmulatedRig:
         """Plant state (5,)."""
         state: np.ndarray = self._memory["x"][0]
         return state
+
+    @property
+    def drive_volts(self) -> float:
+        """The voltage that the drive holds now [V]."""
+        return self._drive.to_si(self.firmware.code) if self.firmware.armed else 0.0
 
     def hold(self, initial: InitialState | None = None) -> None:
         """Hold the pendulum in its initial state, or another one, until the rig is driven."""
@@ -104,7 +110,7 @@ class EmulatedRig:
         self.process_input()
         firmware = self.firmware
         self.held = self.held and firmware.driven == self._driven_before
-        self.volts = self._drive.to_si(firmware.code) if firmware.armed else 0.0
+        self.volts = self.drive_volts
         if not self.held:
             move(self._memory[0], self.volts, self._plant)
         firmware.fault = self.faults.rig_fault
@@ -112,13 +118,8 @@ class EmulatedRig:
 
     def _codes(self) -> tuple[int, int, int]:
         x, noise, sensors = self.x, self._noise(), self.plant.sensors
-        arm = self._arm.to_code(x[PHI])
-        if self.faults.encoder_stuck:
-            self._stuck_arm_code = arm = (
-                arm if self._stuck_arm_code is None else self._stuck_arm_code
-            )
-        else:
-            self._stuck_arm_code = None
+        if not self.faults.encoder_stuck:
+            self._arm_code = self._arm.to_code(x[PHI])
         speed, theta = 0, wrapped(x[THETA])
         if self._rig.speed.sensor == "tachometer":
             speed = self._speed.to_code(x[PHI_DOT] + sensors.tachometer_noise * noise[0])
@@ -127,4 +128,26 @@ class EmulatedRig:
         pendulum = self._pendulum.to_code(theta)
         if self.faults.potentiometer_rail:
             pendulum = self._pendulum.high
-        return arm, speed, pendulum
+        return self._arm_code, speed, pendulum
+
+
+class MockPort:
+    """Port of the rig drivers to an emulated rig. Its time runs while it is read."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = EmulatedRig(rig)
+        self._period = rig.line.sample_time
+        self._next = monotonic() + self._period
+
+    def read(self) -> bytes:
+        """Wait until the next sample is due, and return its bytes."""
+        sleep(max(0.0, self._next - monotonic()))
+        self._next = max(self._next + self._period, monotonic())
+        return self._rig.step()
+
+    def write(self, data: bytes) -> None:
+        """Send to the rig."""
+        self._rig.receive(data)
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to free."""

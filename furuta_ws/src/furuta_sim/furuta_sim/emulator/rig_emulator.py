@@ -94,7 +94,7 @@ def _make_rig(options: argparse.Namespace) -> RunningRig:
 
 
 def _values(assignments: list[str]) -> dict[str, Any]:
-    pairs = [each.partition("=") for each in assignments]
+    pairs = [assignment.partition("=") for assignment in assignments]
     if any(not separator for _, separator, _ in pairs):
         raise ParameterError(f"expected NAME=VALUE, given {', '.join(assignments)}")
     return {name: parse_yaml(text, name) for name, _, text in pairs}

@@ -1,21 +1,76 @@
-"""Runs an emulated rig in real time or in lock-step, and answers its monitor."""
+"""Runs an emulated rig on a pseudo-terminal, logs it, and answers its monitor."""
 
 from __future__ import annotations
 
+import os
+import select
+import tty
+from array import array
 from collections.abc import Callable
 from pathlib import Path
+from threading import Lock
 from time import monotonic_ns, sleep
 from typing import Any
 
+import numpy as np
+
 from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of
-from furuta_sim.emulator.emulator_log import EmulatorLog
 from furuta_sim.emulator.faults import with_faults
-from furuta_sim.emulator.pseudo_terminal import PseudoTerminal
 
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns].
 ANSWER_TIMEOUT = 1_000_000_000
+# Columns of the log.
+COLUMNS = ("time_ns", "phi", "phi_dot", "theta", "theta_dot", "volts", "armed", "sample")
+
+
+class PseudoTerminal:
+    """A pseudo-terminal; the host opens ``name`` like a serial port."""
+
+    def __init__(self) -> None:
+        # This process keeps the other end open too: reads fail while it is closed.
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.name = os.ttyname(self._slave)
+
+    def read(self, wait: float = 0.0) -> bytes:
+        """Return the received bytes, after a wait of at most ``wait`` [s]."""
+        if wait > 0.0:
+            select.select([self._master], [], [], wait)
+        try:
+            return os.read(self._master, 65536)
+        except BlockingIOError:
+            return b""
+
+    def write(self, data: bytes) -> None:
+        """Send; bytes are lost if the buffer is full, as on a serial line without a reader."""
+        try:
+            os.write(self._master, data)
+        except BlockingIOError:
+            return
+
+
+class EmulatorLog:
+    """A growing table with a row per sample."""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def add(self, time_ns: int, x: np.ndarray, volts: float, armed: bool, sample: int) -> None:
+        """Add a row: state ``x`` (4 or more) after ``volts`` [V] over the last sample.
+
+        ``time_ns`` is when the sample was due (steady clock).
+        """
+        self._numbers.extend((time_ns, *x[:4], volts, armed, sample))
+
+    def save(self, path: Path) -> int:
+        """Write the rows to an ``.npz`` file; returns their number."""
+        table = np.array(self._numbers[:]).reshape(-1, len(COLUMNS))
+        columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
+        np.savez(path, **columns)
+        return len(table)
 
 
 class RunningRig:
@@ -27,6 +82,7 @@ class RunningRig:
         self.log = EmulatorLog()
         self._period = round(period * 1e9)
         self.late_samples = 0
+        self._lock = Lock()  # the monitor reads on its own thread
 
     def run_in_real_time(self, stop: Callable[[], bool]) -> None:
         """Run until ``stop()``, with a sample at every period of the steady clock."""
@@ -59,13 +115,15 @@ class RunningRig:
         end = monotonic_ns() + ANSWER_TIMEOUT
         while firmware.armed and firmware.answered != firmware.number and not stop():
             self.rig.receive(self.terminal.read(0.01))
-            self.rig.process_input()
+            with self._lock:
+                self.rig.process_input()
             if monotonic_ns() > end:
                 return
 
     def _sample(self, due: int) -> bytes:
         rig = self.rig
-        out = rig.step()
+        with self._lock:
+            out = rig.step()
         self.log.add(due, rig.x, rig.volts, rig.firmware.armed, rig.firmware.number)
         return out
 
@@ -75,11 +133,15 @@ class RunningRig:
         Faults have values by name, ``hold`` may have those of the initial state, ``save`` a path.
         """
         do = request.pop("do", None)
+        if do == "save":
+            return {"rows": self.log.save(Path(request["path"]))}
+        with self._lock:
+            return self._answer_at_once(do, request)
+
+    def _answer_at_once(self, do: Any, request: dict[str, Any]) -> dict[str, Any]:
         if do == "faults":
             self.rig.faults = with_faults(self.rig.faults, request)
             return self.rig.faults._asdict()
-        if do == "save":
-            return {"rows": self.log.save(Path(request["path"]))}
         if do == "hold":
             self.rig.hold(initial_state_of(request) if request else None)
         elif do == "reboot":
@@ -91,7 +153,7 @@ class RunningRig:
     def _status(self) -> dict[str, Any]:
         rig = self.rig
         return {
-            "volts": rig.volts,
+            "volts": rig.drive_volts,
             "armed": rig.firmware.armed,
             "tripped": rig.firmware.tripped,
             "held": rig.held,
@@ -100,5 +162,5 @@ class RunningRig:
             "driven": rig.firmware.driven,
             "discarded": rig.firmware.discarded,
             "late": self.late_samples,
-            "state": [float(each) for each in rig.x[:4]],
+            "state": [float(value) for value in rig.x[:4]],
         }

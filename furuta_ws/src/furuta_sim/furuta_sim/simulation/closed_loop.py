@@ -137,6 +137,12 @@ class Simulation:
         self.loop = loop
 
     @property
+    def state(self) -> np.ndarray:
+        """Plant state (5,); it can be changed between two runs."""
+        state: np.ndarray = self._memory["plant"]["x"][0]
+        return state
+
+    @property
     def switched_off(self) -> bool:
         """Whether the guard has switched the friction compensation off, as worse than none."""
         return switched_off(self._memory["control"]["observer"])

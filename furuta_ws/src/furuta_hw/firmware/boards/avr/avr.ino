@@ -2,9 +2,6 @@
    sensor on the pendulum, an H-bridge. docs/firmware.md has the wiring. Compiled against stand-in
    headers only: not yet tried on a real board. */
 
-#include <furuta_encoder.h>
-#include <furuta_firmware.h>
-
 #include <avr/interrupt.h>
 #include <avr/wdt.h>
 #include <util/atomic.h>
@@ -21,9 +18,7 @@ static const int16_t DRIVE_TOP = 255; /* and the sign: codes of 9 bits */
 static const int32_t ANALOGUE_HALF = 512; /* 10 bits */
 static const uint32_t TIMER_TICKS_PER_US = F_CPU / 8u / 1000000u;
 
-static volatile struct furuta_encoder arm;
-
-static void arm_edge() { furuta_encoder_move(&arm, digitalRead(ARM_A), digitalRead(ARM_B)); }
+#include <furuta_arduino.h>
 
 /* Encoder and serial line interrupt this function, which takes longer than a byte. */
 ISR(TIMER1_COMPA_vect, ISR_NOBLOCK) { furuta_tick(); }
@@ -54,8 +49,6 @@ struct furuta_limits board_limits(void) {
     return limits;
 }
 
-int board_read(void) { return Serial.read(); }
-
 void board_write(const uint8_t *data, uint8_t length) {
     if (Serial.availableForWrite() >= length) {
         Serial.write(data, length);
@@ -68,11 +61,7 @@ int32_t board_arm(void) {
     return count;
 }
 
-int16_t board_speed(void) { return 0; }
-
 int32_t board_pendulum(void) { return (int32_t)ADC - ANALOGUE_HALF; }
-
-bool board_fault(void) { return digitalRead(FAULT_PIN) == FAULT_LEVEL; }
 
 void board_drive(int16_t code) {
     const int16_t size = code < 0 ? -code : code;
@@ -91,30 +80,16 @@ void board_start_timer(uint32_t period_us) {
     TIMSK1 = _BV(OCIE1A);
 }
 
-void board_lock(void) { noInterrupts(); }
-
-void board_unlock(void) { interrupts(); }
-
 void board_feed_watchdog(void) { wdt_reset(); }
 
 void setup() {
     wdt_disable();
-    pinMode(ENABLE_PIN, OUTPUT);
-    digitalWrite(ENABLE_PIN, LOW);
-    pinMode(DIRECTION_PIN, OUTPUT);
-    pinMode(FAULT_PIN, INPUT_PULLUP);
-    pinMode(ARM_A, INPUT_PULLUP);
-    pinMode(ARM_B, INPUT_PULLUP);
+    start_amplifier();
     start_drive();
     start_converter();
-    arm_edge();
-    arm.count = 0;
-    attachInterrupt(digitalPinToInterrupt(ARM_A), arm_edge, CHANGE);
-    attachInterrupt(digitalPinToInterrupt(ARM_B), arm_edge, CHANGE);
+    start_encoder(&arm, ARM_A, ARM_B, arm_edge);
     Serial.begin(BAUD);
     furuta_setup();
     wdt_enable(WDTO_120MS);
     digitalWrite(ENABLE_PIN, HIGH);
 }
-
-void loop() { furuta_poll(); }

@@ -2,9 +2,6 @@
    analogue sensor, an H-bridge. docs/firmware.md has the wiring. Compiled against stand-in headers
    only: not yet tried on a real board. */
 
-#include <furuta_encoder.h>
-#include <furuta_firmware.h>
-
 #include <hardware/adc.h>
 #include <hardware/irq.h>
 #include <hardware/pwm.h>
@@ -25,23 +22,13 @@ static const uint32_t PWM_FREQUENCY = 20000;
 static const int32_t ANALOGUE_HALF = 2048; /* 12 bits */
 static const uint32_t WATCHDOG_MS = 100;
 
-static volatile struct furuta_encoder arm, pendulum;
-static repeating_timer_t timer;
+#include <furuta_arduino.h>
 
-static void arm_edge() { furuta_encoder_move(&arm, digitalRead(ARM_A), digitalRead(ARM_B)); }
+static volatile struct furuta_encoder pendulum;
+static repeating_timer_t timer;
 
 static void pendulum_edge() {
     furuta_encoder_move(&pendulum, digitalRead(PENDULUM_A), digitalRead(PENDULUM_B));
-}
-
-static void start_encoder(volatile struct furuta_encoder *encoder, uint8_t a, uint8_t b,
-                          void (*edge)()) {
-    pinMode(a, INPUT_PULLUP);
-    pinMode(b, INPUT_PULLUP);
-    edge();
-    encoder->count = 0;
-    attachInterrupt(digitalPinToInterrupt(a), edge, CHANGE);
-    attachInterrupt(digitalPinToInterrupt(b), edge, CHANGE);
 }
 
 static void start_drive() {
@@ -69,8 +56,6 @@ struct furuta_limits board_limits(void) {
     return limits;
 }
 
-int board_read(void) { return Serial.read(); }
-
 void board_write(const uint8_t *data, uint8_t length) {
     if (Serial.availableForWrite() >= length) {
         Serial.write(data, length);
@@ -79,13 +64,9 @@ void board_write(const uint8_t *data, uint8_t length) {
 
 int32_t board_arm(void) { return arm.count; }
 
-int16_t board_speed(void) { return 0; }
-
 int32_t board_pendulum(void) {
     return PENDULUM_IS_ENCODER ? pendulum.count : (int32_t)adc_read() - ANALOGUE_HALF;
 }
-
-bool board_fault(void) { return digitalRead(FAULT_PIN) == FAULT_LEVEL; }
 
 void board_drive(int16_t code) {
     digitalWrite(DIRECTION_PIN, code < 0 ? LOW : HIGH);
@@ -101,17 +82,10 @@ void board_start_timer(uint32_t period_us) {
     started = add_repeating_timer_us(-(int64_t)period_us, on_timer, nullptr, &timer);
 }
 
-void board_lock(void) { noInterrupts(); }
-
-void board_unlock(void) { interrupts(); }
-
 void board_feed_watchdog(void) { watchdog_update(); }
 
 void setup() {
-    pinMode(ENABLE_PIN, OUTPUT);
-    digitalWrite(ENABLE_PIN, LOW);
-    pinMode(DIRECTION_PIN, OUTPUT);
-    pinMode(FAULT_PIN, INPUT_PULLUP);
+    start_amplifier();
     start_drive();
     start_encoder(&arm, ARM_A, ARM_B, arm_edge);
     if (PENDULUM_IS_ENCODER) {
@@ -127,5 +101,3 @@ void setup() {
     watchdog_enable(WATCHDOG_MS, true);
     digitalWrite(ENABLE_PIN, HIGH);
 }
-
-void loop() { furuta_poll(); }

@@ -2,9 +2,6 @@
    docs/firmware.md has the wiring. Compiled against stand-in headers only: not yet tried on a
    real board. */
 
-#include <furuta_encoder.h>
-#include <furuta_firmware.h>
-
 /* Your rig. */
 static const bool PENDULUM_IS_ENCODER = true; /* false: a potentiometer or Hall sensor */
 static const int FAULT_LEVEL = HIGH;          /* of the fault input; HIGH if it is open */
@@ -25,25 +22,13 @@ static const uint8_t TIMER_PRIORITY = 192;
 static const uint32_t WATCHDOG_TICKS = 3277; /* 0.1 s */
 static const uint32_t WATCHDOG_UNLOCK = 0xD928C520u, WATCHDOG_REFRESH = 0xB480A602u;
 
-static volatile struct furuta_encoder arm, pendulum;
+#include <furuta_arduino.h>
+
+static volatile struct furuta_encoder pendulum;
 static IntervalTimer timer;
 
-static void arm_edge() {
-    furuta_encoder_move(&arm, digitalReadFast(ARM_A), digitalReadFast(ARM_B));
-}
-
 static void pendulum_edge() {
-    furuta_encoder_move(&pendulum, digitalReadFast(PENDULUM_A), digitalReadFast(PENDULUM_B));
-}
-
-static void start_encoder(volatile struct furuta_encoder *encoder, uint8_t a, uint8_t b,
-                          void (*edge)()) {
-    pinMode(a, INPUT_PULLUP);
-    pinMode(b, INPUT_PULLUP);
-    edge();
-    encoder->count = 0;
-    attachInterrupt(digitalPinToInterrupt(a), edge, CHANGE);
-    attachInterrupt(digitalPinToInterrupt(b), edge, CHANGE);
+    furuta_encoder_move(&pendulum, digitalRead(PENDULUM_A), digitalRead(PENDULUM_B));
 }
 
 static void start_watchdog() {
@@ -70,8 +55,6 @@ struct furuta_limits board_limits(void) {
     return limits;
 }
 
-int board_read(void) { return Serial.read(); }
-
 void board_write(const uint8_t *data, uint8_t length) {
     if (Serial.availableForWrite() >= length) {
         Serial.write(data, length);
@@ -81,16 +64,12 @@ void board_write(const uint8_t *data, uint8_t length) {
 
 int32_t board_arm(void) { return arm.count; }
 
-int16_t board_speed(void) { return 0; }
-
 int32_t board_pendulum(void) {
     if (PENDULUM_IS_ENCODER) {
         return pendulum.count;
     }
     return analogRead(PENDULUM_ANALOGUE) - (1 << (ANALOGUE_BITS - 1));
 }
-
-bool board_fault(void) { return digitalReadFast(FAULT_PIN) == FAULT_LEVEL; }
 
 void board_drive(int16_t code) {
     digitalWriteFast(DIRECTION_PIN, code < 0 ? LOW : HIGH);
@@ -103,18 +82,11 @@ void board_start_timer(uint32_t period_us) {
     timer.begin(furuta_tick, (unsigned long)period_us);
 }
 
-void board_lock(void) { noInterrupts(); }
-
-void board_unlock(void) { interrupts(); }
-
 void board_feed_watchdog(void) { WDOG3_CNT = WATCHDOG_REFRESH; }
 
 void setup() {
-    pinMode(ENABLE_PIN, OUTPUT);
-    digitalWriteFast(ENABLE_PIN, LOW);
-    pinMode(DIRECTION_PIN, OUTPUT);
+    start_amplifier();
     pinMode(PWM_PIN, OUTPUT);
-    pinMode(FAULT_PIN, INPUT_PULLUP);
     analogWriteResolution(DRIVE_BITS);
     analogWriteFrequency(PWM_PIN, PWM_FREQUENCY);
     analogReadResolution(ANALOGUE_BITS);
@@ -126,7 +98,5 @@ void setup() {
     Serial.begin(1000000); /* over USB the rate has no meaning */
     furuta_setup();
     start_watchdog();
-    digitalWriteFast(ENABLE_PIN, HIGH);
+    digitalWrite(ENABLE_PIN, HIGH);
 }
-
-void loop() { furuta_poll(); }

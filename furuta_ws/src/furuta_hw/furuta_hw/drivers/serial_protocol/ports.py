@@ -15,7 +15,7 @@ from furuta_hw.rigs.rig import Rig
 # The port name that stands for an emulated rig in this process. Its module is loaded by name
 # because the simulation is above this package.
 MOCK = "mock"
-MOCK_PORT = "furuta_sim.emulator.mock_port"
+MOCK_MODULE = "furuta_sim.emulator.emulated_rig"
 
 
 class Port(Protocol):
@@ -65,7 +65,7 @@ class SerialPort:
 def open_port(name: str, rig: Rig) -> Port:
     """Open the serial port of that name, or the mock. Raises :class:`LineError`."""
     if name == MOCK:
-        return cast("Port", import_module(MOCK_PORT).MockPort(rig))
+        return cast("Port", import_module(MOCK_MODULE).MockPort(rig))
     if not name:
         raise LineError("no port given; name the serial port, or mock")
     return SerialPort(name, rig.line.baud)

@@ -1,0 +1,151 @@
+"""The model of a swinging pendulum: truth, standard errors, verdict, predictions, rig."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_rigs import EXAMPLE, Readings, example
+
+from furuta_control.estimation import EstimatorParameters
+from furuta_hw.rigs.rig import Rig
+from furuta_identification.identify import identify
+from furuta_identification.model import Model, Prediction
+from furuta_identification.options import Options
+from furuta_identification.regression.autocorrelation import coloured_part
+from furuta_identification.result.identified_rig import identified_rig
+from furuta_identification.result.report import standard_errors, summary
+from furuta_identification.result.validation import validate
+from furuta_identification.result.verdict import verdict
+from furuta_identification.shooting.optimisation import fit_percent
+from furuta_identification.shooting.unknowns import wave_names
+from furuta_identification.uncertainty.identifiability import undetermined
+from furuta_model.sensors import Sensors
+from furuta_model.state import THETA
+from furuta_recordings.recording import Recording
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, simulate
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The model of two recordings whose zeros differ."""
+    other = Readings(zero=0.1)
+    recordings = [example("steps", 2.5, seconds=3.0), example("sine", 2.0, other, seconds=3.0)]
+    return identify(recordings, Options())
+
+
+def test_the_truth(model: Model) -> None:
+    """Inertias, friction, lag and tilt, although speeds lag and the base is tilted."""
+    values = model.values
+    for name in ("beta", "gamma", "delta", "viscous"):
+        assert values[name] == pytest.approx(getattr(EXAMPLE, name), rel=0.05)
+    assert values.body.alpha == pytest.approx(EXAMPLE.alpha, rel=0.1)
+    assert values["coulomb"] == pytest.approx(0.12, rel=0.2)
+    assert values["lag"] == pytest.approx(EXAMPLE.lag, abs=5e-4)
+    tilt = (EXAMPLE.tilt_x, EXAMPLE.tilt_y)
+    assert (values["tilt_x"], values["tilt_y"]) == pytest.approx(tilt, abs=0.015)
+    for recording in model.recordings:
+        fits = model.predict(recording).fits()
+        assert min(fits["arm speed"], fits["pendulum angle"]) > 90.0
+
+
+def test_standard_errors_cover_the_truth(model: Model) -> None:
+    """The truth lies within four of them, and they are below 30 % of the value."""
+    values, errors = summary(model), standard_errors(model)
+    for name in ("alpha", "beta", "gamma", "delta", "viscous"):
+        truth = getattr(EXAMPLE, name)
+        assert abs(values[name] - truth) < 4.0 * errors[name]
+        assert errors[name] < 0.3 * truth
+
+
+def test_waves_and_zeros(model: Model) -> None:
+    """The order of the torque's wave, its amplitudes, and the zero of each recording."""
+    report = summary(model)
+    assert 5 in [wave["order"] for wave in report["waves"]]
+    amplitudes = [model.values[name] for name in wave_names(5)]
+    assert amplitudes == pytest.approx(EXAMPLE.waves[1, 1:], abs=0.015)
+    zeros = list(report["setup"]["zeros"].values())
+    assert zeros[0] - zeros[1] == pytest.approx(0.1, abs=0.005)
+    assert report["setup"]["ceiling"] is None
+    assert report["natural_frequency_rad_s"] == pytest.approx(np.sqrt(0.22 / 0.0025), rel=0.005)
+
+
+def test_a_model_predicts_another_recording(model: Model) -> None:
+    """A step whose first command was lost."""
+    lost = Readings(first_missing=True)
+    prediction, findings = validate(model, example("step", 2.4, lost), Options())
+    fits = prediction.fits(3.0)
+    assert fits["arm speed"] > 90.0
+    assert fits["pendulum angle"] > 70.0
+    assert any("first command is missing" in finding for finding in findings)
+
+
+def test_a_held_out_recording_has_its_own_ceiling(model: Model) -> None:
+    """Commands beyond those of the fit meet the drive's ceiling, which is reported."""
+    prediction, findings = validate(model, example("steps", 5.0, seconds=3.0), Options())
+    reached = float(findings[-1].split("the drive reaches ")[1].split()[0])
+    assert reached == pytest.approx(EXAMPLE.ceiling, rel=0.03)
+    assert prediction.fits(2.0)["arm speed"] > 90.0
+    upright = Readings(zero=0.1, hanging=False)
+    prediction, findings = validate(model, example("steps", 2.4, upright, 3.0), Options())
+    assert not any("ceiling" in finding for finding in findings)
+    assert prediction.fits(2.0)["pendulum angle"] > 90.0
+
+
+def test_a_balanced_recording_stays_upright(model: Model) -> None:
+    """Its rest is not taken for a hanging pendulum with another zero."""
+    sensors = Sensors(ideal=True)
+    plant, estimator = PlantParameters(sensors=sensors), EstimatorParameters(sensors=sensors)
+    run = simulate(Loop(plant=plant, estimator=estimator), 3.0)
+    log = Recording("upright", run.time, run.state[:, :4], run.time, run.command)
+    prediction, findings = validate(model, log, Options())
+    assert np.max(np.abs(prediction.recording.measured[:, THETA])) < 0.7
+    assert not any("zero differs" in finding for finding in findings)
+
+
+def test_undetermined_parameters_are_withheld(model: Model) -> None:
+    """A fast swing does not determine the bristle's parameters: reasons instead of values."""
+    report = summary(model)
+    for name in ("alpha1", "stribeck_velocity"):
+        assert report["lugre"][name] is None
+        assert name in undetermined(model)
+    rig, uncertainty = identified_rig(model, Rig())
+    assert rig.friction.stribeck_velocity == Rig().friction.stribeck_velocity
+    assert rig.friction.alpha1 == 0.0
+    assert uncertainty.standard_errors["stribeck_velocity"] >= 0.5
+
+
+def test_a_value_at_the_end_of_its_range_is_no_result(model: Model) -> None:
+    """It is withheld, and no rig file holds it."""
+    odd = model._replace(values=model.values.changed(["asymmetry"], [-0.95]))
+    assert "end of the allowed range" in undetermined(odd)["asymmetry"]
+    assert summary(odd)["asymmetry"] is None
+    rig, _ = identified_rig(odd, Rig())
+    assert rig.friction.asymmetry == 0.0
+
+
+def test_the_verdict_looks_at_the_arm(model: Model) -> None:
+    """A model whose arm does not follow is not usable, however well the pendulum does."""
+    good = [model.predict(recording) for recording in model.recordings]
+    assert verdict(good)["usable"] == "yes"
+    wrong = good[0].predicted.copy()
+    wrong[:, :2] = 0.0
+    judged = verdict([Prediction(good[0].recording, wrong)])
+    assert judged["usable"] == "no"
+    assert "fit of the arm" in judged["reasons"][0]
+
+
+def test_coloured_part() -> None:
+    """About 5 % for white noise, most for a random walk."""
+    noise = np.random.default_rng(0).standard_normal((40, 2000))
+    parts = [coloured_part(series) for series in noise]
+    assert np.mean(parts) == pytest.approx(5.0, abs=2.0)
+    assert coloured_part(np.cumsum(noise[0])) > 90.0
+
+
+def test_fit_percent() -> None:
+    """100 for a perfect prediction, 0 for the mean, NaN for a constant series."""
+    y = np.sin(np.arange(100.0))
+    assert fit_percent(y, y) == 100.0
+    assert fit_percent(y, np.full(100, y.mean())) == pytest.approx(0.0)
+    assert np.isnan(fit_percent(np.ones(10), np.ones(10)))
