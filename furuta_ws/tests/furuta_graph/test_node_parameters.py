@@ -21,18 +21,15 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     """Each has its meaning, unit and range in its descriptor, and its default as value."""
     bench.add(NODES[name].load_class()())
     client = ParameterClient(bench.probe, bench.executor)
-    expected = {each.name: each for each in declared(NODES[name].parameters)}
+    expected = {parameter.name: parameter for parameter in declared(NODES[name].parameters)}
     assert set(expected) <= set(client.names(name))
     values = client.get(name, list(expected))
     for descriptor in client.describe(name, list(expected)):
-        each = expected[descriptor.name]
-        assert each.about.meaning in descriptor.description
-        assert each.about.unit in descriptor.description
-        assert descriptor.read_only == each.about.read_only
-        value = values[each.name]
-        assert (list(value) if each.kind is list else value) == (
-            list(each.default) if each.kind is list else each.default
-        )
+        parameter = expected[descriptor.name]
+        assert parameter.about.meaning in descriptor.description
+        assert parameter.about.unit in descriptor.description
+        assert descriptor.read_only == parameter.about.read_only
+        assert parameter.checked(values[parameter.name]) == parameter.default
 
 
 @pytest.mark.parametrize(
@@ -40,8 +37,6 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     [
         ({"sigma0": -1.0}, "sigma0"),
         ({"sigma0": float("nan")}, "sigma0"),
-        ({"sigma0": float("inf")}, "sigma0"),
-        ({"sigma0": 100}, "sigma0"),
         ({"sigma0": "much"}, "sigma0"),
         ({"compensation": "magic"}, "none, coulomb, stiction, lugre, adaptive"),
         ({"sample_time": 0.01}, "read-only"),
@@ -66,7 +61,6 @@ def test_bad_change_is_rejected_as_a_whole(
     ("overrides", "reason"),
     [
         ([Parameter("sigma_0", value=1.0)], "no parameter sigma_0"),
-        ([Parameter("sigma0", value=-1.0)], "sigma0"),
         ([Parameter("sigma0", value=float("nan"))], "sigma0"),
         ([Parameter("sigma0", value="x")], "sigma0"),
     ],

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from furuta_ros.one_publisher import (
-    HANDOVER_TIME,
-    LOOKUP_PERIOD,
-    OnePublisher,
-)
+from furuta_ros.one_publisher import HANDOVER_TIME, LOOKUP_PERIOD, OnePublisher
 from furuta_ros.publisher_report import REPORT_PERIOD, TopicPublisher
 
 CONTROLLER = TopicPublisher(b"1", "/controller")

@@ -9,8 +9,13 @@ from time import time
 import pytest
 from rclpy.node import Node
 
-from furuta_ros.context import ros_context
-from furuta_ros.shared_memory import FIRST_PORT, PORTS, SHARED_MEMORY, remove_empty_ports
+from furuta_ros.context import (
+    FIRST_PORT,
+    PORTS,
+    SHARED_MEMORY,
+    remove_empty_ports,
+    ros_context,
+)
 
 
 def port(directory: Path, domain: int, content: bytes = b"", age: float = 10.0) -> Path:

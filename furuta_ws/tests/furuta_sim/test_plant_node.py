@@ -156,10 +156,3 @@ def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
     assert node.parameters.plant.friction.parameters.alpha0 == 0.3
     expected = build(PlantNodeParameters, {"friction.alpha0": 0.3})
     assert node.parameters == expected
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
-def test_impossible_sample_time_is_rejected(ros: None, value: float) -> None:
-    """Zero, negative and NaN are rejected as sample times."""
-    with pytest.raises(Exception, match="sample_time"):
-        PlantNode([Parameter("sample_time", value=value)])

@@ -10,7 +10,7 @@ import yaml
 
 from furuta_model.parameters import About, ParameterError, declared
 from furuta_sim.settings.nodes import NODES, NodeDescription
-from furuta_sim.settings.parameter_files import describe, parameter_file, parameter_table
+from furuta_sim.settings.parameter_files import parameter_file
 from furuta_sim.settings.settings import default_settings, load_settings, loop, read_file
 
 
@@ -26,20 +26,13 @@ def file(tmp_path: Path) -> Any:
     return write
 
 
-def test_nothing_said() -> None:
-    """Without files and assignments nothing is set and the loop has its defaults."""
-    assert load_settings([], []) == default_settings()
-    assert loop(load_settings([], [])).plant.friction.parameters.sigma0 == 80.0
-
-
 @pytest.mark.parametrize("node", NODES)
 def test_default_files_say_the_defaults(file: Any, node: str) -> None:
     """The generated file holds every parameter, each with its default's value and type."""
-    found = read_file(file(parameter_file(node)))[node]
-    assert found == {each.name: each.default for each in declared(NODES[node].parameters)}
-    assert [type(found[each.name]) for each in declared(NODES[node].parameters)] == [
-        type(each.default) for each in declared(NODES[node].parameters)
-    ]
+    given = read_file(file(parameter_file(node)))[node]
+    parameters = declared(NODES[node].parameters)
+    assert given == {parameter.name: parameter.default for parameter in parameters}
+    assert all(type(given[parameter.name]) is type(parameter.default) for parameter in parameters)
 
 
 class Tiny(NamedTuple):
@@ -55,17 +48,6 @@ def test_small_and_large_defaults(file: Any, monkeypatch: pytest.MonkeyPatch) ->
     assert read_file(file(parameter_file("tiny")))["tiny"] == {"small": 1e-5, "large": -2e22}
 
 
-@pytest.mark.parametrize("node", NODES)
-def test_tables_have_every_parameter(node: str) -> None:
-    """The documentation's table has one row each, with unit and meaning."""
-    rows = parameter_table(node).splitlines()[4:]
-    for each, row in zip(declared(NODES[node].parameters), rows, strict=True):
-        assert row.startswith(f"| `{each.name}` |")
-        assert each.about.meaning in row
-        assert each.about.unit in row
-        assert each.about.meaning in describe(each)
-
-
 def test_nested_and_dotted_names(file: Any) -> None:
     """A file may nest the groups or write full names."""
     nested = file("plant:\n  ros__parameters:\n    friction: {alpha0: 0.3}\n")
@@ -76,8 +58,8 @@ def test_nested_and_dotted_names(file: Any) -> None:
 
 def test_wildcard(file: Any) -> None:
     """/** sets the parameter in every node that has it and in no other."""
-    found = read_file(file("/**:\n  ros__parameters:\n    sample_time: 0.002\n"))
-    assert found == {
+    settings = read_file(file("/**:\n  ros__parameters:\n    sample_time: 0.002\n"))
+    assert settings == {
         "plant": {"sample_time": 0.002},
         "estimator": {"sample_time": 0.002},
         "friction_observer": {"sample_time": 0.002},
@@ -88,26 +70,23 @@ def test_wildcard(file: Any) -> None:
 
 def test_later_wins(file: Any) -> None:
     """Files in their order, assignments after them."""
-    first = file("estimator:\n  ros__parameters: {filter_bandwidth: 50, filter_damping: 1}\n")
+    first = file("estimator:\n  ros__parameters: {filter_bandwidth: 5e1, filter_damping: 1}\n")
     second = file("estimator:\n  ros__parameters: {filter_bandwidth: 60}\n", "b.yaml")
     assert load_settings([first, second], [])["estimator"] == {
         "filter_bandwidth": 60.0,
         "filter_damping": 1.0,
     }
-    found = load_settings([first, second], ["filter_bandwidth=70", "filter_bandwidth=80"])
-    assert found["estimator"]["filter_bandwidth"] == 80.0
+    settings = load_settings([first, second], ["filter_bandwidth=70", "filter_bandwidth=80"])
+    assert settings["estimator"]["filter_bandwidth"] == 80.0
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "must map node names to ros__parameters"),
-        ("- plant\n", "must map node names to ros__parameters"),
-        ("plant: [\n", "is not YAML: .* in line 2"),
         ("plant:\n\tx: 1\n", "is not YAML: .* in line 2"),
         ("motor:\n  ros__parameters: {x: 1}\n", "no node motor; nodes are plant, estimator"),
         ("plant: {alpha: 1}\n", "plant has no ros__parameters"),
-        ("plant: {ros__parameters: 3}\n", "plant has no ros__parameters"),
         (
             "plant:\n  ros__parameters: {friction: {alfa0: 1}}\n",
             r"plant has no parameter friction\.alfa0; did you mean alpha0",
@@ -118,7 +97,6 @@ def test_later_wins(file: Any) -> None:
             "plant:\n  ros__parameters: {friction: {alpha0: -1}}\n",
             r"friction\.alpha0 must be 0 to 100 V, given -1",
         ),
-        ("plant:\n  ros__parameters: {friction: 1}\n", "plant has no parameter friction"),
     ],
 )
 def test_files_that_are_wrong(file: Any, text: str, message: str) -> None:
@@ -139,12 +117,6 @@ def test_unknown_names_are_named(file: Any) -> None:
     assert str(caught.value).count("no parameter") == 10
 
 
-def test_exponent_without_dot(file: Any) -> None:
-    """A file may say 1e2, as it may to ROS itself."""
-    found = read_file(file("estimator:\n  ros__parameters: {filter_bandwidth: 1e2}\n"))
-    assert found["estimator"] == {"filter_bandwidth": 100.0}
-
-
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     """A missing file, a directory and bytes that are no text are refused by name."""
     (tmp_path / "binary.yaml").write_bytes(b"\xff\xfe\x00")
@@ -161,11 +133,8 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
             "alpha=0.03",
             {node: {"model.alpha": 0.03} for node in ("plant", "estimator", "controller")},
         ),
-        ("friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
         ("plant.friction.alpha0=0.3", {"plant": {"friction.alpha0": 0.3}}),
-        ("friction_observer.alpha0=0.3", {"friction_observer": {"alpha0": 0.3}}),
         ("observer_gain=1e-3", {"friction_observer": {"observer_gain": 0.001}}),
-        ("filter_bandwidth=1E2", {"estimator": {"filter_bandwidth": 100.0}}),
         ("seed=3", {"plant": {"seed": 3}}),
         (
             "sensors.ideal=true",
@@ -189,7 +158,6 @@ def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
         ("plant.alpha0=1", r"no parameter plant\.alpha0; did you mean alpha0"),
         ("alpha0=", r"alpha0 must be a number, given None"),
         ("alpha0=[", "alpha0: cannot read the value"),
-        ("alpha0=abc", "alpha0 must be a number, given 'abc'"),
         ("alpha0=nan", "alpha0 must be finite"),
         ("seed=1e3", "seed must be an integer"),
         (

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from furuta_ros.services import ServiceError
-from furuta_ros.spinning_thread import SpinningThread
+from furuta_ros.spinning import SpinningThread
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE
 from furuta_view.graph_link import GraphLink
 from furuta_view.page_layout import Layout

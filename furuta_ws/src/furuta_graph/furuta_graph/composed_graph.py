@@ -49,10 +49,10 @@ class ComposedGraph:
     ) -> None:
         described = graph_nodes(self.controlled, without)
         # The controlled system last: the real time of the plant starts when it is made.
-        made = {each.name: _make(each, settings) for each in reversed(described)}
+        made = {node.name: _make(node, settings) for node in reversed(described)}
         check_graph({name: node.parameters for name, node in made.items()})
         self._by_name = made
-        self.nodes: list[Node] = [*(made[each.name] for each in described), *others]
+        self.nodes: list[Node] = [*(made[node.name] for node in described), *others]
         self._recorder = record() if record is not None else None
         if self._recorder is not None:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -127,7 +127,7 @@ def _wait_until_matched(nodes: list[Node]) -> None:
         for publisher in node.publishers
     }
     deadline = monotonic() + DISCOVERY_TIMEOUT
-    while any(each.get_subscription_count() < count for each, count in required.items()):
+    while any(p.get_subscription_count() < count for p, count in required.items()):
         if monotonic() > deadline:
             raise UserError("the nodes of this process did not discover each other")
         sleep(0.005)

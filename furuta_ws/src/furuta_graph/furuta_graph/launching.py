@@ -9,12 +9,11 @@ from typing import NamedTuple
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
 from furuta_model.parameters import ParameterError
-from furuta_sim.settings.nodes import NODES, PLANT
+from furuta_sim.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
 from furuta_sim.settings.parameter_files import settings_file
 from furuta_sim.settings.rigs import config_directory
 from furuta_sim.settings.settings import collect_settings
 
-FRICTION_OBSERVER = "friction_observer"
 LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
 TRUTH = {"true": True, "false": False}
 
@@ -63,7 +62,7 @@ def launched_nodes(
         rig=rig,
         port=port,
         clock=clock,
-        without=tuple(each.strip() for each in without.split(",") if each.strip()),
+        without=tuple(name.strip() for name in without.split(",") if name.strip()),
         namespace=namespace,
     )
     graph = _graph(options, params_file, compensation)
@@ -71,8 +70,8 @@ def launched_nodes(
     log = ["--log-level", log_level]
     return [
         LaunchedNode(controlled, log, ends_launch=True),
-        *(LaunchedNode(each, log, respawn=TRUTH[respawn]) for each in others),
-        *(LaunchedNode(each, log) for each in _recorders(graph, record)),
+        *(LaunchedNode(node, log, respawn=TRUTH[respawn]) for node in others),
+        *(LaunchedNode(node, log) for node in _recorders(graph, record)),
     ]
 
 

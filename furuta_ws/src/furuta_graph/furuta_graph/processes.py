@@ -69,7 +69,7 @@ def executable(package: str, name: str) -> Path:
         raise ParameterError(f"no package {package} is installed") from None
     path = directory / name
     if not path.is_file():
-        known = ", ".join(sorted(each.name for each in directory.glob("*"))) or "none"
+        known = ", ".join(sorted(file.name for file in directory.glob("*"))) or "none"
         raise ParameterError(f"package {package} has no executable {name}; it has {known}")
     return path
 
@@ -84,8 +84,8 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     with _recording(record, graph.namespace) as recorder:
         collect = recorder.collect if recorder else lambda: None
         try:
-            for each in node_processes(graph):
-                started.start(each.name, each.command)
+            for node in node_processes(graph):
+                started.start(node.name, node.command)
             while not (stop() or started.any_has_ended()):
                 collect()
                 sleep(CHECK_PERIOD)

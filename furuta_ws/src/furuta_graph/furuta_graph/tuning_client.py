@@ -69,7 +69,7 @@ class TuningClient:
     def apply(self, observer: Any) -> None:
         """Set the parameters that differ, all or none, and drop earlier estimates."""
         new = values(observer)
-        changes = {name: each for name, each in new.items() if each != self._applied[name]}
+        changes = {name: value for name, value in new.items() if value != self._applied[name]}
         if changes:
             self.client.set_all(FRICTION_OBSERVER, changes)
             self._applied = new

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import time
 
 import rclpy
 import rclpy.logging
@@ -12,7 +15,12 @@ from rclpy.signals import SignalHandlerOptions
 
 from furuta_ros.discovery import describe_discovery, reaches_network, restrict_discovery
 from furuta_ros.errors import UserError, first_line
-from furuta_ros.shared_memory import remove_empty_ports
+
+SHARED_MEMORY = Path("/dev/shm")
+# The first port of domain 0, and the ports of a domain (DDS Interoperability Protocol, 9.6.2).
+FIRST_PORT, PORTS = 7400, 250
+# A port that is older than this [s] and still empty is not being created any more.
+CREATION_TIME = 0.2
 
 _arguments: list[str] = []
 
@@ -50,3 +58,21 @@ def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> It
         yield
     finally:
         rclpy.try_shutdown()
+
+
+def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:
+    """Remove the empty ports of this process's ROS domain.
+
+    A process that is killed between creating and filling its port in shared memory leaves an empty
+    file. Every process that starts on this port later, or sends to it, would wait for it forever.
+    """
+    domain = os.environ.get("ROS_DOMAIN_ID", "0")
+    if not domain.isdecimal():
+        return  # ROS itself rejects it
+    first = FIRST_PORT + PORTS * int(domain)
+    for port in range(first, first + PORTS):
+        file = directory / f"fastrtps_port{port}"
+        with suppress(OSError):
+            status = file.stat()
+            if status.st_size == 0 and time() - status.st_mtime > CREATION_TIME:
+                file.unlink()

@@ -17,7 +17,7 @@ LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 
 def restrict_discovery() -> None:
     """Choose this machine only, if no environment variable holds another choice."""
-    if not any(os.environ.get(each) for each in (RANGE, PEERS, SERVER)):
+    if not any(os.environ.get(name) for name in (RANGE, PEERS, SERVER)):
         os.environ[RANGE] = "LOCALHOST"
 
 
@@ -26,12 +26,12 @@ def reaches_network() -> bool:
     given = os.environ.get(RANGE, "")
     if os.environ.get(LOCALHOST_ONLY) == "1" or given == "OFF":
         return False
-    chosen = any(os.environ.get(each) for each in (PEERS, SERVER))
+    chosen = any(os.environ.get(name) for name in (PEERS, SERVER))
     return chosen or given in ("", "SUBNET", "SYSTEM_DEFAULT")
 
 
 def describe_discovery() -> str:
     """The choice that applies, with the variables that make it."""
     reached = "the network" if reaches_network() else "this machine only"
-    variables = [each for each in (LOCALHOST_ONLY, RANGE, PEERS, SERVER) if os.environ.get(each)]
-    return f"{reached} ({', '.join(f'{each}={os.environ[each]}' for each in variables)})"
+    variables = [name for name in (LOCALHOST_ONLY, RANGE, PEERS, SERVER) if os.environ.get(name)]
+    return f"{reached} ({', '.join(f'{name}={os.environ[name]}' for name in variables)})"

@@ -15,12 +15,12 @@ UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 def publishers_of(node: Node, topic: Topic) -> list[TopicPublisher]:
     """The publishers of a topic that ``node`` knows."""
     endpoints = node.get_publishers_info_by_topic(node.resolve_topic_name(topic.name))
-    return [TopicPublisher(bytes(each.endpoint_gid), _node_name(each)) for each in endpoints]
+    return [TopicPublisher(bytes(end.endpoint_gid), _node_name(end)) for end in endpoints]
 
 
 def several_publishers(node: Node, topic: Topic) -> str:
     """Who publishes a topic that must have one publisher, in words."""
-    names = sorted(each.node for each in publishers_of(node, topic))
+    names = sorted(publisher.node for publisher in publishers_of(node, topic))
     return (
         f"{len(names)} nodes publish {topic.name}: {' and '.join(names)}; another graph needs "
         "another namespace or ROS_DOMAIN_ID"
@@ -29,11 +29,11 @@ def several_publishers(node: Node, topic: Topic) -> str:
 
 def missing_from_loop(plant: Node) -> list[str]:
     """What the loop lacks besides ``plant``, one clause for each topic."""
-    name = plant.resolve_topic_name(MEASUREMENT.name)
-    unheard = [] if plant.count_subscribers(name) else [f"no node subscribes to {name}"]
+    own = plant.resolve_topic_name(MEASUREMENT.name)
+    unheard = [] if plant.count_subscribers(own) else [f"no node subscribes to {own}"]
     names = [plant.resolve_topic_name(t.name) for t in (JOINT_STATES, FRICTION_ESTIMATE, COMMAND)]
     return unheard + [
-        f"no node publishes {each}" for each in names if not plant.count_publishers(each)
+        f"no node publishes {name}" for name in names if not plant.count_publishers(name)
     ]
 
 

@@ -81,7 +81,7 @@ class OnePublisher:
         accepted = self._accepted
         if accepted is None:
             return "only messages from one of them are accepted"
-        if sum(each.node == accepted.node for each in self._listed) > 1:
+        if sum(publisher.node == accepted.node for publisher in self._listed) > 1:
             return "only messages from the one that was first are accepted"
         return f"only messages from {accepted.node} are accepted"
 
@@ -96,9 +96,9 @@ class OnePublisher:
         if len(self._listed) > 1 and now - self._lookup_time < LOOKUP_PERIOD:
             return
         self._lookup_time, self._listed = now, self._look_up()
-        for each in self._listed:
-            if self._accepted is not None and each.identity == self._accepted.identity:
-                self._accepted = each  # its name may have been unknown so far
+        for publisher in self._listed:
+            if self._accepted is not None and publisher.identity == self._accepted.identity:
+                self._accepted = publisher  # its name may have been unknown so far
 
     def _is_accepted(self, number: int | None) -> bool:
         """Whether a message that does not continue the sequence is accepted."""
@@ -112,14 +112,14 @@ class OnePublisher:
             self._accepted = self._listed[0] if self._alone else None
             if not self._alone and not self._only_restarts:
                 self._report.replacement(self._listed)
-            self._known = frozenset(each.identity for each in self._listed)
+            self._known = frozenset(publisher.identity for publisher in self._listed)
             return True
         return False
 
     def _follows(self, number: int) -> bool:
         """Whether messages were lost, or the accepted publisher has ended or is the first one."""
         ended = self._accepted is not None and not any(
-            each.identity == self._accepted.identity for each in self._listed
+            publisher.identity == self._accepted.identity for publisher in self._listed
         )
         if self._next == NONE_YET:
             return ended or self._alone
@@ -131,15 +131,19 @@ class OnePublisher:
 
         They have its node name and were silent when it replaced them.
         """
-        names = {each.node for each in self._listed}
-        return len(names) == 1 and all(each.identity in self._known for each in self._listed)
+        names = {publisher.node for publisher in self._listed}
+        return len(names) == 1 and all(
+            publisher.identity in self._known for publisher in self._listed
+        )
 
     def _may_replace(self, number: int) -> bool:
         """Whether a sequence may replace the accepted one, which is silent."""
         accepted = self._accepted
         if accepted is None or self._alone or number > self._next:
             return True
-        others = [each.node for each in self._listed if each.identity != accepted.identity]
+        others = [
+            publisher.node for publisher in self._listed if publisher.identity != accepted.identity
+        ]
         return accepted.node in others
 
 

@@ -18,8 +18,7 @@ from rclpy.parameter import Parameter
 
 from furuta_model.parameters import Declared, ParameterError, build, declared
 from furuta_ros.context import ros_arguments
-from furuta_ros.parameter_checks import check_names
-from furuta_ros.parameter_sections import read_sections
+from furuta_ros.parameter_sections import check_names, read_sections
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -53,12 +52,12 @@ class NodeParameters(Generic[Group]):
         self._node = node
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
-        self._names = {each.name: each for each in declared(group)}
+        self._names = {declaration.name: declaration for declaration in declared(group)}
         given = self._with_empty_lists()
         node._parameter_overrides = {name: self._with_type(given[name]) for name in given}
         self._warn_about_names()
-        for each in declared(group):
-            self._declare(each)
+        for declaration in declared(group):
+            self._declare(declaration)
         self.current: Group = build(group, self._values())
         self._next = self.current
         node.add_pre_set_parameters_callback(self._with_types)
@@ -85,8 +84,8 @@ class NodeParameters(Generic[Group]):
     def _with_empty_lists(self) -> dict[str, Parameter]:
         """The start values; an empty list in a parameter file arrives as no value at all."""
         given = dict(self._node._parameter_overrides)
-        for name, each in self._names.items():
-            if each.kind is list and name in given and given[name].value is None:
+        for name, declaration in self._names.items():
+            if declaration.kind is list and name in given and given[name].value is None:
                 given[name] = Parameter(name, Parameter.Type.DOUBLE_ARRAY, [])
         return given
 
@@ -96,9 +95,11 @@ class NodeParameters(Generic[Group]):
         for warning in check_names(full_name, self._names, given, read_sections(ros_arguments())):
             self._node.get_logger().warning(warning)
 
-    def _declare(self, each: Declared) -> None:
+    def _declare(self, declaration: Declared) -> None:
         try:
-            self._node.declare_parameter(each.name, each.default, _descriptor(each))
+            self._node.declare_parameter(
+                declaration.name, declaration.default, _descriptor(declaration)
+            )
         except InvalidParameterTypeException as error:
             raise ParameterError(str(error)) from None
 
@@ -106,9 +107,9 @@ class NodeParameters(Generic[Group]):
         return {name: self._node.get_parameter(name).value for name in self._names}
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
-        if not all(each.name for each in parameters):
+        if not all(parameter.name for parameter in parameters):
             return SetParametersResult(successful=False, reason="a parameter has no name")
-        mine = {each.name: each.value for each in parameters if each.name in self._names}
+        mine = {p.name: p.value for p in parameters if p.name in self._names}
         if mine:
             try:
                 self._next = build(self._group, self._values() | mine)
@@ -117,7 +118,7 @@ class NodeParameters(Generic[Group]):
         return SetParametersResult(successful=True)
 
     def _keep(self, parameters: list[Parameter]) -> None:
-        if any(each.name in self._names for each in parameters):
+        if any(parameter.name in self._names for parameter in parameters):
             self.current = self._next
             for apply in self._on_change:
                 apply(self.current)
@@ -129,34 +130,35 @@ def _with_list(parameter: Parameter, declaration: Declared) -> Parameter:
     if parameter.type_ in _LISTS and len(value) == 0:
         return Parameter(parameter.name, value=list(declaration.default))
     if parameter.type_ == Parameter.Type.INTEGER_ARRAY:
-        return Parameter(parameter.name, value=[float(each) for each in value])
+        return Parameter(parameter.name, value=[float(element) for element in value])
     return parameter
 
 
-def _descriptor(each: Declared) -> ParameterDescriptor:
+def _descriptor(declaration: Declared) -> ParameterDescriptor:
     """Type, meaning and allowed values; the range itself where ROS can hold it."""
-    about = each.about
+    about = declaration.about
+    has_range = _has_range(declaration)
     unit = f" [{about.unit}]" if about.unit else ""
     descriptor = ParameterDescriptor(
-        name=each.name,
-        type=_TYPES[each.kind].value,
+        name=declaration.name,
+        type=_TYPES[declaration.kind].value,
         description=f"{about.meaning}{unit}",
-        additional_constraints="" if _has_range(each) or about.allowed == "any" else about.allowed,
+        additional_constraints="" if has_range or about.allowed == "any" else about.allowed,
         read_only=about.read_only,
     )
-    if _has_range(each):
-        if each.kind is float:
+    if has_range:
+        if declaration.kind is float:
             descriptor.floating_point_range = [
                 FloatingPointRange(from_value=float(about.low), to_value=float(about.high))
             ]
-        elif each.kind is int:
+        elif declaration.kind is int:
             descriptor.integer_range = [
                 IntegerRange(from_value=int(about.low), to_value=int(about.high), step=1)
             ]
     return descriptor
 
 
-def _has_range(each: Declared) -> bool:
+def _has_range(declaration: Declared) -> bool:
     """Whether ROS can hold the range: it knows no open ends."""
-    bounded = math.isfinite(each.about.low) and math.isfinite(each.about.high)
-    return bounded and each.kind in (float, int)
+    bounded = math.isfinite(declaration.about.low) and math.isfinite(declaration.about.high)
+    return bounded and declaration.kind in (float, int)

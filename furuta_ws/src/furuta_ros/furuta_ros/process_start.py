@@ -71,13 +71,13 @@ def _exit(number: int, frame: FrameType | None) -> None:
 def own_arguments(arguments: Sequence[str]) -> list[str]:
     """The arguments without those for ROS: from ``--ros-args`` to ``--`` or to the end."""
     own, for_ros = [], False
-    for each in arguments:
-        if each == "--ros-args":
+    for argument in arguments:
+        if argument == "--ros-args":
             for_ros = True
         elif for_ros:
-            for_ros = each != "--"
+            for_ros = argument != "--"
         else:
-            own.append(each)
+            own.append(argument)
     return own
 
 

@@ -53,7 +53,7 @@ class PublisherReport:
         )
 
     def _is_due(self, listed: Sequence[TopicPublisher]) -> bool:
-        present = frozenset(each.identity for each in listed)
+        present = frozenset(publisher.identity for publisher in listed)
         now = self._now()
         if present == self._reported and now - self._time < REPORT_PERIOD:
             return False
@@ -62,6 +62,6 @@ class PublisherReport:
 
 
 def _names(listed: Sequence[TopicPublisher]) -> str:
-    names = sorted(each.node for each in listed)
+    names = sorted(publisher.node for publisher in listed)
     killed = " (a killed node stays listed for up to 20 s)" if len(set(names)) < len(names) else ""
     return " and ".join(names) + killed

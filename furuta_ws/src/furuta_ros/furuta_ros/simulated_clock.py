@@ -51,7 +51,7 @@ def reject_simulated_time(node: Node, reason: str) -> None:
         raise UserError(error)
 
     def check(parameters: list[Parameter]) -> SetParametersResult:
-        wanted = any(each.name == "use_sim_time" and each.value for each in parameters)
+        wanted = any(p.name == "use_sim_time" and p.value for p in parameters)
         return SetParametersResult(successful=not wanted, reason=error if wanted else "")
 
     node.add_on_set_parameters_callback(check)

@@ -63,7 +63,7 @@ class BagSamples:
         file = self.path / PARAMETERS_FILE
         if not file.is_file():
             return {}
-        return {node: values(each) for node, each in parameters_of(read_file(file)).items()}
+        return {node: values(group) for node, group in parameters_of(read_file(file)).items()}
 
     def window(self, end: float, seconds: float) -> np.ndarray:
         """The samples (n, 8) of the ``seconds`` before ``end``; times count from the start."""

@@ -15,7 +15,7 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.system_client import BridgeClient, reset_plant
 from furuta_ros.ros_parameters import is_of_ros
 from furuta_ros.services import ServiceCaller
-from furuta_ros.spinning_thread import SpinningThread
+from furuta_ros.spinning import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
 
