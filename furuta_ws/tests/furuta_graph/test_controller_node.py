@@ -232,6 +232,31 @@ def test_an_answered_state_that_is_repeated_gets_the_same_command(loop: Loop) ->
     loop.expect(FEEDBACK + 0.2, FEEDBACK + 0.2)
 
 
+def test_estimates_for_repetitions_are_not_matched_to_the_next_state(loop: Loop) -> None:
+    """Each estimate for a state repeated twice has its command published; the next gets its own."""
+    for _ in range(3):
+        loop.state(1)
+    for _ in range(3):
+        loop.estimate(0.2)
+    loop.expect(*[FEEDBACK + 0.2] * 3)
+    loop.state(2)
+    loop.expect()
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)
+
+
+def test_an_estimate_that_overtakes_a_repetition_leaves_the_next_state_its_own(loop: Loop) -> None:
+    """The first estimate for state 1 was lost; the second one comes before the repeated state."""
+    loop.state(1)
+    loop.estimate(0.2)
+    loop.state(1)
+    loop.expect(FEEDBACK + 0.2)
+    loop.state(2)
+    loop.expect()
+    loop.estimate(0.3)
+    loop.expect(FEEDBACK + 0.3)
+
+
 def test_an_estimate_from_before_a_repeated_state_is_not_taken_for_the_next(loop: Loop) -> None:
     """It stayed on the way while the plant went on; sent before state 2, it is not its estimate."""
     loop.state(1)
