@@ -3,8 +3,6 @@
 Topics, types, quality of service, subscriptions and executor are the same as in the graph.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

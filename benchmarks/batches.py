@@ -1,7 +1,5 @@
 """Batches of closed loops on all cores: time for sixty million samples, cost and memory per run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from resource import getpagesize
 from statistics import median

@@ -3,8 +3,6 @@
 The simulators are measured in alternation, so that they meet the same load on the machine.
 """
 
-from __future__ import annotations
-
 import warnings
 from statistics import median
 from time import thread_time

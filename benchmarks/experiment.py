@@ -4,8 +4,6 @@ All states are measured exactly, there is no compensation, and the pendulum is r
 upright. Equations (1) and (5) are repeated here in plain Python for the solvers under comparison.
 """
 
-from __future__ import annotations
-
 from math import cos, exp, sin
 
 import numpy as np

@@ -3,8 +3,6 @@
 Graph and chain are measured in alternation in one process.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps

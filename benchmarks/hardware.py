@@ -8,8 +8,6 @@ before the next one, and the reasons of stops. A delay of the machine beyond the
 reason; the run continues after it. With --firmware the rig runs the C firmware for boards.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -7,8 +7,6 @@ many repetitions counts, because other processes only ever add to the cost. A st
 on the same data costs what it costs in a run, except that its data is in the cache.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import perf_counter
 

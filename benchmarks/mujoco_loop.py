@@ -1,7 +1,5 @@
 """The same pendulum in MuJoCo, with MuJoCo's own LuGre joint."""
 
-from __future__ import annotations
-
 from time import thread_time
 
 import mujoco

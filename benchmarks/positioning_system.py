@@ -13,8 +13,6 @@ way. So a linear drift is fitted with the other parameters, which it would bias 
 predictions leave it out: they have the mean offset of the training record.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

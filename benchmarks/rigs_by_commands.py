@@ -7,8 +7,6 @@ driven, recorded, identified and checked. The rig file that was written then bal
 compensation. All that the commands know before is a base file: sensors, drive, line and limits.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -7,8 +7,6 @@ The recording becomes a rig file as `furuta identify --write` makes it. The cont
 file then balances the true rig with every compensation.
 """
 
-from __future__ import annotations
-
 import argparse
 from math import pi
 from pathlib import Path

@@ -4,8 +4,6 @@ The last line printed is the path of the JSON file. Ratios are ours over theirs.
 are per second of one core's CPU time, so that other processes do not affect them.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

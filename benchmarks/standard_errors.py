@@ -9,8 +9,6 @@ standard error; for all fits, for those that the verdict calls usable, and for t
 commands have more than one level: no step shows that the drive gives less than commanded.
 """
 
-from __future__ import annotations
-
 import sys
 from collections import defaultdict
 from pathlib import Path

@@ -9,8 +9,6 @@
 It needs Chromium and playwright (``furuta_ws/tests/requirements.lock``) and a quiet machine.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import signal

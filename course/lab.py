@@ -1,7 +1,5 @@
 """What the notebooks of the lab course share: check cells, and processes that end by themselves."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -7,8 +7,6 @@ A source holds the solution. Between ``# BEGIN SOLUTION`` and ``# END SOLUTION``
     python course/notebooks.py check output/course    # run all solutions
 """
 
-from __future__ import annotations
-
 import argparse
 import base64
 import os

@@ -4,8 +4,6 @@ Collects the pages beside the output, runs Sphinx with every warning as an error
 the result loads nothing from another host. ``make docs`` calls it.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -12,8 +12,6 @@ A command that needs no end, such as ``./furuta run``, is interrupted after a wh
 that takes longer than the limit. What runs in the background ends with its section.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,7 +1,5 @@
 """The drawing of the pendulum: axes, positive directions of φ, θ and u, lengths."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

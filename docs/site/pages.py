@@ -4,8 +4,6 @@
 here it is the first page, and its lists become the navigation.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Iterator

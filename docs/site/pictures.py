@@ -4,8 +4,6 @@ Each picture comes from its command below. ``view.png`` shows a page in a browse
 ``furuta_ws/tests/view_picture.py`` makes it.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -4,8 +4,6 @@ Verbs, parameters, rig files and the names of the library go into the folder, fr
 takes them. docs/topics.md is written in its place; a test compares it.
 """
 
-from __future__ import annotations
-
 import inspect
 import re
 import sys

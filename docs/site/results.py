@@ -4,8 +4,6 @@ Limit cycles and the table of truths are computed. The demo and the benchmarks a
 ``output/``: call ``make demo`` and ``make bench`` before.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """The bridge on a test bench: its services, and a loop that answers its measurements."""
 
-from __future__ import annotations
-
 from time import monotonic
 from typing import Any
 

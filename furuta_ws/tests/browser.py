@@ -1,7 +1,5 @@
 """A headless Chromium for tests of the page, and what a user sees and does in it."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Runs firmware as machine code of a Cortex-M processor, in the emulator unicorn."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from elf import Elf

@@ -1,7 +1,5 @@
 """Reads 32-bit ELF files: machine code of the firmware, its sizes and symbols."""
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 from typing import NamedTuple

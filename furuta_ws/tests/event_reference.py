@@ -4,8 +4,6 @@ An independent reference for the compiled plant. Phases between events are smoot
 where the arm reverses, sticks or breaks away, and where a spring begins or ceases to slip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Random schedules of frames and samples for firmware, and what the reference does with them."""
 
-from __future__ import annotations
-
 from random import Random
 from typing import NamedTuple
 from zlib import crc32

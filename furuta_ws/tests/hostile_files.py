@@ -1,7 +1,5 @@
 """Files made to mislead whoever reads them: each small, each claiming or naming too much."""
 
-from __future__ import annotations
-
 import io
 import os
 import sqlite3

@@ -3,8 +3,6 @@
 They keep what a launch file gives them, so that a test can look at it without these packages.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from importlib.util import module_from_spec, spec_from_file_location

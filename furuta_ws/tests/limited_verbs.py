@@ -3,8 +3,6 @@
 A program of its own, ``python limited_verbs.py CALLS.json``: the limits hold for its process.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -12,8 +12,6 @@ Where root starts it, Chromium gives its drawing process niceness -8, before the
 measured. A user's browser cannot do that, so this one gives up the right to do it.
 """
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from time import time

@@ -1,7 +1,5 @@
 """A graph in lock-step in other processes, run sample by sample so that no message is lost."""
 
-from __future__ import annotations
-
 import numpy as np
 from testbench import Bench
 

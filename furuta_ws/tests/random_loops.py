@@ -1,7 +1,5 @@
 """Random closed loops of every kind that runs in lanes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_control.control import ControllerParameters

@@ -5,8 +5,6 @@ tilted base, a drive with a ceiling, speeds that lag, a delay. Its recording has
 and signs.
 """
 
-from __future__ import annotations
-
 from math import cos, pi, sin, tanh
 from typing import NamedTuple
 

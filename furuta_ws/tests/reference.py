@@ -1,7 +1,5 @@
 """Equations (1) and (5) of the paper in plain Python, as a reference for the compiled code."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.integrate import solve_ivp
 

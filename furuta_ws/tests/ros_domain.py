@@ -1,7 +1,5 @@
 """Gives each test process a ROS domain of its own on this machine."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import tempfile

@@ -1,7 +1,5 @@
 """Where the sources of the workspace are, and what each file of them imports."""
 
-from __future__ import annotations
-
 import ast
 import xml.etree.ElementTree as ET
 from configparser import ConfigParser

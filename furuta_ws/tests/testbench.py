@@ -1,7 +1,5 @@
 """A test bench for nodes: a probe node publishes to them and collects their messages."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from functools import wraps

@@ -3,8 +3,6 @@
 python view_picture.py ../../docs/view.png [WIDTH HEIGHT]
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Rigs, candidates, runs and tuning of a comparison."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Scores of a comparison, against closed forms and tables of the binomial distribution."""
 
-from __future__ import annotations
-
 from math import inf, isnan
 
 import numpy as np

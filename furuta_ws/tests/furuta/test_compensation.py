@@ -1,7 +1,5 @@
 """Compensations on the simulated rig: the paper's order, drift, and hard conditions."""
 
-from __future__ import annotations
-
 from math import pi, sin
 
 import numpy as np

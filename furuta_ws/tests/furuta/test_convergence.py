@@ -1,7 +1,5 @@
 """Convergence of the observer, compared with state space, eigenvalues, and simulation."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

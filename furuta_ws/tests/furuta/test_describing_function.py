@@ -1,7 +1,5 @@
 """Describing functions, compared with integration in time, closed forms, and each other."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import reference

@@ -1,7 +1,5 @@
 """Saving, labels and colours of figures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib.pyplot as plt

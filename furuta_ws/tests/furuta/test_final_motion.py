@@ -3,8 +3,6 @@
 ``FURUTA_RANDOM_LOOPS=500`` tries 500 random loops instead of a few.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All friction laws under one interface, in the plant and in the analysis."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The library: what it loads, that its answers are right, and its errors."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

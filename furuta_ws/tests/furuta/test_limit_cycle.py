@@ -1,7 +1,5 @@
 """Exact periodic motions, compared with independent integration and known properties."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import reference

@@ -1,7 +1,5 @@
 """Stability margins, compared with python-control and with the poles at the margins."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

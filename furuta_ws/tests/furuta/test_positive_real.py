@@ -1,7 +1,5 @@
 """Positive realness from polynomials, compared with python-control's frequency response."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

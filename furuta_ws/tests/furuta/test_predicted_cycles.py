@@ -1,7 +1,5 @@
 """Predicted limit cycles: residuals, completeness, stability, and the simulated motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.special import ive

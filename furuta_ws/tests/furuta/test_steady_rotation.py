@@ -1,7 +1,5 @@
 """Nyquist curves that start on the negative real axis: the arm rotates, as in simulations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import reference

@@ -1,7 +1,5 @@
 """Journal and table of a sweep: what continues, what is kept, types."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

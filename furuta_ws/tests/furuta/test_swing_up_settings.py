@@ -1,7 +1,5 @@
 """Swing-up: which rigs and estimators are refused, travel in turns, and what counts as a fall."""
 
-from __future__ import annotations
-
 from math import pi
 from pathlib import Path
 

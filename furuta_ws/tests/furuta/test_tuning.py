@@ -1,7 +1,5 @@
 """The friction fit is accurate; tuning finds good parameters, is safe, and keeps its time."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Types of options: what they accept, and the reason when they do not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

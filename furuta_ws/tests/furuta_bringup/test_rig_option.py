@@ -1,7 +1,5 @@
 """The option --rig of the verbs that have model parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path

@@ -1,7 +1,5 @@
 """State feedback: sign convention, limits, fall and catch."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

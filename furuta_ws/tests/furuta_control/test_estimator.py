@@ -1,7 +1,5 @@
 """The low-pass estimator of the pendulum, compared with scipy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim

@@ -1,7 +1,5 @@
 """The node ``estimator``: same results as the core, bad messages rejected."""
 
-from __future__ import annotations
-
 from math import isnan, nan
 from time import sleep
 

@@ -1,7 +1,5 @@
 """Mode ``swing_up``: limits of the arm, energy, hand-overs, giving up, the optimised trajectory."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

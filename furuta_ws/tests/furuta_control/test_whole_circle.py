@@ -1,7 +1,5 @@
 """Estimator of the whole circle: the stationary filter upright and hanging, the seam, friction."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The robot description of each rig, and the layouts of display tools."""
 
-from __future__ import annotations
-
 import json
 import re
 import xml.etree.ElementTree as ET

@@ -1,7 +1,5 @@
 """Friction estimates: always bounded, and exact for an exact model."""
 
-from __future__ import annotations
-
 from itertools import pairwise, product
 from math import nan
 from typing import Any

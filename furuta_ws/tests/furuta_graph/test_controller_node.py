@@ -1,7 +1,5 @@
 """The node ``controller``: one command per state, with or without a friction estimate."""
 
-from __future__ import annotations
-
 from math import nan
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The node ``friction_observer``: one estimate per state, compensation switched by service."""
 
-from __future__ import annotations
-
 from testbench import Bench, joint_state
 
 from furuta_friction.friction_observer_node import FrictionObserverNode

@@ -1,7 +1,5 @@
 """Parameters of all nodes, through ROS."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

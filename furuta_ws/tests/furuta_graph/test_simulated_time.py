@@ -1,7 +1,5 @@
 """Simulated time: published in lock-step, followed with ``use_sim_time``, rejected in real time."""
 
-from __future__ import annotations
-
 import gc
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The bridge as a managed node, on an emulated rig in its own process."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import isnan
 from pathlib import Path

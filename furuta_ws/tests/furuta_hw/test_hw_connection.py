@@ -1,7 +1,5 @@
 """The connection to a rig: batches, failing and silent lines, and loading of drivers."""
 
-from __future__ import annotations
-
 from queue import Empty, Queue
 from threading import Event
 from typing import Any

@@ -1,7 +1,5 @@
 """The guard: it limits commands, and every reason for a stop stops the rig."""
 
-from __future__ import annotations
-
 from math import inf, nan
 from typing import Any
 

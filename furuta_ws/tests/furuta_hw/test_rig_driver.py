@@ -1,7 +1,5 @@
 """The worked example of a rig driver, from the documentation, on the bridge node."""
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

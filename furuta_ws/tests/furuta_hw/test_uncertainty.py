@@ -1,7 +1,5 @@
 """Rig files with uncertainty: written, read, drawn from."""
 
-from __future__ import annotations
-
 from math import log
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Identification of a balanced pendulum from simulated closed loops."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

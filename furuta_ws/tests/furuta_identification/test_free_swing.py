@@ -1,7 +1,5 @@
 """Free swings of the pendulum with a held arm."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

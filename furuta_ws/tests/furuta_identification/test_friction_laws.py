@@ -1,7 +1,5 @@
 """Comparison of friction laws: the data support no law that the arm does not have."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

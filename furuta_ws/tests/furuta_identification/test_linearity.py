@@ -1,7 +1,5 @@
 """Whether standard errors from slopes mean anything, on residuals of one's own."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

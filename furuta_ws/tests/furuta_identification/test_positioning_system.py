@@ -1,7 +1,5 @@
 """The study of one joint in benchmarks: its model against closed solutions, and its fit."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path

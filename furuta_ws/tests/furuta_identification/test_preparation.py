@@ -1,7 +1,5 @@
 """Preparation and regression: units, signs, zeros, missing commands, ceilings, refusals."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_rigs import DEGREE, EXAMPLE, RPM, Readings, example, record

@@ -6,8 +6,6 @@ r"""Random rigs: nothing is decided wrongly.
 tries 200 rigs; by default a few are tried. benchmarks/standard_errors.py fits them.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

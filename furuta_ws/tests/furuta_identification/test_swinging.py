@@ -1,7 +1,5 @@
 """The model of a swinging pendulum: truth, standard errors, verdict, predictions, rig."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_rigs import EXAMPLE, Readings, example

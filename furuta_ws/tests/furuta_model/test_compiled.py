@@ -1,7 +1,5 @@
 """The cache of compiled functions: used when nothing changed, never stale."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Elementary functions: their stated errors, against 80-bit arithmetic, and their limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

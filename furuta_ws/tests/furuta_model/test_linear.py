@@ -1,7 +1,5 @@
 """The linear model about upright and pole placement."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import control

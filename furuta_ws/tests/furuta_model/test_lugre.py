@@ -1,7 +1,5 @@
 """LuGre friction: equation (5) and its exact solution at constant speed."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

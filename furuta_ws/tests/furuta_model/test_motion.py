@@ -1,7 +1,5 @@
 """Integration of the plant over a sample, compared with an implicit solver."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import reference

@@ -1,7 +1,5 @@
 """The rigid body: equation (1), compared with mechanics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import reference

@@ -1,7 +1,5 @@
 """Poles that are chosen for a rig."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """G(s) of equation (10), compared with state space, python-control and sampled curves."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Bag files: readable after every flush, whatever ends the writer, and recovered when damaged."""
 
-from __future__ import annotations
-
 import shutil
 import signal
 import sqlite3

@@ -1,7 +1,5 @@
 """The process that writes bags: no message is lost, and the recorder never waits for it."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The recorder node: it writes what was published once it is told to collect."""
 
-from __future__ import annotations
-
 import json
 import os
 import sqlite3

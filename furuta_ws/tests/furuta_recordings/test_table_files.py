@@ -1,7 +1,5 @@
 """Tables of series: written and read in every format, and refused with one line."""
 
-from __future__ import annotations
-
 import csv
 from math import isnan, nan
 from pathlib import Path

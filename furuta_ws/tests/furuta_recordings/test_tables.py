@@ -1,7 +1,5 @@
 """CSV tables of every make: separators, marks, dates, units, names and times of the columns."""
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """YAML within bounds: what is rejected, where, and what is not."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The throttled copy of a topic: a hundred messages per second of the loop's time."""
 
-from __future__ import annotations
-
 from std_msgs.msg import Float64
 from testbench import Bench
 

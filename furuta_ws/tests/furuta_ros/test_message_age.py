@@ -1,7 +1,5 @@
 """How old a message may be when it is answered."""
 
-from __future__ import annotations
-
 import pytest
 
 from furuta_ros.message_age import MAX_AGE, MessageAge

@@ -1,7 +1,5 @@
 """Conversion of messages to arrays and back; bad messages are rejected before the core."""
 
-from __future__ import annotations
-
 from array import array
 from math import inf, isnan, nan
 

@@ -1,7 +1,5 @@
 """Which messages of a topic are accepted, given their sequence numbers and its publishers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from furuta_ros.one_publisher import HANDOVER_TIME, LOOKUP_PERIOD, OnePublisher

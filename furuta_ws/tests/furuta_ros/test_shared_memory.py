@@ -1,7 +1,5 @@
 """What killed processes leave in shared memory does not block later ones."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from time import time

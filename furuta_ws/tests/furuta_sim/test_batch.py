@@ -1,7 +1,5 @@
 """Batches: a run has the same outcome in any batch, and memory does not grow."""
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 from collections.abc import Iterator

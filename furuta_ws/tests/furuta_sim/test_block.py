@@ -1,7 +1,5 @@
 """Blocks of parameters for compiled code."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The C firmware sends the bytes of the reference and has its states, on every processor."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

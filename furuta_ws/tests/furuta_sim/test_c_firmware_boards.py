@@ -1,7 +1,5 @@
 """The boards' files compile without warnings, and the encoder's decoder counts right."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The closed loop, compared with independent results and with the paper."""
 
-from __future__ import annotations
-
 import control
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The emulated rig without its process."""
 
-from __future__ import annotations
-
 import pytest
 
 from furuta_hw.rigs.rig import Rig

@@ -1,7 +1,5 @@
 """Matching of friction estimates to states, against a model of the loop's four queues."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field

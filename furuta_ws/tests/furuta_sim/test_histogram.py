@@ -1,7 +1,5 @@
 """Histograms of durations."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

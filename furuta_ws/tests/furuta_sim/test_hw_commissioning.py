@@ -1,7 +1,5 @@
 """Commissioning of emulated rigs whose true parameters are known."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The reference firmware: it executes the host's frames, and stops when the host is silent."""
 
-from __future__ import annotations
-
 import pytest
 
 from furuta_hw.protocol import frames

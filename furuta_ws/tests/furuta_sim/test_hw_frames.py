@@ -1,7 +1,5 @@
 """Frames of the serial protocol: encoding, decoding and invalid bytes."""
 
-from __future__ import annotations
-
 import re
 import struct
 from pathlib import Path

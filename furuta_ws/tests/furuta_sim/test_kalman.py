@@ -1,7 +1,5 @@
 """The Kalman filter, compared with the textbook recursion, and on the simulated rig."""
 
-from __future__ import annotations
-
 from math import nan, pi
 
 import numpy as np

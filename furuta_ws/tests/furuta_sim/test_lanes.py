@@ -3,8 +3,6 @@
 ``FURUTA_LANES=10000`` tries as many random loops; the suite tries some.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -3,8 +3,6 @@
 By default one parameter set per law runs; ``FURUTA_ALL_LAWS=1`` runs all five.
 """
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

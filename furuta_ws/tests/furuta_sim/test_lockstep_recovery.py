@@ -1,7 +1,5 @@
 """The node ``plant`` in lock-step while nodes are missing or messages are lost."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The Maxwell-slip law: virgin curve, non-local memory, no drift in presliding."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Measurement of oscillations, on signals with known size and period."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

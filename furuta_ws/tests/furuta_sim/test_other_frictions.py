@@ -1,7 +1,5 @@
 """Compensation on rigs that differ from the model: told nominal friction, whatever the truth is."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

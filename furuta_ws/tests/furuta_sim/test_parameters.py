@@ -1,7 +1,5 @@
 """Declared parameters: values are converted to a validated group and back."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Parts of the plant beyond the model: drive, friction, sensors, pushes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

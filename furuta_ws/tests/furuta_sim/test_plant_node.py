@@ -1,7 +1,5 @@
 """The node ``plant`` in lock-step and in real time."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import nan
 from typing import Any

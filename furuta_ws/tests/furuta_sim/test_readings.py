@@ -3,8 +3,6 @@
 FURUTA_FALLS sets the number of falls.
 """
 
-from __future__ import annotations
-
 import os
 from math import cos, inf, nan, pi
 

@@ -1,7 +1,5 @@
 """The rig: converters, sensors, noise, and one sample of it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A second publisher on the topics of a node in real time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from std_msgs.msg import Float64

@@ -1,7 +1,5 @@
 """Settings from parameter files and NAME=VALUE assignments."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The closed loop on rigs that are not the model: it stays up, and each part has its effect."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Controls of the page without a graph: who has paused it, and what the bridge says."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any

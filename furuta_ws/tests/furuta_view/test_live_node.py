@@ -1,7 +1,5 @@
 """What the view receives: throttled copies, or the topics themselves where there are none."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

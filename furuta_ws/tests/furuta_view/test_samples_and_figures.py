@@ -1,7 +1,5 @@
 """Samples, figures, sliders, pacing and jobs of the page, without a browser and without ROS."""
 
-from __future__ import annotations
-
 import threading
 from math import inf, isnan, pi
 

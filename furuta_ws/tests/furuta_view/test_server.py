@@ -1,7 +1,5 @@
 """Which requests the page's server answers: a foreign page must not reach a parameter."""
 
-from __future__ import annotations
-
 import http.client
 import socket
 from collections.abc import Iterator

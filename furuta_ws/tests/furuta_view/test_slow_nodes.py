@@ -1,7 +1,5 @@
 """A node that hangs holds up neither the other nodes on the page nor the arming of a rig."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """The description of the graph, and the plan of a graph to start."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

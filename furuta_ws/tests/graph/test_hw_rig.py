@@ -1,7 +1,5 @@
 """Rig files, calibration and the normalised model."""
 
-from __future__ import annotations
-
 from math import isclose, pi
 from pathlib import Path
 

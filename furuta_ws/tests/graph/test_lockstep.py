@@ -4,8 +4,6 @@
 single runs; the suite tries two.
 """
 
-from __future__ import annotations
-
 import os
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The composed graph in real time."""
 
-from __future__ import annotations
-
 from time import monotonic
 
 import numpy as np

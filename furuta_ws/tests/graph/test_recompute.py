@@ -1,7 +1,5 @@
 """Recomputation of a recorded lock-step session, with the same and with another tuning."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 FURUTA_RESETS sets the number of falls in each test.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Second publishers on the topics of the composed graph in lock-step."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

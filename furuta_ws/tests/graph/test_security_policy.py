@@ -1,7 +1,5 @@
 """The SROS2 policy against the nodes as they are: every topic and service, and no other one."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 

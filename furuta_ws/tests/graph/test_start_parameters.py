@@ -1,7 +1,5 @@
 """Parameter files, as ROS tools and users write them, at the start of a node."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

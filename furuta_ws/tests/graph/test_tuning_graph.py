@@ -1,7 +1,5 @@
 """Tuning a graph of real nodes through their parameter services."""
 
-from __future__ import annotations
-
 import pytest
 
 from furuta.studies.tuning.plan import TuningPlan

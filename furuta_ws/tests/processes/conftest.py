@@ -1,7 +1,5 @@
 """Running the product as a user does: executables of the install space, and verbs."""
 
-from __future__ import annotations
-
 import logging
 import os
 import signal

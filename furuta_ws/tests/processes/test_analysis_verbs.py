@@ -1,7 +1,5 @@
 """The verbs ``linearize`` and ``limit-cycle`` as a user meets them."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Recording, replaying and identifying on the command line."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command line of a clone: through a symbolic link, and in a path with a space."""
 
-from __future__ import annotations
-
 import shutil
 import site
 import subprocess

@@ -1,7 +1,5 @@
 """The command line as a user meets it: results, exit status, one-line errors."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """The verb ``compare``: its results, files, and nonsense."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Which machines a process reaches: this one, unless the user chooses the network."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A host that is killed at a random moment: the C firmware goes to 0 V within its watchdog."""
 
-from __future__ import annotations
-
 import os
 import signal
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The graph as one process per node, with parameters set from outside."""
 
-from __future__ import annotations
-
 import signal
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The whole graph on an emulated rig behind a pseudo-terminal, in a process of its own."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

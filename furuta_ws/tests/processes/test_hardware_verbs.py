@@ -1,7 +1,5 @@
 """``furuta hw`` and ``run --plant hardware`` as a user runs them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Hostile files: one line, little memory and time, and nothing outside the bag opened."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -3,8 +3,6 @@
 ``FURUTA_KILLS=50`` kills that many; ``--capture=no`` prints what each has lost.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """The recorder that the launch file starts as a process of its own."""
 
-from __future__ import annotations
-
 import signal
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Scheduling of ``furuta run``: what the system granted is what is reported."""
 
-from __future__ import annotations
-
 import csv
 import os
 from pathlib import Path

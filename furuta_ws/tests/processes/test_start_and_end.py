@@ -1,7 +1,5 @@
 """How processes start and end: Ctrl-C at any moment, killed parents, children that fail."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Graphs as they are started: launched with a rig, in namespaces, with a node of one's own."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The verb ``sweep``: on this machine, killed and resumed, and on a cluster."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

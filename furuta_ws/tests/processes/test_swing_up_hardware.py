@@ -1,7 +1,5 @@
 """Swing-up on an emulated rig behind a pseudo-terminal: it is caught, and a kill ends the drive."""
 
-from __future__ import annotations
-
 import signal
 from math import pi
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``furuta tune`` and ``experiment`` as a user runs them."""
 
-from __future__ import annotations
-
 import json
 import signal
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """``furuta view`` as a user has it: the page of a running graph in a headless Chromium."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

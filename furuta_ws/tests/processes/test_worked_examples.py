@@ -1,7 +1,5 @@
 """The worked examples of docs/extending.md, applied to a copy of the sources and run."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -5,8 +5,6 @@ slice is a process of its own. Prints what was checked and every failure; ``repo
 counts. The exit status is 1 if an oracle is broken.
 """
 
-from __future__ import annotations
-
 import argparse
 import faulthandler
 import json

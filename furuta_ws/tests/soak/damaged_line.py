@@ -1,7 +1,5 @@
 """A line to the emulated rig that damages frames, with an independent decoder."""
 
-from __future__ import annotations
-
 import struct
 from zlib import crc32
 

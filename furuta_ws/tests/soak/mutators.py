@@ -1,7 +1,5 @@
 """Makes random input: messages, parameters and bytes, valid or damaged."""
 
-from __future__ import annotations
-
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Node processes that are killed, paused and started again."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A node that observes a graph in other processes: true states, measurements, services."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import monotonic
 from typing import Any

@@ -4,8 +4,6 @@ Three kinds: physics, what the documentation specifies, and agreement of two way
 same. :data:`ORACLES` lists them; the test of the soak shows that each can fail.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from math import isfinite, pi

@@ -1,7 +1,5 @@
 """Records what a slice of a campaign did, and what its oracles found."""
 
-from __future__ import annotations
-
 from collections import Counter
 from time import monotonic
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Memory, open files and threads of processes, from /proc."""
 
-from __future__ import annotations
-
 import os
 from collections import defaultdict
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A node whose callbacks are called directly, without the middleware."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

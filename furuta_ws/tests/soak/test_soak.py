@@ -1,7 +1,5 @@
 """The soak itself: oracles of physics can fail, slices repeat, and short slices find nothing."""
 
-from __future__ import annotations
-
 from math import inf, nan, pi
 from pathlib import Path
 

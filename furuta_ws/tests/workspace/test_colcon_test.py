@@ -1,7 +1,5 @@
 """``colcon test`` runs the same tests as ``make test-all``, each once."""
 
-from __future__ import annotations
-
 import os
 import re
 from itertools import chain

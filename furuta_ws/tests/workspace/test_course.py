@@ -3,8 +3,6 @@
 ``make course CHECK=1`` runs the solutions of all notebooks.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib.util
 import os

@@ -1,7 +1,5 @@
 """Every import is declared, and every declared dependency can be installed."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterable

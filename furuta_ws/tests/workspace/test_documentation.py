@@ -1,7 +1,5 @@
 """The documentation: generated pages are up to date, links lead somewhere, commands exist."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from functools import cache

@@ -1,7 +1,5 @@
 """The launch file starts the graph that the description describes."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

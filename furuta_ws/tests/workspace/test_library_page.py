@@ -1,7 +1,5 @@
 """The pages on the library and on exported series list what there is."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What a ROS package carries: a valid package.xml, its metadata and licence."""
 
-from __future__ import annotations
-
 import pytest
 from catkin_pkg.package import Package, parse_package
 from sources import PACKAGES, ROOT, SOURCES, setup_options

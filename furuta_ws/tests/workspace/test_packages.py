@@ -1,7 +1,5 @@
 """What ROS tools rely on in the install space, and the shape of the workspace."""
 
-from __future__ import annotations
-
 import ast
 import os
 import stat

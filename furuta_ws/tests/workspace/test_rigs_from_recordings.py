@@ -3,8 +3,6 @@
 FURUTA_RIGS=10 tries ten rigs, with longer recordings.
 """
 
-from __future__ import annotations
-
 import os
 from importlib import import_module
 

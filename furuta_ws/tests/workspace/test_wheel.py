@@ -3,8 +3,6 @@
 FURUTA_WHEEL=1 also installs it into an empty virtual environment, which downloads some 100 MB.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

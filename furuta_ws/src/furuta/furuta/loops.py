@@ -1,7 +1,5 @@
 """Makes closed loops from parameters by name and from rigs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any

@@ -16,8 +16,6 @@ is multiplied by any complex number in the disk with the real diameter from (2 â
 introduction to disk margins, IEEE Control Systems 40(5), 2020).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """The linear model, pole placement and friction laws."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_model.friction import laws

@@ -1,7 +1,5 @@
 """Simulates loops and computes their limit cycles."""
 
-from __future__ import annotations
-
 from math import inf
 
 from furuta.describing_functions import describing_function as describing

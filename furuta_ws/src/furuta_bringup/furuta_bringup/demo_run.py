@@ -4,8 +4,6 @@ First the compensator is tuned on a graph of its own. Then one pendulum keeps ru
 compensation is switched. Both use the parameter services, as a user would.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path

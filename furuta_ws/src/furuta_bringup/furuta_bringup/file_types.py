@@ -1,7 +1,5 @@
 """Types of options that name a file to write, checked before the work begins."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

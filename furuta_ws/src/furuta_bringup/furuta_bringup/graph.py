@@ -1,7 +1,5 @@
 """The executable ``graph``: the whole graph in one process."""
 
-from __future__ import annotations
-
 from furuta_bringup.main import run_verb
 
 

@@ -1,7 +1,5 @@
 """The command line ``furuta``: a verb is a module of ``verbs`` and a line in ``VERBS``."""
 
-from __future__ import annotations
-
 import importlib
 import logging
 import sys

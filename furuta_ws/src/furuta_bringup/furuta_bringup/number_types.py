@@ -1,7 +1,5 @@
 """Types of numeric options that click's own ranges do not cover."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

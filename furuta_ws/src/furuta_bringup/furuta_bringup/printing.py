@@ -1,7 +1,5 @@
 """Prints results as JSON or for people, and makes text from files fit for the terminal."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator

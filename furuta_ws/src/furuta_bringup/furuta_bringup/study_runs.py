@@ -1,7 +1,5 @@
 """Runs of a study for a verb: here or on a cluster, with a progress bar."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Container, Iterable, Iterator
 from typing import TypeVar

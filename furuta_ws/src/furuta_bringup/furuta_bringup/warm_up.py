@@ -1,7 +1,5 @@
 """Compiles all compiled functions once, so that the first run finds them in the cache."""
 
-from __future__ import annotations
-
 from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop

@@ -5,8 +5,6 @@ add a mode, write its file in ``modes/`` and add it to :data:`MODES`. What it re
 parameters, if it has any, are fields of the groups here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import ceil, isfinite, pi

@@ -1,7 +1,5 @@
 """Node ``controller``: joint_states and friction_estimate → command."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ some are lost, some come twice, and an estimate can come before its state. There
 was sent before the state is an old one, because an observer answers what it has received.
 """
 
-from __future__ import annotations
-
 from enum import Enum, auto
 
 # After this time [ns] without a repetition an estimate belongs to the next state. Shorter than what

@@ -5,8 +5,6 @@ Measurement and estimate are (5,): x, then the applied torque or the observed fr
 :data:`METHODS`. Its parameters and its design, if it has any, are fields of the groups here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import floor, nan, pi

@@ -1,7 +1,5 @@
 """Node ``estimator``: measurement → joint_states."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ has brought arm and pendulum back. In mode ``open_loop`` it is the whole command
 the pendulum does not limit it.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -8,8 +8,6 @@ themselves, because the estimator uses its prediction instead. The estimate is l
 its sensor. It starts anew as soon as all sensors give usable readings.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
 from typing import NamedTuple

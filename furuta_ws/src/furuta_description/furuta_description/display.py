@@ -1,7 +1,5 @@
 """The nodes that show a rig in RViz, for launch files."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from furuta_description.lengths import lengths

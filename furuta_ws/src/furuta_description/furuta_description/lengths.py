@@ -1,7 +1,5 @@
 """Computes the lengths of a pendulum that its normalised model determines."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from furuta_model.pendulum import FurutaPendulum

@@ -1,7 +1,5 @@
 """Makes the robot description (URDF) of a rig from its lengths."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import xacro

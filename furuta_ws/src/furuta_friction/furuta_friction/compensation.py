@@ -5,8 +5,6 @@ file in ``compensators/`` and add it to :data:`ALL`. What it remembers and its p
 any, are fields of the groups here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import isnan
 from typing import Annotated, NamedTuple

@@ -4,8 +4,6 @@ A compensator is a file in ``compensators/`` that defines a :class:`Compensator`
 :mod:`furuta_friction.compensation` lists it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Entry points of the executables; they import a node once Ctrl-C can end the process."""
 
-from __future__ import annotations
-
 from furuta_ros.process_start import run_entry
 
 

@@ -1,7 +1,5 @@
 """Node ``friction_observer``: joint_states → friction_estimate."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from math import isnan

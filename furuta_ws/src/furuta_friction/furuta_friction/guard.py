@@ -10,8 +10,6 @@ guard acts after this has lasted for the guard time while the arm slides. Withou
 (NaN) it cannot judge.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, expm1, isnan
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The processes of the nodes: started together, ended together, with the reason of a failure."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The whole graph in one process, on one executor."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from time import monotonic, sleep
 from typing import Any, ClassVar, cast

@@ -3,8 +3,6 @@
 The command line and the launch file both make their graph here, so that both start the same one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The graph for ``ros2 launch``: launch arguments to processes, without importing ``launch``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple

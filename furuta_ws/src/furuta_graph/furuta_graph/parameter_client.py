@@ -1,7 +1,5 @@
 """A client of the parameter services of running nodes, as ``ros2 param`` is."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType

@@ -1,7 +1,5 @@
 """The graph as one process per node, as ``ros2 launch`` starts it."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Running the composed graph until it is stopped, with a report at the end."""
 
-from __future__ import annotations
-
 import csv
 import sys
 from collections.abc import Callable, Iterator

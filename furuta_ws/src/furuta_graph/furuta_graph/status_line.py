@@ -4,8 +4,6 @@ A thread of its own writes it: a terminal that is held with Ctrl-S must not hold
 text is made by hand because a line of a table library takes a millisecond, a whole sample.
 """
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator

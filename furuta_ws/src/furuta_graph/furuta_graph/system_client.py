@@ -1,7 +1,5 @@
 """Clients of the controlled system: resets the plant, arms and disarms the bridge."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus

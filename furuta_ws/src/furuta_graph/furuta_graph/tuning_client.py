@@ -1,7 +1,5 @@
 """A client of a running graph for tuning: it reads the estimates and sets the friction observer."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from time import monotonic

@@ -1,7 +1,5 @@
 """Loads rig drivers by name."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from inspect import isabstract
 from pkgutil import iter_modules

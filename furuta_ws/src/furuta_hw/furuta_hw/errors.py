@@ -1,7 +1,5 @@
 """Errors of rigs, drivers and commissioning."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

@@ -4,8 +4,6 @@ An armed guard passes commands, limited in size and slew rate, until it detects 
 disarms, and only :meth:`Guard.arm` arms it again.
 """
 
-from __future__ import annotations
-
 from math import exp, inf, isfinite
 
 from furuta_hw.connection.rig_driver import RigSample

@@ -1,7 +1,5 @@
 """From recordings to a model: preparation, regression, then output error."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.fitting.balanced import fit_balanced, is_balanced

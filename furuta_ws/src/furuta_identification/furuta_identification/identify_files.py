@@ -1,7 +1,5 @@
 """Identification of files: reads them, fits a model, and predicts what was fitted and held out."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The result of a fit, and what it predicts."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the user knows about a recording."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ field by field, which takes a microsecond for every ten fields, more than the ar
 sample. A block is passed as one argument.
 """
 
-from __future__ import annotations
-
 from dataclasses import field, fields, is_dataclass
 from functools import cache, partial
 from typing import Any, get_type_hints

@@ -5,8 +5,6 @@ it calls from another file, the old machine code would stay in use. The cache ke
 everything that a function was compiled from.
 """
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import os

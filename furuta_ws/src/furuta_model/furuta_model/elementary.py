@@ -18,8 +18,6 @@ textbook. The reduction is that of W. J. Cody and W. Waite, *Software Manual for
 Functions*, 1980. A NaN gives NaN.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from fractions import Fraction
 from math import copysign, isfinite

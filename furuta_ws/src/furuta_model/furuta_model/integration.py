@@ -14,8 +14,6 @@ The rule works for any rigid body (:func:`integrator`): the paper's pendulum and
 identification, one on a tilted base.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import ceil, sqrt
 from typing import Any

@@ -10,8 +10,6 @@ With θ̈ from the second line of (1), the first line is
 This is partial feedback linearisation (Spong 1994).
 """
 
-from __future__ import annotations
-
 from math import cos, sin
 
 from furuta_model.compiled import compiled

@@ -1,7 +1,5 @@
 """Linear model about upright, eqs. (2), (3), and pole placement, eqs. (6), (7)."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -11,8 +11,6 @@ A field can be a group itself. Its parameters then have dotted names (``motor.ga
 names if the field is annotated with :data:`INLINE`.
 """
 
-from __future__ import annotations
-
 import math
 import reprlib
 import sys

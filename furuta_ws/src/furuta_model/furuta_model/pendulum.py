@@ -10,8 +10,6 @@ acceleration. The printed equation has a wrong sign and a wrong factor; they are
 Lagrangian T = ½αφ̇² + ½β(θ̇² + sin²θ φ̇²) + γ cosθ φ̇θ̇, V = δ cosθ.
 """
 
-from __future__ import annotations
-
 from math import cos, sin
 from typing import Annotated, NamedTuple
 

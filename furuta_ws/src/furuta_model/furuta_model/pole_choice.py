@@ -5,8 +5,6 @@ would cancel its damping. The regulator keeps stable poles where they are. Its d
 0.7 or more, whatever the rig.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import solve_continuous_are
 

@@ -5,8 +5,6 @@ assumed: the tachometer has the range of a ±10 V converter at 1 V s/rad, and ea
 has noise with a standard deviation of one code, as specified for 12-bit boards of the time.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Annotated, NamedTuple
 

@@ -12,8 +12,6 @@ because ω = 0 is the only zero of the numerator there. G is therefore real exac
 a₀ω⁴ − a₂ω² + a₄ = 0, a quadratic equation in ω².
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import copysign, sqrt
 from typing import NamedTuple

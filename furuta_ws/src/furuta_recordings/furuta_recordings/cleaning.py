@@ -1,7 +1,5 @@
 """Drops unusable samples and commands, and refuses a recording with too few of them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_model.parameters import ParameterError

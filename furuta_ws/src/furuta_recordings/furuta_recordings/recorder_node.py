@@ -1,7 +1,5 @@
 """Node ``recorder``: writes topics into a bag that survives the end of this process."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path

@@ -3,8 +3,6 @@
 ros2 run furuta_recordings recorder --ros-args -p directory:=output/bag
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from time import sleep

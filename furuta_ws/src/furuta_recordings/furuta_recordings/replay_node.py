@@ -1,7 +1,5 @@
 """Node ``replay``: publishes the messages of a bag on their topics."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable
 from pathlib import Path

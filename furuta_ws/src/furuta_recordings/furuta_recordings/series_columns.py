@@ -1,7 +1,5 @@
 """Names, units and meaning of the columns in which series are exported, one row per sample."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Splits a log that pauses, or that contains several runs one after the other."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Writes and reads tables of series as CSV, Parquet, MATLAB or npz files; the suffix decides."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Callable, Iterable, Mapping
 from itertools import islice

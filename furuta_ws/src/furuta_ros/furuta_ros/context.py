@@ -1,7 +1,5 @@
 """Starting and ending ROS in a process."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator, Sequence

@@ -4,8 +4,6 @@ ROS itself joins the network by default. A graph that drives a rig must not, so 
 project sets ``ROS_AUTOMATIC_DISCOVERY_RANGE`` before ROS starts, if the user has chosen nothing.
 """
 
-from __future__ import annotations
-
 import os
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"

@@ -1,7 +1,5 @@
 """Finds the files that come with a package: inside the wheel, or where ament installed them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 # The wheel carries the files here. An ament workspace has no such folder.

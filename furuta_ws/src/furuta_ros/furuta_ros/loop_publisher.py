@@ -4,8 +4,6 @@ A program that draws needs a hundred samples per second. Receiving all of them w
 publisher's process time on every sample.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from rclpy.node import Node

@@ -1,7 +1,5 @@
 """Who publishes the topics of the loop, and who is missing."""
 
-from __future__ import annotations
-
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 

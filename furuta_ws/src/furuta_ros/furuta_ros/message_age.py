@@ -4,8 +4,6 @@ A process that has stood still, because it was stopped or the computer was busy,
 of that time waiting. An answer to them would drive the rig by where it was, not by where it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import time_ns
 

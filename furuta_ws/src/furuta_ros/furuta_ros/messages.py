@@ -5,8 +5,6 @@ validate messages and raise :class:`RefusedError` for invalid ones. Writers reus
 which is safe because publishing copies it.
 """
 
-from __future__ import annotations
-
 from array import array
 from collections.abc import Sequence
 from math import isnan, nan

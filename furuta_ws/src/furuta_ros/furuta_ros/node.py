@@ -1,7 +1,5 @@
 """Base class of the graph's nodes: declared parameters and validated subscriptions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial, wraps
 from typing import Any, Generic, NamedTuple, TypeVar

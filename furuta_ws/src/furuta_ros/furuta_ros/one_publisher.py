@@ -6,8 +6,6 @@ sequence of the accepted publisher is accepted. For any other message the publis
 are looked up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf
 from time import monotonic

@@ -4,8 +4,6 @@ ROS ignores a parameter that a node does not have, and a section of a parameter 
 another node. A misspelt name or a missing namespace would leave the node at its defaults.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise

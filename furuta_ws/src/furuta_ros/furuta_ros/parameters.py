@@ -1,7 +1,5 @@
 """ROS parameters of a node from a declared group of parameters (furuta_model.parameters)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, TypeVar

@@ -4,8 +4,6 @@ An executable starts with SIGINT blocked (see its ``setup.py``), because Python 
 with a traceback as soon as it runs. The signal waits until :func:`exit_on_interrupt`.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

@@ -1,7 +1,5 @@
 """Reports several publishers of a topic that must have one, by the names of their nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 A device has no end, and reading a named pipe waits for somebody to write into it.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Names of ROS parameters: in parameter files, and those that every ROS node has."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

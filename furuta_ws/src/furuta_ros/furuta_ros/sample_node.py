@@ -1,7 +1,5 @@
 """Base class of the nodes that take a step for each sample of a topic with time stamps."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple, TypeVar

@@ -3,8 +3,6 @@
 Applied before ROS starts, so that its threads inherit priority and cores.
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import os

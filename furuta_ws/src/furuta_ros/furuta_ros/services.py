@@ -1,7 +1,5 @@
 """Calls of services of other nodes, repeated until there is a response."""
 
-from __future__ import annotations
-
 import threading
 from functools import partial
 from typing import Any, Protocol

@@ -1,7 +1,5 @@
 """Publishes simulated time for nodes with ``use_sim_time``, and rejects it where it is wrong."""
 
-from __future__ import annotations
-
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter

@@ -1,7 +1,5 @@
 """Running nodes in a process: one executor, a clean end, errors in one line."""
 
-from __future__ import annotations
-
 import gc
 import signal
 import sys

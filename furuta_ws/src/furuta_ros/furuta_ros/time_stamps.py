@@ -1,7 +1,5 @@
 """Time stamps in nanoseconds, of ROS messages and of messages read from bags."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 NANOSECONDS: Final = 1_000_000_000

@@ -5,8 +5,6 @@ repeats a value that may contain aliases itself. Size, depth and number of value
 checked before anything is built.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

@@ -8,8 +8,6 @@ further command arrives, so that there are never two messages in the loop. The m
 deliver a command seconds late: one that was sent before the sample began does not answer it.
 """
 
-from __future__ import annotations
-
 from time import monotonic, time_ns
 
 from furuta_ros.loop_topics import missing_from_loop, publishers_of

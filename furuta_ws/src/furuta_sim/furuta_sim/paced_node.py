@@ -1,7 +1,5 @@
 """Base class of the plant node, as :mod:`.lockstep` and :mod:`.realtime` use it: its time."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 

@@ -4,8 +4,6 @@ The measurement is (5,), see :mod:`furuta_model.state`. The measurement of θ̇ 
 rig has no sensor for it.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import nan, pi
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Node ``plant``: command → measurement and ground_truth, in real time or in lock-step."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 

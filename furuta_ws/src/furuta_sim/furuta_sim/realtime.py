@@ -1,7 +1,5 @@
 """Real time: a timer starts samples at absolute deadlines of the steady clock."""
 
-from __future__ import annotations
-
 from time import monotonic_ns
 from typing import NamedTuple
 

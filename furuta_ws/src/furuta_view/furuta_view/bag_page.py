@@ -1,7 +1,5 @@
 """The page over one recording, or over two that are compared, with a time line to drag."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any

@@ -1,7 +1,5 @@
 """Reads the samples of a recording around a time, without reading the rest of it."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from functools import lru_cache
 from math import floor, nan, pi, remainder

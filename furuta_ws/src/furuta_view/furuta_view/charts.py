@@ -1,7 +1,5 @@
 """The charts of the page: angles and voltages over time, and two planes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The pendulum and its exact limit cycle for the parameters that the nodes have now."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

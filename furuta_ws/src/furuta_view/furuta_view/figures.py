@@ -1,7 +1,5 @@
 """Figures of the newest motion: size, period, what is left in encoder counts, late samples."""
 
-from __future__ import annotations
-
 from math import isfinite, nan, pi
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Controls for files: a bag that is recorded, parameter files out of and into the nodes."""
 
-from __future__ import annotations
-
 from datetime import datetime
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ A node that hangs holds up the calls behind it. So the search for nodes, what th
 arming have a thread each: *Disarm* never waits for another node.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor

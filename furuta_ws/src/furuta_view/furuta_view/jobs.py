@@ -1,7 +1,5 @@
 """A thread that makes slow calls in order; of several waiting with one key only the newest runs."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 from collections.abc import Callable, Hashable

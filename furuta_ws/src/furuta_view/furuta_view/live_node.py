@@ -6,8 +6,6 @@ received. The middleware keeps the newest ones until :meth:`LiveNode.collect` ta
 times a second. The subscriptions are best effort, so that a view that hangs holds up no publisher.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import nan, pi, remainder
 from time import monotonic

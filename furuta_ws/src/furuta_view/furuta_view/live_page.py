@@ -1,7 +1,5 @@
 """The page over a running graph: collects, draws and passes on what the user changes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import count

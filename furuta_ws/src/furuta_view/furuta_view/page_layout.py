@@ -1,7 +1,5 @@
 """The layout of the page: charts at the left, the pendulum in the middle, controls at the right."""
 
-from __future__ import annotations
-
 from html import escape
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Runs the page over a running graph: the process behind ``furuta view``."""
 
-from __future__ import annotations
-
 import os
 import webbrowser
 from contextlib import ExitStack, closing

@@ -1,7 +1,5 @@
 """The parameters of a node on the page: a folder, and in it a control per parameter."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

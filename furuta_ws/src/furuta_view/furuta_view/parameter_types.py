@@ -1,7 +1,5 @@
 """What the page knows of a parameter: only what the parameter services of its node tell."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Keeps the parameters on the page the same as those of the nodes, in both directions."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Controls of a rig: arm and disarm, and what the bridge says."""
 
-from __future__ import annotations
-
 from functools import partial
 from html import escape
 from typing import Any

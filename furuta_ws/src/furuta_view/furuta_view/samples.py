@@ -1,7 +1,5 @@
 """Samples of the loop for drawing: their columns, and the newest ones."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The pendulum in 3D, drawn from its robot description."""
 
-from __future__ import annotations
-
 from math import cos, sin
 from typing import Any
 

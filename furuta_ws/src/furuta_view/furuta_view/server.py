@@ -5,8 +5,6 @@ A browser lets any web page that its user visits open a web socket to this machi
 the header ``Host``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import http
 import io

@@ -1,7 +1,5 @@
 """Controls of the simulated plant: push and reset; in lock-step also pause and speed."""
 
-from __future__ import annotations
-
 from functools import partial
 from time import sleep
 from typing import Any

@@ -1,7 +1,5 @@
 """Runs a graph and its page as two processes, so that neither disturbs the other."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable, Sequence

@@ -3,8 +3,6 @@
 The charts of viser need ascending values on the horizontal axis.
 """
 
-from __future__ import annotations
-
 from html import escape
 from typing import NamedTuple, TypeVar
 

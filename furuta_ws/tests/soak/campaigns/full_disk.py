@@ -3,8 +3,6 @@
 As root the bag is on a small file system in memory. Otherwise the size of its files is limited.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ Pauses must not change the run: it is that of the simulation, to the last bit. A
 must continue.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory

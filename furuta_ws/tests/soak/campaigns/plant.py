@@ -4,8 +4,6 @@ Its energy must not grow without drive, whatever friction law it has, and comman
 must not move it.
 """
 
-from __future__ import annotations
-
 import os
 from math import pi
 

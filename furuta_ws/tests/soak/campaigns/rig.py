@@ -4,8 +4,6 @@ Kills and pauses of the bridge and of every other node, faults of the line, and 
 publisher. The log of the emulated rig shows when it was driven; it does not depend on the graph.
 """
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -4,8 +4,6 @@ Host, guard and rig run in one thread, sample by sample, without waiting: thousa
 second. The time of the guard is that of the samples.
 """
 
-from __future__ import annotations
-
 import os
 from math import inf, nan
 

@@ -8,8 +8,6 @@ At rest there is no leak, and the remaining loop is linear, s + K G(s) = 0; see
 :attr:`Convergence.fastest_growth`.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

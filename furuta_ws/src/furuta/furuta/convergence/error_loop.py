@@ -25,8 +25,6 @@ from the Lyapunov equation A_cᵀP + PA_c = −Q, BᵀP(sI − A_c)⁻¹B is str
 so G is strictly positive real if also cB ≥ 0, which holds if all poles are slower than σ₀/σ₁.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ G is strictly positive real (Khalil, *Nonlinear Systems*, Lemma 6.1) if all its 
 open left half plane, Re G(jω) > 0 for all ω, and at infinity G > 0 or lim ω² Re G > 0.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

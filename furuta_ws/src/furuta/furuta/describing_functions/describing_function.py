@@ -17,8 +17,6 @@ mean level is used. If φ is not fed back, the mean force also shifts the mean o
 neglected.
 """
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

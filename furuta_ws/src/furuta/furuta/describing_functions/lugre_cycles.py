@@ -17,8 +17,6 @@ a linear spring and damper; and as σ₀|z| ≤ α₀ + α₁,
 so at large X friction is too weak to balance 1/G.
 """
 
-from __future__ import annotations
-
 from math import exp, log, pi
 
 import numpy as np

@@ -18,8 +18,6 @@ covers the oscillating pair of poles. With N fixed at its real part n, the other
 roots of a₀s² + (a₁ + nβ)s + a₄/ω² and must be stable too.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ It has the same zeros as 1 + G N, but is finite for all A, ω > 0, because the o
 imaginary axis is ω = 0.
 """
 
-from __future__ import annotations
-
 from furuta.describing_functions.describing_function import describing_function
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.transfer import Transfer

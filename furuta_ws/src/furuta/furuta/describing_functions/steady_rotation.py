@@ -14,8 +14,6 @@ includes the slope of g, the lag of the bristle and the centrifugal torque, whic
 δ + βv². Nothing is neglected.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """One simulated run as a short animation: the rig in 3D, and its angles over time."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Figure of a comparison: the distribution of the residual for each candidate."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

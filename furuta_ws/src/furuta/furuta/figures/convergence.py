@@ -1,7 +1,5 @@
 """The transfer function that decides whether the observer converges: G(jω), and Re G over ω."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Describing functions: G(jω) beside −1/N, and N of every law over the amplitude."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

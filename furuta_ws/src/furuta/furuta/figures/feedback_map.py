@@ -1,7 +1,5 @@
 """Map of the limit cycle's size over two parameters, predicted and exact."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

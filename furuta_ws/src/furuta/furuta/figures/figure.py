@@ -1,7 +1,5 @@
 """What all figures share: creation, saving, labels and grid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Friction over the arm's speed: steady, at rest, and with a bristle in an oscillation."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Symbols of the parameters, as the axes of figures and the documentation show them."""
 
-from __future__ import annotations
-
 from furuta.studies.analysis_options import GAINS
 from furuta_sim.settings.parameter_names import parameters_named
 

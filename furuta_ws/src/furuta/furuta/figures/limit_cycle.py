@@ -1,7 +1,5 @@
 """Exact limit cycles: one period, and a branch over a parameter."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

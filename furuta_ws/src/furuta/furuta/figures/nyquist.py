@@ -1,7 +1,5 @@
 """Nyquist plots like Fig. 4 of the paper, with −1/N of Coulomb friction and the crossings."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Presliding of LuGre, Dahl and Maxwell slip: memory of reversals, and drift of a loaded arm."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

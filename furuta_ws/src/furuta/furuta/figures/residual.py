@@ -1,7 +1,5 @@
 """Recordings, the model's prediction of them, and the residuals."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

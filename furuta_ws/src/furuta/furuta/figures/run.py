@@ -1,7 +1,5 @@
 """Runs over time: a simulation, an experiment of the paper, the demo's phases beside each other."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

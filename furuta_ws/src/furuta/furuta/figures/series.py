@@ -1,7 +1,5 @@
 """Series over time: a recording or simulation, or a recorded session and its recomputation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

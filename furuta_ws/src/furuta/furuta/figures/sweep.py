@@ -1,7 +1,5 @@
 """Figure of a sweep: the arm's peak-to-peak angle over the swept parameters."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -5,8 +5,6 @@ tangent and corrects by Newton's method perpendicular to it. The branch is there
 through folds, where a stable and an unstable cycle meet and both disappear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Step of the Dormand–Prince pair 5(4) for the ideal loop."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop, rate

@@ -5,8 +5,6 @@ followed in coordinates counted from that rest, with tolerances in proportion to
 long the arm stays at an unstable rest depends on how close it comes, however close that is.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, rest_near

@@ -6,8 +6,6 @@ of both is computed. An unstable one is left along the direction in which distur
 search goes on.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta.describing_functions.steady_rotation import rotation_growth

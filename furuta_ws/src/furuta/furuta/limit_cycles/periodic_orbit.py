@@ -4,8 +4,6 @@ A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. I
 multipliers are the eigenvalues of dP/ds.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -17,8 +17,6 @@ with strain, motions that change sides again and again are not covered.
 The eigenvalue 0 along the line of rests is left out: a disturbance moves the arm to the next rest.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

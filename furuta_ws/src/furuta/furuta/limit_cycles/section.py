@@ -5,8 +5,6 @@ The section is the arm's upper reversal, v = 0 from above. There the state has n
 depends on it. The map P leads from one upper reversal to the next.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

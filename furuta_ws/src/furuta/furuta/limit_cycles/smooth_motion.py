@@ -4,8 +4,6 @@ The Dormand–Prince pair 5(4) with error control ends exactly at the event: a r
 breakaway of the stuck arm.
 """
 
-from __future__ import annotations
-
 from math import isfinite, pi
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Parameters and ranges of an analysis, and the ideal loop that they describe."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

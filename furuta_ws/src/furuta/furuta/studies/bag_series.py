@@ -1,7 +1,5 @@
 """The columns of a bag: measurements, estimates, command and, where recorded, the truth."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

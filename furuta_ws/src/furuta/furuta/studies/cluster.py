@@ -1,7 +1,5 @@
 """Runs of a sweep on a Dask cluster whose workers have this workspace installed."""
 
-from __future__ import annotations
-
 from collections.abc import Container, Iterator
 from itertools import islice
 from typing import Any

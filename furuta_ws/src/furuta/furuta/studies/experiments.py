@@ -7,8 +7,6 @@ With compensation, the prediction is a simulation of the same loop with sensors 
 quantisation and noise, which separates the effect of the friction from that of the sensors.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Map over two parameters: which feedbacks give limit cycles, and how large they are."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Reports on the linear loop with friction: the Nyquist plot, and the predicted cycles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The phases of the demo: which compensation was active when, and the motion in each phase."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

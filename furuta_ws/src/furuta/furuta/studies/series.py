@@ -1,7 +1,5 @@
 """The series of simulations, recordings and files as named columns."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

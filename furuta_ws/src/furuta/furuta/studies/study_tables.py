@@ -4,8 +4,6 @@ Rows are written as they come, so memory does not grow with their number. The fi
 when it is complete.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

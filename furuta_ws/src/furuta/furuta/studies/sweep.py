@@ -1,7 +1,5 @@
 """A sweep: many closed loops over some parameters, run on all cores of this machine."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Container, Iterator
 from typing import Any, NamedTuple

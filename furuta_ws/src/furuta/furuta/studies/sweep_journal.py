@@ -4,8 +4,6 @@ While a sweep runs, its results are in an SQLite file beside the output: a descr
 and one row per run. A result is there entirely or not at all, whenever the process is killed.
 """
 
-from __future__ import annotations
-
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator

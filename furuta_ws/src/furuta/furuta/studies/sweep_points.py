@@ -1,7 +1,5 @@
 """The parameter values of a sweep: a grid, random points or a Sobol sequence."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import chain, count, islice, product
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """``furuta bag``: info, export, recover, replay, recompute."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

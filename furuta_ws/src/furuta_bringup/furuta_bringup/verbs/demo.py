@@ -1,7 +1,5 @@
 """``furuta demo``."""
 
-from __future__ import annotations
-
 import json
 from math import isnan
 from pathlib import Path

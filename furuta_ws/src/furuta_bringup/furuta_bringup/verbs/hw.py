@@ -1,7 +1,5 @@
 """``furuta hw``: commissioning of a rig, arming of the bridge, and the emulated rig."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """The verbs of ``furuta hw`` that open the line to a rig themselves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter

@@ -1,7 +1,5 @@
 """``furuta node``: lists and runs nodes, as ``ros2 node`` and ``ros2 run`` do."""
 
-from __future__ import annotations
-
 import os
 
 import click

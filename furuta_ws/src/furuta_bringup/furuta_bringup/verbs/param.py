@@ -1,7 +1,5 @@
 """``furuta param``: parameters of running nodes, as with ``ros2 param``, and parameter files."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """``furuta plot``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """``furuta reset``: calls the reset service of a running plant."""
 
-from __future__ import annotations
-
 import click
 from rclpy.node import Node
 

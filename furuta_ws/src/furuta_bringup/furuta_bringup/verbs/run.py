@@ -1,7 +1,5 @@
 """``furuta run``."""
 
-from __future__ import annotations
-
 import sys
 from functools import partial, wraps
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``furuta swing-up``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

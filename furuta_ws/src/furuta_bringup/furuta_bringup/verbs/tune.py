@@ -1,7 +1,5 @@
 """``furuta tune``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

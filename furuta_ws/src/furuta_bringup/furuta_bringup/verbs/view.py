@@ -1,7 +1,5 @@
 """``furuta view``."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -19,8 +19,6 @@ Both parts are bounded for bounded measurements: the error of the first is linea
 the second stays within its count.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Annotated, Any, NamedTuple
 

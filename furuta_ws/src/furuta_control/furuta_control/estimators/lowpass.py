@@ -6,8 +6,6 @@ y is the estimate of θ, ẏ that of θ̇. The filter is sampled exactly for a m
 linearly between samples (first-order hold).
 """
 
-from __future__ import annotations
-
 from math import nan
 from typing import Annotated, Any, NamedTuple
 

@@ -4,8 +4,6 @@ A method is a file in this folder that defines a :class:`Method`; :mod:`furuta_c
 lists it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -13,8 +13,6 @@ the joints, on which the entries of K between arm and pendulum depend, is propor
 well. The arm angle is treated as there: integrated, and kept within half a count of the encoder.
 """
 
-from __future__ import annotations
-
 from math import cos
 from typing import Any, NamedTuple
 

@@ -5,8 +5,6 @@ acceleration a_b and the distance d to the limit, at most √(2 a_b d). A comman
 faster is limited to the voltage that brings the speed back within the response time.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import NamedTuple
 

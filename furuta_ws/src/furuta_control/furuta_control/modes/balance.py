@@ -13,8 +13,6 @@ at a limited speed, and the pendulum keeps enough of the voltage. For any gain o
 integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 

@@ -18,8 +18,6 @@ Such a loop tolerates several times the delay, and catches as surely: what can b
 the arm's speed and travel, not on the gain.
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import NamedTuple
 

@@ -13,8 +13,6 @@ horizontal, E = (cosθ − 1)/2 whatever the inertias are: the target is raised 
 there, and lowered when the pendulum passes upright too fast to be caught.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, pi, sqrt
 from typing import NamedTuple

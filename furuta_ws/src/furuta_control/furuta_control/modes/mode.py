@@ -4,8 +4,6 @@ A mode is a file in this folder that defines a :class:`Mode`; :mod:`furuta_contr
 it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -9,8 +9,6 @@ The correction v is added to u = −Lx. C [V/s] bounds the rate at which frictio
 are those of Levant (Int. J. Control 58, 1993).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import copysign, sqrt
 from typing import NamedTuple

@@ -17,8 +17,6 @@ must be held upright, as in the mode ``balance``. An arm beyond its travel ends 
 good: only a new start or another mode allows one again.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import ceil
 from typing import Annotated, Any, NamedTuple

@@ -11,8 +11,6 @@ every step,
 and ends with the cost of the regulator that catches the pendulum. The friction estimate is added.
 """
 
-from __future__ import annotations
-
 from math import ceil
 from typing import NamedTuple
 

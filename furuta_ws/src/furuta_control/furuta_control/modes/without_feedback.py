@@ -1,7 +1,5 @@
 """Modes ``open_loop`` and ``off``, which do not feed the state back."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

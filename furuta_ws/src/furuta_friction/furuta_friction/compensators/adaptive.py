@@ -3,8 +3,6 @@
 A factor on the levels, one for each direction of motion, is adapted at the rate Γ.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import isnan
 from typing import Any

@@ -10,8 +10,6 @@ v = 0 the correction would move ẑ without limit. ẑ is therefore limited like
 σ₀|ẑ| ≤ max g, and F̂ to the highest friction that the parameters allow at that speed.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -11,8 +11,6 @@ IEEE Trans. Industrial Electronics 63, 2016). The levels start at zero and no fr
 σ₂ is used; the others only limit F̂.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import expm1, isnan
 from typing import Annotated, Any, NamedTuple

@@ -1,7 +1,5 @@
 """Coulomb compensation, eq. (4): the level α₀ in the direction of the estimated speed."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 The estimator's ``friction_process_noise`` sets its bandwidth.
 """
 
-from __future__ import annotations
-
 from math import isnan
 from typing import Any
 

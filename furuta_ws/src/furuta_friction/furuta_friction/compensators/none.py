@@ -1,7 +1,5 @@
 """No compensation."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ The arm counts as at rest below the Stribeck velocity. The estimate is limited t
 level α₀ + α₁.
 """
 
-from __future__ import annotations
-
 from math import isnan
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Node ``hardware_bridge``: passes commands to a rig and its measurements to the graph."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from math import isfinite, nan, pi

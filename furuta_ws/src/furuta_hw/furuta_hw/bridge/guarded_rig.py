@@ -1,7 +1,5 @@
 """A rig behind a guard: the core of the bridge, without ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic

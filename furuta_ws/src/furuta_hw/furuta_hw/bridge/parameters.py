@@ -1,7 +1,5 @@
 """Parameters of the hardware bridge. Parameters of the rig itself are in the rig file."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from furuta_model.parameters import About

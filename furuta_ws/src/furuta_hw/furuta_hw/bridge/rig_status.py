@@ -1,7 +1,5 @@
 """The status that the bridge publishes on ``/diagnostics``."""
 
-from __future__ import annotations
-
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from furuta_hw.connection.rig_connection import RigConnection

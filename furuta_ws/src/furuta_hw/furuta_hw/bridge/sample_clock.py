@@ -1,7 +1,5 @@
 """Time stamps of a rig's samples."""
 
-from __future__ import annotations
-
 # Largest correction of the stamps per period: far above a crystal's error, far below the jitter.
 SLEW = 200e-6
 

@@ -1,7 +1,5 @@
 """Measures the friction of a rig: Coulomb, stiction and viscous, by direction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Sequence
 from math import pi, sqrt
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Finds the signs of a rig's sensors by moving the arm a little."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import NamedTuple
 

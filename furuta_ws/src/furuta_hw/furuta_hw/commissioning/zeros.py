@@ -1,7 +1,5 @@
 """Measures the zeros of a rig's sensors, from the raw codes of samples."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import pi
 

@@ -1,7 +1,5 @@
 """Keeps a rig driver running: reads on a thread, and reconnects when the line fails."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """The interface of a rig driver: samples, arming, voltages and stops in SI units."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 

@@ -5,8 +5,6 @@ its fields (little-endian) and the CRC-32 of both (IEEE 802.3, as ``zlib.crc32``
 zero byte inside a frame, so a reader that lost bytes is synchronised again at the next zero.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 The defaults are the rig of the paper, Section 4.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Annotated, NamedTuple
 

@@ -8,8 +8,6 @@ Every channel of a rig (encoder, AD converter, DA converter) is linear:
 converter's range.
 """
 
-from __future__ import annotations
-
 from math import floor, pi
 from typing import NamedTuple
 

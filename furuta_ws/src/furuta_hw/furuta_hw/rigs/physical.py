@@ -13,8 +13,6 @@ multiplied by κ, so that u has the factor 1, and back-EMF adds to the viscous f
     σ_2 = κ b + N k_e, \qquad α_0 = κ τ_c
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from furuta_model.parameters import About, ParameterError

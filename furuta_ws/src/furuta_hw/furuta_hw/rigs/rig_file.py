@@ -5,8 +5,6 @@ coefficients of (3)) or ``physical``. The arm's travel is given as ``limits.arm_
 ``limits.arm_turns``. Values that a file does not give are those of the paper's rig.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from math import pi
 from pathlib import Path

@@ -11,8 +11,6 @@ a possible pendulum. In a rig file:
 Each wave of the torque has two values, `wave14_cos` and `wave14_sin` [V] for 14 waves per turn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import exp, isfinite
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Fits a pendulum that was balanced upright: short segments, with the friction of the bristle."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.model import Model

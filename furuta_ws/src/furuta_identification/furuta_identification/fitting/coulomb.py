@@ -1,7 +1,5 @@
 """Coulomb friction of an arm that turns in one direction only: no fit can find it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from furuta_identification.regression.speeds import turns_one_way

@@ -9,8 +9,6 @@ so such recordings determine the natural frequency and the friction of the pendu
 divided by β. They say nothing about the arm.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ A law with more parameters always fits better. It describes the arm only if it a
 what it was not fitted to.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Coarse fits that lead near the optimum: in growing segments, then of all recordings together."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.shooting.optimisation import Optimum, optimise, residual_scale

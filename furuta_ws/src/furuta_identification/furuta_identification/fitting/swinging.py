@@ -1,7 +1,5 @@
 """Fits a pendulum that swings from hanging: short segments first, then free runs."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.fitting.coulomb import assume_if_one_way

@@ -14,8 +14,6 @@ of samples: residuals that are correlated in time count as fewer. What a change 
 unknowns could explain too does not count.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Adds a first command that the log lacks: the arm moves before there is a command."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.regression.equations import arm_misfits

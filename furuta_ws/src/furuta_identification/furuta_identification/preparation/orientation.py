@@ -1,7 +1,5 @@
 """Decides zero and direction of the pendulum's angle from the motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.options import AUTO_DIRECTION, ZEROS

@@ -1,7 +1,5 @@
 """Brings recordings to SI units, upright zero and the signs of (1), and reports every change."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from furuta_identification.options import AUTO_DIRECTION, Options

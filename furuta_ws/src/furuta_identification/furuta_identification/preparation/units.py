@@ -1,7 +1,5 @@
 """Decides the units of angles and speeds from the motion and converts them to rad and rad/s."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.options import ANGLE_UNITS

@@ -1,7 +1,5 @@
 """How far the residuals of a fit are from white noise."""
 
-from __future__ import annotations
-
 import numpy as np
 
 # Lags [samples] of the autocorrelations that are counted.

@@ -1,7 +1,5 @@
 """The highest voltage that the drive reaches: a first value, from motions under larger commands."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.regression.equations import ceiling_misfits

@@ -13,8 +13,6 @@ The pendulum's equation, divided by δ, gives the ratios β/δ and γ/δ and the
 arm's equation gives the rest in volts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 The delay of the command and its sign are searched together with the coefficients.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

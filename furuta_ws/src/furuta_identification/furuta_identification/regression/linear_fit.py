@@ -1,7 +1,5 @@
 """Linear least squares over windows, with standard errors."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Compares measured speeds with the slopes of the angles: lag, scale, replacement."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.regression.windows import Windows

@@ -1,7 +1,5 @@
 """Integrals of a recording over short windows, which need no derivative of noisy data."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_model.parameters import ParameterError

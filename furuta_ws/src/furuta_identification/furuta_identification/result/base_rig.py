@@ -1,7 +1,5 @@
 """Finds what a recording says about sensors and sample time, where no rig file says it."""
 
-from __future__ import annotations
-
 from math import pi
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Makes a rig from a fitted model: plant, friction, delay, tilt, waves, poles and uncertainty."""
 
-from __future__ import annotations
-
 from math import isfinite, pi
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

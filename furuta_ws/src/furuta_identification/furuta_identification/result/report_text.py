@@ -1,7 +1,5 @@
 """The lines that ``furuta identify`` prints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

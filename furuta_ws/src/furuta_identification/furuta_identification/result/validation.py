@@ -1,7 +1,5 @@
 """Predicts a recording that a model was not fitted to."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

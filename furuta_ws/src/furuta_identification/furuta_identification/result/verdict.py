@@ -1,7 +1,5 @@
 """Whether a model describes its recordings: fits of arm and pendulum, colour of the residuals."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

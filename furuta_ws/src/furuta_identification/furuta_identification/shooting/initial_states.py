@@ -4,8 +4,6 @@ A residual vector (4n + 5s,) of a recording has the n samples of four channels, 
 initial states of s segments.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.shooting.segments import Segments

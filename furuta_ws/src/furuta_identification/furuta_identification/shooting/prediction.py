@@ -1,7 +1,5 @@
 """Simulates the model along a recording, in segments that each start from a given state."""
 
-from __future__ import annotations
-
 from math import ceil, exp
 
 import numpy as np

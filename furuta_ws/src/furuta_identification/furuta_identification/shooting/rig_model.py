@@ -7,8 +7,6 @@ depends on the parameters. And the arm's Coulomb level may grow with the motor's
 gear: α₀ + l|u|.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cuts a recording into segments and estimates the state at the start of each."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

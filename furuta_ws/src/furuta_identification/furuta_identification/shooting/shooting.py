@@ -7,8 +7,6 @@ solved for within the residuals (variable projection), so that the optimiser see
 parameters.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.shooting.initial_states import (

@@ -10,8 +10,6 @@ turn (:func:`wave_names`) and the zero of the pendulum's angle in each of severa
 (:func:`zero_name`).
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ What it does not show are the priors, torque that varies with the arm's angle, v
 assumed, and differences between recordings.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.regression.speeds import turns_one_way

@@ -1,7 +1,5 @@
 """Which unknown parameters the data determine."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_identification.model import Model

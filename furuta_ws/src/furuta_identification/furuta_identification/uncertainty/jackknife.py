@@ -1,7 +1,5 @@
 """Covariance from the scatter between blocks of time, and whether slopes suffice for it."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Quantisation and noise of the sensors, estimated from a recording."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_recordings.recording import Recording

@@ -7,8 +7,6 @@ v the equation is linear with rate λ = σ₀|v|/g(v), so the exact solution is 
 numerical integration and is valid at any speed and any step.
 """
 
-from __future__ import annotations
-
 from furuta_model.compiled import inlined
 from furuta_model.elementary import fma, reduced_exponential, within
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction

@@ -11,8 +11,6 @@ stages. It is of fifth order and stable at any rate of the bristle. Its nodes ar
 reversals, where the deflection changes sign within α₀/σ₀ and g(v) varies within vs.
 """
 
-from __future__ import annotations
-
 from math import cos, pi, sin, sinh, sqrt
 
 import numpy as np

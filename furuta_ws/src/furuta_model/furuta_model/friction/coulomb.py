@@ -1,7 +1,5 @@
 """Coulomb friction, eq. (4): α₀ opposes the motion, and the arm sticks up to the same level."""
 
-from __future__ import annotations
-
 from furuta_model.compiled import inlined
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction

@@ -7,8 +7,6 @@ model*, The Aerospace Corporation, 1968). The exact solution at constant speed i
 :mod:`.bristle`. Friction depends on the path alone, not on the speed along it.
 """
 
-from __future__ import annotations
-
 from furuta_model.friction.coulomb import breakaway, level
 from furuta_model.friction.law import Law
 

@@ -9,8 +9,6 @@ With ``bristle``, the arm moves a bristle before it slides, eq. (5), and never t
 Without it, the arm sticks: at v = 0 friction holds it up to the breakaway level.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

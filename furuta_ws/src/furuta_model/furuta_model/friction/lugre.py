@@ -8,8 +8,6 @@ The sign is that of v, and a is the asymmetry. σ₂ (``viscous``) and a are zer
 level at steady speed is that of Stribeck friction.
 """
 
-from __future__ import annotations
-
 from furuta_model.compiled import inlined
 from furuta_model.friction import stribeck
 from furuta_model.friction.bristle import deflection_after, deflection_rate

@@ -18,8 +18,6 @@ that slips is at its level at once (their attraction parameter C is infinite).
 At constant speed a spring stretches linearly until it slips, so each step is exact.
 """
 
-from __future__ import annotations
-
 from furuta_model.compiled import compiled
 from furuta_model.friction import stribeck
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction

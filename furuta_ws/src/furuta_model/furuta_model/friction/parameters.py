@@ -1,7 +1,5 @@
 """Parameters of friction, shared by all laws."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import inlined

@@ -3,8 +3,6 @@
 At a sinusoidal speed it equals Coulomb friction, because the speed is zero only for an instant.
 """
 
-from __future__ import annotations
-
 from furuta_model.compiled import inlined
 from furuta_model.friction.coulomb import level
 from furuta_model.friction.law import Law

@@ -3,8 +3,6 @@ r"""Stribeck friction: the level falls from α₀ + α₁ at rest to α₀ above
 .. math:: g(v) = α_0 + α_1 e^{-(v/v_s)^2}
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_model.compiled import inlined

@@ -1,7 +1,5 @@
 """The digital-to-analogue converter of the drive: limits and quantises a command."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The lag follows its exact solution. Over a sample the arm gets the mean torque, 
 exact. Within a sample the torque is constant; the error is that of a delay far below a sample.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled, inlined

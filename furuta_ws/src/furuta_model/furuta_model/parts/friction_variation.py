@@ -10,8 +10,6 @@ but never by less than zero. H [V rad] is the heat of the friction and τ [V] th
 drive over the sample. Time and heat are evaluated once a sample.
 """
 
-from __future__ import annotations
-
 from math import exp, pi, sin
 from typing import Annotated, NamedTuple
 

@@ -6,8 +6,6 @@ are those that bring their joints to rest within the step, as far as the levels 
 stick, they are found by iteration to the last bits.
 """
 
-from __future__ import annotations
-
 from math import pi, sin
 from typing import Annotated, NamedTuple
 

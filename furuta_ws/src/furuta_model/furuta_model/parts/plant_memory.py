@@ -1,7 +1,5 @@
 """What the plant remembers from sample to sample."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -7,8 +7,6 @@ A horizontal acceleration of the base acts on the pendulum like a tilt of gravit
 along the arm at angle 0. The arm is assumed to be balanced about its axis.
 """
 
-from __future__ import annotations
-
 from math import cos, sin
 from typing import Annotated, NamedTuple
 

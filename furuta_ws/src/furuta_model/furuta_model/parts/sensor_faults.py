@@ -4,8 +4,6 @@ Missing readings come from a stream of their own, a hash of seed, reading and si
 on leaves the sensors' noise as it is.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The springs of the Maxwell-slip law in the plant's memory."""
 
-from __future__ import annotations
-
 from furuta_model.compiled import inlined
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.friction.maxwell_slip import slip_deflection, stretched

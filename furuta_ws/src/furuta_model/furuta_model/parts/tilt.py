@@ -3,8 +3,6 @@
 A small tilt acts like a constant horizontal acceleration of the base, in units of gravity.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled

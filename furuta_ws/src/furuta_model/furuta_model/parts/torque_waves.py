@@ -4,8 +4,6 @@ The torque Σ aₖ cos nₖφ + bₖ sin nₖφ is added to that of the drive. O
 a tilted base, higher orders are ripple and cogging of the motor.
 """
 
-from __future__ import annotations
-
 from math import cos, sin
 from typing import Annotated, NamedTuple
 

@@ -5,8 +5,6 @@ lock makes it wait. The operating system keeps what is in the pipe. If the recor
 writer still writes the rest and finishes the bag.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import select

@@ -1,7 +1,5 @@
 """Finds the files of a bag, and refuses those that are not in it."""
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Mapping

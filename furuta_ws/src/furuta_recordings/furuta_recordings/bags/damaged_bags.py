@@ -1,7 +1,5 @@
 """Reads messages from bag files that may be damaged."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Iterator
 from dataclasses import replace

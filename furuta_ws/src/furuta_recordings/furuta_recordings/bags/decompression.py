@@ -4,8 +4,6 @@ A few kilobytes can stand for gigabytes. ``rosbags`` and ``mcap`` decompress wit
 the table of decompressors in ``rosbags`` gets the ones of this module.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

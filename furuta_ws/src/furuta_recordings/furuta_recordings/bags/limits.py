@@ -4,8 +4,6 @@ The libraries that read bags decompress without a limit, while a few kilobytes c
 gigabytes. Bags of rosbag2 and of Foxglove's writers stay far below these limits.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 # Largest chunk of an MCAP file, and largest message, after decompression [bytes].

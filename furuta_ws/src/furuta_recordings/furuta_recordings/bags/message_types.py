@@ -1,7 +1,5 @@
 """Definitions and description hashes of message types."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Writes ``metadata.yaml`` of a rosbag2 bag; names the files beside its data."""
 
-from __future__ import annotations
-
 import json
 import os
 from functools import cache

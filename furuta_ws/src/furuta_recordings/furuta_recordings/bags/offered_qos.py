@@ -1,7 +1,5 @@
 """Describes the quality of service that publishers of a topic offer, as rosbag2 Jazzy does."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import yaml

@@ -3,8 +3,6 @@
 The first frame holds topics and parameters as JSON; every other frame holds a message.
 """
 
-from __future__ import annotations
-
 import json
 import struct
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Copies what is still readable of a damaged bag into a new bag."""
 
-from __future__ import annotations
-
 import os
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Opens sqlite3 files of bags: plain tables only, with what a write-ahead log holds."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 from collections.abc import Iterator

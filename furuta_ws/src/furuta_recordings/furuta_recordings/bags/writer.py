@@ -4,8 +4,6 @@ The file is in write-ahead mode: what a flush has committed survives the end of 
 however it ends, and sqlite3 restores a consistent file when it is opened next.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import sqlite3

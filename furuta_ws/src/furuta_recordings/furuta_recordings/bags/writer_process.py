@@ -1,7 +1,5 @@
 """The process that writes a bag from what a recorder sends through a pipe."""
 
-from __future__ import annotations
-
 import os
 import sys
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Readers of recordings: bags, CSV tables, and files of ``furuta simulate``; without ROS."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError

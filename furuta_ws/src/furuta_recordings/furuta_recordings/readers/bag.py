@@ -1,7 +1,5 @@
 """Reads recordings from bags of any origin."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

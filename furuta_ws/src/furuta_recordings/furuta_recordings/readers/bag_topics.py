@@ -1,7 +1,5 @@
 """Finds the topics of states and command in a bag."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError

@@ -1,7 +1,5 @@
 """Takes names of columns apart: what is measured, and in which unit."""
 
-from __future__ import annotations
-
 import re
 from math import pi
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Applies the drive's converter to a command: limits and quantises it as the drive does."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from furuta_model.parts.converter import Actuator, drive

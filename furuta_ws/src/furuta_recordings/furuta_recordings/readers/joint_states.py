@@ -1,7 +1,5 @@
 """Numbers in JointState messages and commands of any rig."""
 
-from __future__ import annotations
-
 from math import nan
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Which names in a recording are the arm, the pendulum and the command."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

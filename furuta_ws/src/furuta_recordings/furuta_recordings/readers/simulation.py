@@ -1,7 +1,5 @@
 """Reads files of ``furuta simulate --out``."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import BinaryIO

@@ -1,7 +1,5 @@
 """Reads recordings from CSV tables of any origin."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping as Dictionary
 from pathlib import Path
 

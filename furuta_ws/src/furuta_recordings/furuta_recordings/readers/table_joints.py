@@ -1,7 +1,5 @@
 """Finds the columns of the joints in a table by the words of their names."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from furuta_recordings.readers.column_names import column

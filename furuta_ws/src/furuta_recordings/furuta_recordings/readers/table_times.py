@@ -1,7 +1,5 @@
 """Finds the time of a table's rows, in seconds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

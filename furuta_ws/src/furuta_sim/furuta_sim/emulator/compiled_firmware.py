@@ -1,7 +1,5 @@
 """The C firmware compiled for this computer, with the interface of the reference firmware."""
 
-from __future__ import annotations
-
 import ctypes
 import struct
 import tempfile

@@ -4,8 +4,6 @@ It has no clock: ``step`` is one sample. The pendulum is held in its initial sta
 first driven, and again after ``hold``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any

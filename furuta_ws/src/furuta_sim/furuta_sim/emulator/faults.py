@@ -1,7 +1,5 @@
 """Faults of an emulated rig, separately or combined."""
 
-from __future__ import annotations
-
 from collections import deque
 from typing import Annotated, Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Reference firmware of a rig, without clock or line. docs/hardware.md states the same rules."""
 
-from __future__ import annotations
-
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import (
     ARMED,

@@ -1,7 +1,5 @@
 """Compiles the C firmware for boards, with the compiler that the package ziglang contains."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import tempfile

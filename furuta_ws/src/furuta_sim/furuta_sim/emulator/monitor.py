@@ -3,8 +3,6 @@
 It does not use the line to the bridge, so its report of the drive is independent of the bridge.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 from collections.abc import Callable

@@ -5,8 +5,6 @@ continues as a real one would, with the voltage last applied and its watchdog ru
 a driven rig waits for the answer to each sample.
 """
 
-from __future__ import annotations
-
 import argparse
 import gc
 import os

@@ -1,7 +1,5 @@
 """Runs an emulated rig on a pseudo-terminal, logs it, and answers its monitor."""
 
-from __future__ import annotations
-
 import os
 import select
 import tty

@@ -6,8 +6,6 @@ without copies or processes. A run depends on its own parameters and seed alone:
 same to the last bit for any other runs, any order, any number of workers, in a lane or alone.
 """
 
-from __future__ import annotations
-
 import os
 from collections import deque
 from collections.abc import Iterable, Iterator

@@ -10,8 +10,6 @@ Numbers that are equal in all lanes and select what is computed, such as the kin
 are constants of the block's type. Each combination of them is compiled for itself.
 """
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Iterable
 from hashlib import sha256

@@ -6,8 +6,6 @@ controller that catches or drops the pendulum. Such a lane calls the function of
 that sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

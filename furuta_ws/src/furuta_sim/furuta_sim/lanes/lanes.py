@@ -10,8 +10,6 @@ springs, and controllers with another mode or an excitation run singly. So do lo
 are not compiled yet, until their runs would have taken longer than the compilation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple

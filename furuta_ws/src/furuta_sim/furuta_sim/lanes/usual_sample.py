@@ -5,8 +5,6 @@ functions therefore compute only what nearly every sample needs. Each gives the 
 of a single run in the samples for which its condition holds.
 """
 
-from __future__ import annotations
-
 from math import isnan
 
 import numpy as np

@@ -5,8 +5,6 @@ per node, the launch file, the command line, parameter files. It imports no ROS;
 imported when it is needed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from importlib import import_module
 from math import pi

@@ -1,7 +1,5 @@
 """Parameter files and tables, generated from the declarations of the parameters."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

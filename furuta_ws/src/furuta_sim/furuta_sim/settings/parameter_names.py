@@ -1,7 +1,5 @@
 """Finding parameters of the graph by name."""
 
-from __future__ import annotations
-
 import difflib
 from typing import NamedTuple
 

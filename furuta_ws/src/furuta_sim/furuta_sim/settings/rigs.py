@@ -1,7 +1,5 @@
 """Rigs by name or file, and the parameters of every node that a rig determines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Settings: parameters of all nodes, from parameter files and NAME=VALUE assignments."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Iterable, Mapping
 from functools import cache

@@ -5,8 +5,6 @@ one call of compiled code, which releases the interpreter lock. Oscillation and 
 measured during the run; series are kept only on request.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import sqrt
 from typing import Any, NamedTuple

@@ -3,8 +3,6 @@
 The three nodes call the same functions in the same order and exchange messages between them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

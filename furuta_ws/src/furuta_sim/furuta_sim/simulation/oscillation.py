@@ -5,8 +5,6 @@ midpoint of the motion and then everything else. In a run these are two successi
 recorded series is passed twice.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Recomputes estimates and commands from recorded measurements, as the nodes compute them."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 A candidate does not change the plant. Parameters with a range are tuned within it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A comparison: every candidate on every simulated rig, with every noise seed and every push."""
 
-from __future__ import annotations
-
 from array import array
 from collections import deque
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ compensation does when the truth is not its model. The named rigs are the truths
 docs/comparison.md.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from furuta_model.parameters import build, values

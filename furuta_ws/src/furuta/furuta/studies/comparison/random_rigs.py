@@ -6,8 +6,6 @@ come on top. Each has a random stream of its own, so a further one leaves the ot
 are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import pi

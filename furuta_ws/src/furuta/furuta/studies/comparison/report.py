@@ -1,7 +1,5 @@
 """What ``furuta compare`` prints."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any, NamedTuple
 

@@ -5,8 +5,6 @@ statistics (Conover 1999), fractions by the method of Clopper and Pearson (1934)
 there are too few rigs for it.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ guard, or with a fall, counts as the guard. The start is the first evaluation, s
 is never worse than its start on these rigs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Time upright of a swing-up whose pendulum is pushed over again and again."""
 
-from __future__ import annotations
-
 from math import cos, sqrt
 from typing import NamedTuple
 

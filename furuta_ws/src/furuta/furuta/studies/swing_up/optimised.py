@@ -8,8 +8,6 @@ switching torques with one switch more in each attempt, at a coarse discretisati
 result is refined.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

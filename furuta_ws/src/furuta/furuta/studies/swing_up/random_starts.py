@@ -1,7 +1,5 @@
 """Swing-up from random states, on plants that differ from the controller's model."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi, sqrt
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The loop in mode ``swing_up`` on a rig, and when a run counts as upright within the limits."""
 
-from __future__ import annotations
-
 from math import cos, pi
 from typing import Any, NamedTuple
 

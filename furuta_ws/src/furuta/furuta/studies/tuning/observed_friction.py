@@ -15,8 +15,6 @@ Parameters that the data hardly determine (α₁ and vs individually) are kept n
 prior.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import atanh, exp, log, tanh
 from typing import NamedTuple

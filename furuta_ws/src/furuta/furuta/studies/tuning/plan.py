@@ -1,7 +1,5 @@
 """The plan of a tuning: which parameters, how much pendulum time, which guard."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from furuta.studies.tuning.observed_friction import FITTED

@@ -1,7 +1,5 @@
 """The result of a tuning, as values, as JSON and as a parameter file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, NamedTuple
 

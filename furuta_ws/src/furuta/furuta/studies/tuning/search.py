@@ -1,7 +1,5 @@
 """Search over compensator parameters for the smallest amplitude, with COBYQA."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import log
 

@@ -1,7 +1,5 @@
 """The interface of a loop that can be tuned, its simulation, and the guard around it."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -17,8 +17,6 @@ it is replaced by the best one so far. If that does not help, or at an interrupt
 parameters are restored.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

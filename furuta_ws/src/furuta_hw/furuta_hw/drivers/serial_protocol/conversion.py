@@ -1,7 +1,5 @@
 """Conversion of a frame's codes to a sample in SI units."""
 
-from __future__ import annotations
-
 from math import exp
 
 from furuta_hw.connection.rig_driver import RawCodes, RigSample

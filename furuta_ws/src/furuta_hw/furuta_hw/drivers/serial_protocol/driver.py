@@ -1,7 +1,5 @@
 """The rig driver for the serial protocol of docs/hardware.md."""
 
-from __future__ import annotations
-
 from furuta_hw.connection.rig_driver import LineStatistics, RigDriver, RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.drivers.serial_protocol.host import ProtocolHost

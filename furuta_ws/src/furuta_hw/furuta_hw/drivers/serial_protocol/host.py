@@ -1,7 +1,5 @@
 """The host's side of the serial protocol: sessions, and statistics of the line."""
 
-from __future__ import annotations
-
 from secrets import randbits
 from time import monotonic
 

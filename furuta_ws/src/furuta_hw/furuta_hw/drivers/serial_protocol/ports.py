@@ -1,7 +1,5 @@
 """Ports that carry bytes to and from a rig: a serial port, or an emulated rig in this process."""
 
-from __future__ import annotations
-
 import os
 from importlib import import_module
 from typing import Protocol, cast
