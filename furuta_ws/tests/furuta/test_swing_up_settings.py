@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from furuta.studies.swing_up.knocks import Knocks, count_knocks
-from furuta.studies.swing_up.rig_loop import swing_up_settings
+from furuta.studies.swing_up_knocks import Knocks, count_knocks
+from furuta.studies.swing_up_starts import swing_up_settings
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.rigs import find_rig

@@ -1,4 +1,4 @@
-"""Mode ``swing_up``: limits of the arm, energy, hand-overs, giving up, the optimised trajectory."""
+"""Mode ``swing_up``: limits of the arm, energy, hand-overs and giving up."""
 
 from math import pi
 
@@ -15,11 +15,10 @@ from furuta_control.control import (
     design_controller,
     reset,
 )
-from furuta_control.modes import arm_limits, energy_shaping, tracking
+from furuta_control.modes import arm_limits, energy_shaping
 from furuta_control.modes.swing_up import SwingUpParameters
 from furuta_model.block import new_memory
-from furuta_model.inverse_dynamics import arm_dynamics
-from furuta_model.pendulum import FurutaPendulum
+from furuta_model.pendulum import FurutaPendulum, arm_dynamics
 
 RNG = np.random.default_rng(16)
 MODEL = FurutaPendulum()
@@ -150,17 +149,3 @@ def test_unknown_state_is_not_driven() -> None:
         x = rig.x.copy()
         x[index] = np.nan
         assert control(rig.memory, x, 0.3, design_controller(PARAMETERS)) == 0.0
-
-
-def test_tracks_a_trajectory() -> None:
-    """From another start the regulator returns to the trajectory that eq. (1) gives."""
-    torques, duration = (4.0, 4.0, -6.0, -6.0, 3.0, 3.0), 0.5
-    limits = (1.0, 8.0)
-    p = tracking.design(MODEL, torques, duration, 10.0, limits, 100.0 * np.eye(4), DT)
-    x = np.array((0.05, 0.0, -pi + 0.03, 0.0))
-    assert tracking.can_start(x, p)
-    first = abs(tracking.deviation(x, 0, 2, p))
-    for k in range(p.samples):
-        x = reference_step(x, tracking.command(x, k, 0.0, p))
-    assert abs(tracking.deviation(x, p.samples, 2, p)) < 0.3 * first
-    assert tracking.lost(x, p.samples, p)

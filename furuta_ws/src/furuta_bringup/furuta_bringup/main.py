@@ -20,7 +20,7 @@ VERBS = {
     "view": "Show the graph in a browser, with all parameters.",
     "simulate": "Simulate the same closed loop without ROS.",
     "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
-    "swing-up": "Swing up from random states, with knocks, or optimised.",
+    "swing-up": "Swing up from random states, with knocks.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
     "compare": "Compare compensations on rigs that they do not know.",

@@ -97,6 +97,33 @@ def rotate_slightly(s: float, c: float, angle: float) -> tuple[float, float]:
     return s * cosine + c * sine, c * cosine - s * sine
 
 
+@compiled
+def arm_dynamics(
+    phi_dot: float, theta: float, theta_dot: float, p: FurutaPendulum
+) -> tuple[float, float]:
+    r"""Inertia [V s²/rad] and torque [V] of the arm: eq. (1) solved for u − F = inertia φ̈ + torque.
+
+    With θ̈ from the second line of (1), the first line is
+
+    .. math::
+        u - F = \Bigl(α + β\sin^2θ - \frac{γ^2\cos^2θ}{β}\Bigr)\ddot φ
+        + γ\cosθ\Bigl(\cosθ\sinθ\,\dot φ^2 + \frac{δ}{β}\sinθ\Bigr)
+        + 2β\cosθ\sinθ\,\dot φ\dot θ - γ\sinθ\,\dot θ^2
+
+    The inertia is that of the arm with the pendulum free in its joint. This is partial feedback
+    linearisation (Spong 1994).
+    """
+    s, c = sin(theta), cos(theta)
+    coupling = p.gamma * c
+    inertia = p.alpha + p.beta * s * s - coupling * coupling / p.beta
+    torque = (
+        coupling * s * (c * phi_dot * phi_dot + p.delta / p.beta)
+        + 2.0 * p.beta * c * s * phi_dot * theta_dot
+        - p.gamma * s * theta_dot * theta_dot
+    )
+    return inertia, torque
+
+
 def energy(x: np.ndarray, p: FurutaPendulum) -> float:
     """Kinetic plus potential energy T + V [V rad] at state ``x`` (4,), V = δ cosθ."""
     s, c = np.sin(x[THETA]), np.cos(x[THETA])

@@ -15,7 +15,7 @@ from furuta.studies.experiments import (
     encoder_resolution,
     run_experiment,
 )
-from furuta.studies.swing_up.rig_loop import judge, swing_up_settings
+from furuta.studies.swing_up_starts import judge, swing_up_settings
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
 from furuta_bringup.printing import print_json, show
 from furuta_sim.settings.rigs import find_rig

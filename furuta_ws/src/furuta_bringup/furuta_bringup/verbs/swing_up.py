@@ -1,25 +1,22 @@
 """``furuta swing-up``."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 
-from furuta.studies.swing_up.knocks import run_knocks
-from furuta.studies.swing_up.optimised import fastest_swing_up
-from furuta.studies.swing_up.random_starts import (
+from furuta.studies.swing_up_knocks import run_knocks
+from furuta.studies.swing_up_starts import (
     random_starts,
     run_starts,
     summary,
+    swing_up_settings,
     with_friction,
 )
-from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import SEED, json_option, parameter_options
 from furuta_bringup.printing import show
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
-from furuta_sim.simulation.closed_loop import Loop
 
 DEFAULT_RIG = "paper_full_turn"
 
@@ -49,12 +46,6 @@ DEFAULT_RIG = "paper_full_turn"
     is_flag=True,
     help="Also push the pendulum over every 10 s; it must swing up again.",
 )
-@click.option(
-    "--optimise",
-    type=click.Path(path_type=Path, dir_okay=False),
-    metavar="FILE.yaml",
-    help="Compute the fastest swing-up of the rig, and write it as a parameter file; no starts.",
-)
 @parameter_options
 @json_option
 def command(
@@ -63,7 +54,6 @@ def command(
     factor: float,
     seed: int,
     knocks: bool,
-    optimise: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -75,16 +65,7 @@ def command(
     """
     given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
     nominal = with_friction(loop(given), factor)
-    if optimise is not None:
-        report = _optimised(nominal, optimise)
-    else:
-        report = summary(run_starts(random_starts(nominal, starts, seed)))._asdict()
-        if knocks:
-            report |= run_knocks(nominal)._asdict()
+    report = summary(run_starts(random_starts(nominal, starts, seed)))._asdict()
+    if knocks:
+        report |= run_knocks(nominal)._asdict()
     show(report, as_json)
-
-
-def _optimised(nominal: Loop, file: Path) -> dict[str, Any]:
-    trajectory = fastest_swing_up(nominal)
-    file.write_text(trajectory.parameter_file())
-    return {"duration_s": trajectory.duration, "file": str(file)}

@@ -14,8 +14,6 @@ from furuta_model.pendulum import FurutaPendulum
 # Parts of the limits that are used; the rest is for noise, delay and errors of the model.
 USED_TRAVEL = 0.7
 USED_SPEED = 0.8
-# The same for a trajectory, which uses less than this.
-PLANNED_SHARE = 0.95
 # Part of the voltage that is planned for braking; the rest is for friction and coupling.
 BRAKING_VOLTAGE = 0.4
 # Part of the voltage that viscous friction may take at the highest speed.
@@ -63,15 +61,6 @@ def design(
         response=RESPONSE * dt,
         last_travel=angle_limit,
         last_speed=speed_limit,
-    )
-
-
-def for_trajectory(p: ArmLimits) -> ArmLimits:
-    """The limits while a trajectory is tracked: it is planned to the end and needs less reserve."""
-    return p._replace(
-        travel=PLANNED_SHARE * p.last_travel,
-        speed=PLANNED_SHARE * p.last_speed,
-        braking=HARDEST_BRAKING * p.braking,
     )
 
 

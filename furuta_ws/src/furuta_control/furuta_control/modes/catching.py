@@ -28,7 +28,7 @@ from furuta_control.modes.arm_limits import ArmLimits
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Pendulum angle [rad] within which it is caught, and beyond which it has been missed.
 CATCH_ANGLE = 0.5
@@ -61,8 +61,8 @@ class Catching(NamedTuple):
 
 def design(
     model: FurutaPendulum, voltage: float, limits: ArmLimits, arm_reference: float
-) -> tuple[Catching, np.ndarray]:
-    """The feedback for a rig, and its cost (4, 4) of a deviation."""
+) -> Catching:
+    """The feedback for a rig."""
     frequency = sqrt(model.delta / model.beta)
     a, b = linearize(model)
     deviations = np.array(
@@ -76,7 +76,7 @@ def design(
     effort = EFFORT / voltage**2
     cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
     l1, l2, l3, l4 = (b @ cost / effort).tolist()
-    feedback = Catching(
+    return Catching(
         l1=l1,
         l2=l2,
         l3=l3,
@@ -85,13 +85,11 @@ def design(
         frequency=frequency,
         arm_reference=arm_reference,
     )
-    return feedback, cost
 
 
-def unused() -> tuple[Catching, np.ndarray]:
+def unused() -> Catching:
     """No feedback, for a controller in another mode."""
-    nothing = Catching(l1=0.0, l2=0.0, l3=0.0, l4=0.0, ratio=1.0, frequency=1.0, arm_reference=0.0)
-    return nothing, np.zeros((RIGID_STATES, RIGID_STATES))
+    return Catching(l1=0.0, l2=0.0, l3=0.0, l4=0.0, ratio=1.0, frequency=1.0, arm_reference=0.0)
 
 
 @inlined

@@ -4,10 +4,9 @@
 phase      what it does                         ends
 =========  ===================================  ==========================================
 swinging   energy shaping                       when the pendulum can be caught
-tracking   follows the optimised trajectory     the same, or when it deviates
 catching   linear-quadratic regulator           near upright: balancing; missed: braking
 balancing  as ``balance``, see :func:`design`   after a fall: braking
-braking    brings the arm to rest               at rest: swinging or tracking, or off
+braking    brings the arm to rest               at rest: swinging, or off
 off        0 V                                  when the state is known
 =========  ===================================  ==========================================
 
@@ -23,21 +22,19 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from furuta_control.modes import arm_limits, balance, catching, energy_shaping, tracking
+from furuta_control.modes import arm_limits, balance, catching, energy_shaping
 from furuta_control.modes.arm_limits import ArmLimits
 from furuta_control.modes.balance import Balance, BalanceMemory
 from furuta_control.modes.catching import Catching
 from furuta_control.modes.energy_shaping import EnergyShaping, EnergyShapingMemory
 from furuta_control.modes.mode import Mode
-from furuta_control.modes.tracking import Tracking
 from furuta_model.compiled import compiled, inlined
-from furuta_model.inverse_dynamics import arm_dynamics
 from furuta_model.parameters import About
-from furuta_model.pendulum import FurutaPendulum
+from furuta_model.pendulum import FurutaPendulum, arm_dynamics
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-OFF, SWINGING, TRACKING, CATCHING, BALANCING, BRAKING = range(6)
-PHASES = ("off", "swing_up", "track", "catch", "balance", "brake")
+OFF, SWINGING, CATCHING, BALANCING, BRAKING = range(5)
+PHASES = ("off", "swing_up", "catch", "balance", "brake")
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
@@ -46,8 +43,6 @@ SETTLED_TIME = 0.3
 BRAKE_TIME = 0.03
 AT_REST = 0.05
 
-NO_TRAJECTORY = (0.0,)
-
 
 class SwingUpParameters(NamedTuple):
     """Parameters of the mode."""
@@ -55,17 +50,6 @@ class SwingUpParameters(NamedTuple):
     recover: Annotated[
         bool, About("swing_up: swing up again after a fall from balance, without a reset")
     ] = False
-    torques: Annotated[
-        tuple[float, ...],
-        About(
-            "swing_up: optimised trajectory from hanging at rest: torque u - F at equal intervals; "
-            "[0.0]: none, energy shaping alone",
-            "V",
-            -1e3,
-            1e3,
-        ),
-    ] = NO_TRAJECTORY
-    duration: Annotated[float, About("swing_up: time of the trajectory", "s", 1e-2, 100.0)] = 1.0
 
 
 @dataclass
@@ -76,7 +60,7 @@ class SwingUpMemory:
         phase: Index in :data:`PHASES`.
         caught: Whether the pendulum has been balanced.
         beyond: Whether the arm has been beyond its travel.
-        samples: Samples near upright, of the trajectory, or of the brake.
+        samples: Samples near upright, or of the brake.
         energy: Memory of energy shaping.
     """
 
@@ -94,11 +78,9 @@ class SwingUp(NamedTuple):
     model: FurutaPendulum
     viscous: float
     limits: ArmLimits
-    trajectory_limits: ArmLimits
     energy: EnergyShaping
     catching: Catching
     balancing: Balance
-    tracking: Tracking
     settled_samples: float
     brake_samples: float
 
@@ -120,7 +102,7 @@ def design(
     """
     voltage = balancing.voltage_limit
     limits = _limits(model, viscous, balancing, dt)
-    regulator, cost = (
+    regulator = (
         catching.design(model, voltage, limits, balancing.arm_reference)
         if used
         else catching.unused()
@@ -129,28 +111,14 @@ def design(
         balancing = balancing._replace(
             l1=regulator.l1, l2=regulator.l2, l3=regulator.l3, l4=regulator.l4
         )
-    trajectory = tracking.unused()
-    if used and p.torques != NO_TRAJECTORY:
-        deviations = (catching.ARM_DEVIATION * limits.travel, limits.speed)
-        trajectory = tracking.design(
-            model,
-            p.torques,
-            duration=p.duration,
-            voltage=voltage,
-            arm_deviations=deviations,
-            final_cost=cost,
-            dt=dt,
-        )
     return SwingUp(
         recover=p.recover,
         model=model,
         viscous=viscous,
         limits=limits,
-        trajectory_limits=arm_limits.for_trajectory(limits),
         energy=energy_shaping.design(model, voltage, limits),
         catching=regulator,
         balancing=balancing,
-        tracking=trajectory,
         settled_samples=ceil(SETTLED_TIME / dt),
         brake_samples=ceil(BRAKE_TIME / dt),
     )
@@ -160,12 +128,10 @@ def is_possible(model: FurutaPendulum, viscous: float, balancing: Balance, dt: f
     """Whether :func:`design` finds a feedback that catches the pendulum."""
     limits = _limits(model, viscous, balancing, dt)
     try:
-        regulator, cost = catching.design(
-            model, balancing.voltage_limit, limits, balancing.arm_reference
-        )
+        regulator = catching.design(model, balancing.voltage_limit, limits, balancing.arm_reference)
     except (np.linalg.LinAlgError, ArithmeticError, ValueError):
         return False
-    return bool(np.all(np.isfinite([*regulator, *cost.flat])))
+    return bool(np.all(np.isfinite(regulator)))
 
 
 def _limits(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> ArmLimits:
@@ -199,8 +165,6 @@ def command(
         u = balance.command(balancing, x, friction, p.balancing)
     elif phase == CATCHING:
         u = catching.command(x, friction, p.catching)
-    elif phase == TRACKING:
-        u = tracking.command(x, memory.samples, friction, p.tracking)
     else:
         u = np.nan
     inertia, torque = arm_dynamics(x[PHI_DOT], x[THETA], x[THETA_DOT], p.model)
@@ -210,8 +174,7 @@ def command(
         wanted = -x[PHI_DOT] / BRAKE_TIME
     else:
         wanted = (u - friction - torque) / inertia
-    limits = p.trajectory_limits if phase == TRACKING else p.limits
-    allowed = arm_limits.limited(wanted, x[PHI], x[PHI_DOT], limits)
+    allowed = arm_limits.limited(wanted, x[PHI], x[PHI_DOT], p.limits)
     if allowed == wanted and not np.isnan(u):
         return u
     return friction + torque + inertia * allowed
@@ -248,7 +211,7 @@ def _lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> bo
 
 @inlined
 def _on_the_way(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
-    """The phase after braking, swinging or tracking."""
+    """The phase after braking or swinging."""
     if memory.phase == BRAKING and _still_brakes(memory, x, p):
         return BRAKING
     if memory.phase == BRAKING and _given_up(memory, p):
@@ -282,15 +245,6 @@ def _swing(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
     if catching.can_catch(x, p.limits, p.catching):
         memory.samples = 0
         return CATCHING
-    if memory.phase == TRACKING:
-        # The time waits for an arm that does not move yet.
-        if memory.samples > 0 or abs(x[PHI_DOT]) > tracking.MOVING:
-            memory.samples += 1
-        if not tracking.lost(x, memory.samples, p.tracking):
-            return TRACKING
-    elif tracking.can_start(x, p.tracking):
-        memory.samples = 0
-        return TRACKING
     if memory.phase != SWINGING:
         memory.energy.started = False
     return SWINGING

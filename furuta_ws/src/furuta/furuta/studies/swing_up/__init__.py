@@ -1,1 +1,0 @@
-"""Swing-up: random starts, pushes, optimised trajectories."""
