@@ -9,7 +9,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -24,7 +24,6 @@ from furuta_model.parameters import About, Declared, ParameterError, declared
 from furuta_recordings.series_columns import column_table
 from furuta_ros.topics import EVERY_TOPIC, THROTTLED_TOPICS, Topic
 from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_files import parameter_table
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = "Generated from the code by `docs/site/reference_pages.py`."
@@ -68,7 +67,11 @@ def parameters_page() -> str:
     return (
         f"# Parameters\n\n{GENERATED} `./furuta param defaults NODE` prints them as a parameter "
         "file, and\n[furuta_ws/config](../furuta_ws/config) holds those files.\n\n"
-        + "\n".join(parameter_table(node) for node in NODES)
+        + "\n".join(
+            line
+            for node in NODES.values()
+            for line in (f"## {node.name}\n", *_parameter_table(node.parameters))
+        )
     )
 
 
@@ -190,17 +193,23 @@ def _signature(name: str, function: Any) -> str:
             i for i, parameter in enumerate(parameters) if parameter.kind is parameter.KEYWORD_ONLY
         )
         lines.insert(first, "    *,")
-    result = str(inspect.signature(function).return_annotation)
+    result = _type(inspect.signature(function).return_annotation)
     return "\n".join([f"{name}(", *lines, f") -> {result}"]) if lines else f"{name}() -> {result}"
 
 
 def _parameter(parameter: inspect.Parameter) -> str:
     """A parameter as it is written; a long default is only said to exist."""
-    text = f"{parameter.name}: {parameter.annotation}"
+    text = f"{parameter.name}: {_type(parameter.annotation)}"
     if parameter.default is parameter.empty:
         return text
     default = repr(parameter.default)
     return f"{text} = {default if len(default) < 40 else '...'}"
+
+
+def _type(annotation: Any) -> str:
+    """An annotation without the modules of its names."""
+    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
+    return re.sub(r"(\w+\.)+(?=\w)", "", text)
 
 
 def _text(thing: Any) -> str:
@@ -231,14 +240,17 @@ def _field_table(thing: Any) -> list[str]:
         rows = declared(thing) if hasattr(thing, "_fields") else ()
     except (IndexError, KeyError, ParameterError):
         rows = ()
-    if not rows or len(rows) > 40:
-        return []
+    return _parameter_table(thing) if 0 < len(rows) <= 40 else []
+
+
+def _parameter_table(group: type[NamedTuple]) -> list[str]:
+    """A group of parameters as a table."""
     return [
-        "| field | default | unit | allowed | meaning |\n|---|---|---|---|---|",
+        "| name | default | unit | allowed | meaning |\n|---|---|---|---|---|",
         *(
             f"| `{row.name}` | {_plain(row.default)} | {row.about.unit} | {row.about.allowed} "
-            f"| {row.about.meaning} |"
-            for row in rows
+            f"| {row.about.meaning}{'; at start only' if row.about.read_only else ''} |"
+            for row in declared(group)
         ),
         "",
     ]

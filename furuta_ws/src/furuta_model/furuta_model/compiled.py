@@ -121,7 +121,7 @@ def _add(content: Any, name: str, used: Any) -> None:
 
 
 def _annotated(function: Callable[..., Any]) -> set[str]:
-    """Names in the function's annotations, which are strings."""
+    """Names in the annotations of the function."""
     return {
         name for text in function.__annotations__.values() for name in re.findall(r"\w+", str(text))
     }

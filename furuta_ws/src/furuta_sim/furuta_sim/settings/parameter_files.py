@@ -1,4 +1,4 @@
-"""Parameter files and tables, generated from the declarations of the parameters."""
+"""Parameter files, generated from the declarations of the parameters."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -58,29 +58,6 @@ def describe(parameter: Declared) -> str:
     fixed = "; at start only" if about.read_only else ""
     unit = f" [{about.unit}]" if about.unit else ""
     return f"{about.meaning}{unit}{allowed}{fixed}"
-
-
-def parameter_table(node: str) -> str:
-    """The parameters of ``node`` as a table in Markdown."""
-    return "\n".join(
-        [
-            f"## {node}",
-            "",
-            "| parameter | default | unit | allowed | meaning |",
-            "|---|---|---|---|---|",
-            *map(_row, declared(NODES[node].parameters)),
-            "",
-        ]
-    )
-
-
-def _row(parameter: Declared) -> str:
-    about = parameter.about
-    fixed = "; at start only" if about.read_only else ""
-    return (
-        f"| `{parameter.name}` | {_yaml(parameter.default)} | {about.unit} | {about.allowed} "
-        f"| {about.meaning}{fixed} |"
-    )
 
 
 def _yaml(value: object) -> str:
