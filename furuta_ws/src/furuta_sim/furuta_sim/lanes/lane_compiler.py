@@ -64,7 +64,7 @@ class Lanes:
     @property
     def address(self) -> int:
         """Address of the first number."""
-        return int(self.data.ctypes.data)
+        return int(self.data.__array_interface__["data"][0])
 
     def rows(self, name: str) -> np.ndarray:
         """The numbers of a field (size, width)."""
@@ -88,7 +88,8 @@ def _values(layout: Layout, numbers: np.ndarray) -> Any:
 def _aligned(size: int) -> np.ndarray:
     """Zeros that begin at a cache line: a vector that crosses two of them costs two accesses."""
     memory = np.zeros(size + CACHE_LINE)
-    first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
+    address = memory.__array_interface__["data"][0]  # `ctypes` would leave cyclic garbage
+    first = -(address // memory.itemsize) % CACHE_LINE
     return memory[first : first + size]
 
 
