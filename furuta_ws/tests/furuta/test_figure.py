@@ -7,8 +7,6 @@ import pytest
 
 from furuta.figures.figure import mark_half_turns, saved_figure
 from furuta.figures.labels import axis_label
-from furuta.figures.sweep import draw_sweep
-from furuta.studies.sweep_points import SweptParameter
 
 PNG = b"\x89PNG"
 
@@ -68,18 +66,3 @@ def test_half_turns_are_marked(limits: tuple[float, float], marks: set[str]) -> 
     assert marks <= {text.get_text() for text in large.get_yticklabels()}
     assert not any("π" in text.get_text() for text in small.get_yticklabels())
     plt.close(figure)
-
-
-def test_sweep_over_a_choice_draws_lines(tmp_path: Path) -> None:
-    """One line per value of the choice, named in the legend."""
-    numbers = SweptParameter("alpha0", (0.1, 0.2), False)
-    choice = SweptParameter("compensation", ("coulomb", "lugre"), True)
-    rows = [
-        {"alpha0": a, "compensation": c, "phi_peak_to_peak_rad": a, "error": "", "fell": False}
-        for a in numbers.values
-        for c in choice.values
-    ]
-    with plt.rc_context({"svg.fonttype": "none"}):
-        draw_sweep((choice, numbers), rows, tmp_path / "sweep.svg")
-    text = (tmp_path / "sweep.svg").read_text()
-    assert all(f">{word}</text>" in text for word in ("coulomb", "lugre", "α₀ [V]"))

@@ -1,6 +1,5 @@
 """The verbs ``linearize`` and ``limit-cycle`` as a user meets them."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -71,15 +70,15 @@ def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
     ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
 )
 def test_prediction(furuta: Any, tmp_path: Path, law: str, width: float, period: float) -> None:
-    """The predicted limit cycle of the rig, with pictures."""
-    pictures = [tmp_path / f"{name}.png" for name in ("out", "curves", "presliding")]
-    drawn = (word for picture in pictures for word in (f"--{picture.stem}", picture))
-    result = answer(furuta("limit-cycle", "--predict", "--law", law, "--json", *drawn))
+    """The predicted limit cycle of the rig, with a picture."""
+    picture = tmp_path / "prediction.png"
+    predict = ("limit-cycle", "--predict", "--law", law, "--out", picture, "--json")
+    result = answer(furuta(*predict))
     (cycle,) = result["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(width, abs=1e-4)
     assert cycle["period_s"] == pytest.approx(period, abs=1e-4)
     assert cycle["stable"] is True
-    assert all(picture.read_bytes().startswith(PNG) for picture in pictures)
+    assert picture.read_bytes().startswith(PNG)
 
 
 def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
@@ -118,16 +117,12 @@ def test_branch(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_map(furuta: Any, tmp_path: Path) -> None:
-    """A map as picture and data, predicted beside exact."""
-    picture, data = tmp_path / "map.png", tmp_path / "map.csv"
+    """A map as picture and rows, predicted beside exact."""
+    picture = tmp_path / "map.png"
     over = ("--over", "omega1=5:9:3", "--over", "l4=1.2:1.5:2")
-    rows = answer(
-        furuta("limit-cycle", *over, "--out", picture, "--data", data, "--json"),
-    )["rows"]
-    assert len(rows) == 6
+    rows = answer(furuta("limit-cycle", *over, "--out", picture, "--json"))["rows"]
+    assert [row["omega1"] for row in rows] == [5, 5, 7, 7, 9, 9]
     assert rows[0]["predicted_phi_peak_to_peak_rad"] > rows[0]["phi_peak_to_peak_rad"] > 0
-    with data.open() as file:
-        assert [float(row["omega1"]) for row in csv.DictReader(file)] == [5, 5, 7, 7, 9, 9]
     assert picture.read_bytes().startswith(PNG)
 
 
@@ -193,7 +188,6 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
         ("limit-cycle --over omega1=-2:-1 --over zeta1=0:1", "omega1 must be"),
         ("limit-cycle --over omega1=1:2:1 --over zeta1=0:1", "COUNT must be"),
         ("limit-cycle --over omega1=1:2 --predict", "not with --predict"),
-        ("limit-cycle --over omega1=1:2 --data x.csv", "--data needs a map"),
     ],
 )
 def test_bad_input_is_one_line(furuta: Any, arguments: str, reason: str) -> None:

@@ -15,25 +15,13 @@ from furuta.studies.experiments import (
     encoder_resolution,
     run_experiment,
 )
-from furuta.studies.swing_up.rig_loop import judge, swing_up_settings
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
-from furuta_bringup.printing import print_json, show
-from furuta_sim.settings.rigs import find_rig
+from furuta_bringup.printing import print_json
 from furuta_sim.settings.settings import load_settings, loop
-from furuta_sim.simulation.closed_loop import simulate
-
-# The experiment beside those of the paper, its rig, and its simulated time [s].
-SWING_UP = "swing-up"
-FULL_TURN_RIG = "paper_full_turn"
-SWING_UP_TIME = 8.0
-# Part of it that the animation shows [s].
-SHOWN_TIME = 6.0
 
 
 @click.command()
-@click.argument(
-    "names", nargs=-1, type=click.Choice([*EXPERIMENTS, SWING_UP, "all"]), required=True
-)
+@click.argument("names", nargs=-1, type=click.Choice([*EXPERIMENTS, "all"]), required=True)
 @click.option(
     "--seconds",
     type=MEASURED_SECONDS,
@@ -45,7 +33,7 @@ SHOWN_TIME = 6.0
     "--out",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Draw each figure; of swing-up also an animation.",
+    help="Draw each figure.",
 )
 @model_options
 @json_option
@@ -59,16 +47,9 @@ def command(
 ) -> None:
     """Repeat experiments of the paper (fig5 to fig9, or all), and compare with the prediction.
 
-    swing-up is not of the paper: from hanging to upright, with a full-turn encoder.
-
     The simulation uses the same functions as the nodes. From fig6 on the true friction differs by
     direction, by 5 % unless it is set with --set.
     """
-    if SWING_UP in names:
-        if len(names) > 1:
-            raise click.UsageError("swing-up is an experiment of its own: name no other with it")
-        _swing_up(out, files, assignments, as_json)
-        return
     nominal = loop(load_settings(files, assignments))
     rows = []
     console = Console(stderr=True, quiet=as_json)
@@ -86,22 +67,6 @@ def command(
         print_json({"experiments": rows, "encoder_count_rad": encoder_resolution(nominal)})
     else:
         _print(rows, encoder_resolution(nominal))
-
-
-def _swing_up(
-    out: Path | None, files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
-) -> None:
-    """Swing the paper's rig with a full-turn encoder up, and draw it."""
-    settings = load_settings(files, assignments, swing_up_settings(find_rig(FULL_TURN_RIG)))
-    nominal = loop(settings)
-    record = simulate(nominal, SWING_UP_TIME)
-    if out is not None:
-        from furuta.figures.animation import animate_run
-        from furuta.figures.run import draw_run
-
-        draw_run(record, out / f"{SWING_UP}.png")
-        animate_run(record, out / f"{SWING_UP}.gif", SHOWN_TIME)
-    show({"experiment": SWING_UP, **judge(record, nominal)._asdict()}, as_json)
 
 
 def _print(rows: list[dict[str, Any]], count: float) -> None:

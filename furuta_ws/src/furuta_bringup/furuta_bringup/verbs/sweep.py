@@ -11,7 +11,6 @@ from furuta.studies.study_tables import check_table, write_runs
 from furuta.studies.sweep import Sweep
 from furuta.studies.sweep_journal import Journal
 from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
-from furuta_bringup.file_types import FIGURE
 from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_bringup.study_runs import run_sweep, with_progress
@@ -52,7 +51,6 @@ DEFAULT_COUNT = 10
     default=Path("output/sweep.csv"), show_default=True,
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
-@click.option("--picture", type=FIGURE, help="Draw the results.")
 @model_options
 @json_option
 def command(
@@ -63,7 +61,6 @@ def command(
     seconds: float,
     scheduler: str | None,
     out: Path,
-    picture: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -87,8 +84,6 @@ def command(
             pass
         rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
         write_runs(_counted(rows, counts), out)
-        if picture is not None:
-            _draw(sweep, journal, picture)
         first = journal[0]
         journal.delete()
     finally:
@@ -97,13 +92,6 @@ def command(
         raise ParameterError(f"no run is possible: {first['error']}")
     kinds = {kind: counts[kind] for kind in ("fell", "switched_off", "impossible")}
     show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
-
-
-def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
-    from furuta.figures.sweep import draw_sweep
-
-    rows = [point | journal[number] for number, point in enumerate(sweep.generate_points())]
-    draw_sweep(sweep.axes, rows, picture)
 
 
 def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[dict[str, Any]]:
