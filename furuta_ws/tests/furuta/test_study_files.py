@@ -1,45 +1,54 @@
 """Journal and table of a sweep: what continues, what is kept, types."""
 
+import csv
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from furuta.studies.study_tables import OUTCOME, check_table, write_csv, write_runs
-from furuta.studies.sweep import Sweep
+from furuta.studies.study_tables import OUTCOME, check_table, write_runs
+from furuta.studies.sweep import Sweep, SweptParameter
 from furuta.studies.sweep_journal import Journal
-from furuta.studies.sweep_points import SweptParameter
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 from furuta_recordings.table_files import parquet
 from furuta_sim.simulation.closed_loop import Outcome
 
-RESULTS = {number: {"size": 0.1 * number, "error": ""} for number in (2, 0, 1)}
-
-
+RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
 ALPHA0 = SweptParameter("alpha0", (1.0, 2.0), False)
 SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), "grid", 2, 0, 60.0)
 
 
-def recorded(out: Path, stop: int = 9) -> list[int]:
-    """Add results to the journal of ``out``, at most ``stop``; the numbers that were there."""
+def recorded(out: Path, stop: int = 9) -> int:
+    """Add results to the journal of ``out`` up to ``stop``; the number that was there."""
     journal = Journal(out, SWEEP)
-    before = [number for number in RESULTS if number in journal]
-    rest = [(number, RESULTS[number]) for number in RESULTS if number not in journal][:stop]
-    assert list(journal.record(iter(rest))) == rest
-    assert len(journal) == len(before) + len(rest)
-    assert all(journal[number] == RESULTS[number] for number, _ in rest)
+    before = journal.count
+    assert list(journal.record(RESULTS[before:stop])) == RESULTS[before:stop]
+    assert list(journal.results()) == RESULTS[: journal.count]
     journal.close()
     return before
 
 
 def test_a_journal_continues(tmp_path: Path) -> None:
-    """With the runs that are not there yet."""
     out = tmp_path / "a.csv"
-    assert recorded(out, stop=2) == []
-    assert recorded(out) == [2, 0]
-    assert recorded(out) == [2, 0, 1]
+    assert [recorded(out, 2), recorded(out), recorded(out)] == [0, 2, 3]
+
+
+def test_a_line_that_a_kill_has_cut_is_dropped(tmp_path: Path) -> None:
+    out = tmp_path / "a.csv"
+    recorded(out)
+    journal = tmp_path / "a.csv.part"
+    journal.write_bytes(journal.read_bytes()[:-5])
+    assert recorded(out) == 2
+
+
+def test_a_result_that_two_processes_have_written_counts_once(tmp_path: Path) -> None:
+    journals = [Journal(tmp_path / "a.csv", SWEEP) for _ in range(2)]
+    for number in range(3):
+        for journal in journals:
+            list(journal.record(RESULTS[number : number + 1]))
+    assert list(journals[0].results()) == RESULTS
 
 
 @pytest.mark.parametrize("other", ["a value", "the columns", "a text"])
@@ -88,10 +97,13 @@ def test_parquet_has_types_and_empty_values(
 def test_csv_has_the_same_rows(tmp_path: Path) -> None:
     """With a header, and nothing in between."""
     write_runs(rows(3), tmp_path / "a.csv")
-    write_csv(list(rows(3)), tmp_path / "b.csv")
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-    assert len((tmp_path / "a.csv").read_text().splitlines()) == 4
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.csv", "b.csv"]
+    with (tmp_path / "a.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert table == [
+        {name: "" if value is None else str(value) for name, value in row.items()}
+        for row in rows(3)
+    ]
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
 
 
 def test_a_table_is_checked_before_the_runs(

@@ -4,8 +4,6 @@ import csv
 import json
 import os
 import signal
-import sqlite3
-from contextlib import closing
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -19,14 +17,8 @@ LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
 
 def finished_runs(journal: Path) -> int:
-    """The number of runs in the journal, 0 if there is none yet."""
-    if not journal.exists():
-        return 0
-    with closing(sqlite3.connect(journal)) as file:
-        try:
-            return int(file.execute("SELECT count(*) FROM runs").fetchone()[0])
-        except sqlite3.OperationalError:  # not yet made
-            return 0
+    """The number of runs in the journal, 0 if there is none yet; its first line describes it."""
+    return max(0, journal.read_bytes().count(b"\n") - 1) if journal.exists() else 0
 
 
 def wait_for_runs(journal: Path, runs: int) -> None:

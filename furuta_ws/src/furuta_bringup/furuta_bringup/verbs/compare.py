@@ -35,7 +35,7 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import print_json
-from furuta_bringup.study_runs import with_progress
+from furuta_bringup.progress import with_progress
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.rigs import find_uncertain_rig, rig_file

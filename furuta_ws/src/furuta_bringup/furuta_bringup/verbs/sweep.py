@@ -7,13 +7,19 @@ from typing import Any
 
 import click
 
+from furuta.studies.cluster import run_on_cluster
 from furuta.studies.study_tables import check_table, write_runs
-from furuta.studies.sweep import Sweep
+from furuta.studies.sweep import (
+    MAX_POINTS,
+    METHODS,
+    Sweep,
+    parse_swept_parameter,
+    run_locally,
+)
 from furuta.studies.sweep_journal import Journal
-from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
 from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.study_runs import run_sweep, with_progress
+from furuta_bringup.progress import with_progress
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.settings import load_settings
 
@@ -23,20 +29,20 @@ DEFAULT_COUNT = 10
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
 @click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True,
-    help="How points are chosen: every combination, or a sample.")  # fmt: skip
+    help="How points are chosen: every combination, or a Sobol sequence.")  # fmt: skip
 @click.option(
     "--points",
     type=click.IntRange(1, MAX_POINTS),
     default=256,
     show_default=True,
-    help="Number of runs with random or sobol.",
+    help="Number of runs with sobol.",
 )
 @click.option(
     "--seed",
     type=SEED,
     default=0,
     show_default=True,
-    help="Seed of random and sobol points. plant.seed is that of the sensor noise.",
+    help="Seed of sobol points. plant.seed is that of the sensor noise.",
 )
 @click.option(
     "--seconds",
@@ -75,21 +81,25 @@ def command(
     check_table(out)
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
-    size = sweep.size
+    size = sweep.size()
     journal = Journal(out, sweep)
-    resumed, counts = len(journal), Counter[str]()
+    resumed, counts = journal.count, Counter[str]()
     try:
-        results = journal.record(run_sweep(sweep, journal, scheduler))
+        results = journal.record(
+            run_locally(sweep, resumed)
+            if scheduler is None
+            else run_on_cluster(sweep, resumed, scheduler)
+        )
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
-        rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
-        write_runs(_counted(rows, counts), out)
-        first = journal[0]
+        pairs = zip(sweep.generate_points(), journal.results(), strict=True)
+        write_runs(_counted((point | result for point, result in pairs), counts), out)
+        reason = next(journal.results())["error"]
         journal.delete()
     finally:
         journal.close()
     if counts["impossible"] == counts["runs"]:
-        raise ParameterError(f"no run is possible: {first['error']}")
+        raise ParameterError(f"no run is possible: {reason}")
     kinds = {kind: counts[kind] for kind in ("fell", "switched_off", "impossible")}
     show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
 

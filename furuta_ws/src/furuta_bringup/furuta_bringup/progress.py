@@ -1,23 +1,13 @@
-"""Runs of a study for a verb: here or on a cluster, with a progress bar."""
+"""Progress of a study as a bar on the terminal."""
 
 import sys
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import Progress
 
-from furuta.studies.cluster import run_on_cluster
-from furuta.studies.sweep import RunResult, Sweep, run_locally
-
 Item = TypeVar("Item")
-
-
-def run_sweep(sweep: Sweep, done: Container[int], scheduler: str | None) -> Iterator[RunResult]:
-    """Results of the runs that are not ``done``, from this machine or a Dask cluster."""
-    if scheduler is None:
-        return run_locally(sweep, done)
-    return run_on_cluster(sweep, done, scheduler)
 
 
 def with_progress(
