@@ -20,7 +20,6 @@ DOCS = ROOT / "docs"
 COMMANDS = {
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
     "comparison.png": "compare --rigs 1000 --out OUT",
-    "convergence.png": "linearize --passivity --out OUT",
     "demo.png": "demo --out DIR",
     "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
     "fig9.png": "experiment fig9 --out DIR",

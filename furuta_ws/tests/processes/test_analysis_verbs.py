@@ -40,19 +40,15 @@ def test_nyquist_of_the_controller(furuta: Any) -> None:
     assert result["crossings"][0]["omega_rad_s"] == pytest.approx(3.057, abs=1e-3)
 
 
-def test_passivity(furuta: Any, tmp_path: Path) -> None:
+def test_passivity(furuta: Any) -> None:
     """The paper's K does not satisfy the condition, and the reason is given."""
-    picture = tmp_path / "g.png"
-    result = answer(furuta("linearize", "--passivity", "--json", "--out", picture))
-    assert picture.read_bytes().startswith(PNG)
+    result = answer(furuta("linearize", "--passivity", "--json"))
     assert result["passive"] is False
     about = result["passivity"]
     assert "5.09 1/s in the right half plane" in about["reason"]
     assert about["K"] == 0.01
-    assert about["static_gain"] == pytest.approx(80 / result["L"][0])
-    assert about["violated_rad_s"][1][1] is None
+    assert about["smallest_real_part"] == pytest.approx(80 / result["L"][0])
     assert about["fastest_growth"] == pytest.approx(0.5765, abs=1e-4)
-    assert about["passive_error"]["smallest_real_part"] > 0.0
     assert about["exact_model"] is True
 
 
@@ -62,7 +58,7 @@ def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
     given = ("--passivity", "--feedback", "10", "4", "60", "20", *settings)
     about = answer(furuta("linearize", "--json", *given))["passivity"]
     assert about["K"] == -0.5
-    assert about["static_gain"] == pytest.approx(-8.0)
+    assert about["reason"].startswith("-G")
     assert about["exact_model"] is False
 
 
@@ -157,7 +153,6 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
     for view in (
         ("linearize", "--nyquist"),
         ("limit-cycle", "--predict", "--law", "coulomb"),
-        ("linearize", "--passivity"),
     ):
         picture = tmp_path / f"{view[1]}.png"
         status, _, err = furuta(*view, *loop, "--out", picture)
@@ -173,7 +168,7 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
         ("linearize --figure-4 --feedback 1 1 1 1", "cannot be combined"),
         ("linearize --set gamma=1", "alpha * beta must exceed gamma²"),
         ("linearize --passivity --set observer_gain=1e9", "observer_gain must be"),
-        ("linearize --out x.png", "--out needs one of"),
+        ("linearize --out x.png", "--out needs --nyquist"),
         ("limit-cycle --predict --feedback 1 inf 1 1", "four finite numbers"),
         ("limit-cycle --feedback 0 7 60 20 --out x.png", "no limit cycle"),
         ("limit-cycle --feedback 0 0 0 0", "does not stabilise"),
