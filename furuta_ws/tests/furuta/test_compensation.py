@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from furuta.studies.experiments import EXPERIMENTS, run_experiment
+from furuta.studies.tuning.guarded_loop import SimulatedLoop
 from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.tunable_loop import SimulatedLoop
 from furuta.studies.tuning.tuning import tune
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan
 from furuta_bringup import main
 from furuta_bringup.main import VERBS
 from furuta_bringup.verbs import demo
@@ -70,7 +71,7 @@ def test_every_command_has_help(path: tuple[str, ...]) -> None:
 
 def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
-    monkeypatch.setattr(demo, "PLAN", demo.PLAN._replace(seconds=demo.PLAN.min_seconds))
+    monkeypatch.setattr(demo, "PLAN", TuningPlan(MIN_SECONDS))
     out_dir = tmp_path / "demo"
     status, out, err = furuta("demo", "--seconds", "8", "--out", out_dir, "--json")
     assert status == 0, err

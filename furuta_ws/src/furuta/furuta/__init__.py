@@ -24,6 +24,7 @@ from furuta.motions import (
     predict_cycles,
     simulate,
     trace_cycle,
+    tune,
 )
 from furuta.recordings import (
     identified_values,
@@ -33,7 +34,6 @@ from furuta.recordings import (
     simulated_series,
     write_series,
 )
-from furuta.tuning import tune
 from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles

@@ -1,6 +1,9 @@
-"""Simulates loops and computes their limit cycles."""
+"""Simulates loops, computes their limit cycles and tunes them."""
+
+from __future__ import annotations
 
 from math import inf
+from typing import TYPE_CHECKING
 
 from furuta.describing_functions import describing_function as describing
 from furuta.describing_functions.predicted_cycles import Prediction
@@ -15,6 +18,10 @@ from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Outcome, Record
+
+if TYPE_CHECKING:
+    from furuta.studies.tuning.plan import TuningResult
+    from furuta.studies.tuning.tuning import ProgressCallback
 
 
 def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
@@ -125,6 +132,34 @@ def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> com
         ParameterError: Amplitude or frequency is not above 0 and finite.
     """
     return describing.describing_function(amplitude, omega, law)
+
+
+def tune(
+    loop: Loop | None = None,
+    seconds: float = 240.0,
+    report: ProgressCallback | None = None,
+) -> TuningResult:
+    """Find the compensation with the smallest remaining limit cycle, by simulation.
+
+    Args:
+        loop: The loop; by default that of the paper. Its plant is the truth, which the tuning sees
+            only through the estimates.
+        seconds: Total simulated time [s].
+        report: Called with a message and the simulated time [s]; by default nothing is reported.
+
+    Returns:
+        The best trial ``after``, with its ``observer`` parameters and the arm's peak to peak
+        ``amplitude`` [rad]; the trials ``before`` and ``uncompensated``; whether there is a
+        ``gain``.
+
+    Raises:
+        ParameterError: The time is too short, or the loop cannot be tuned.
+    """
+    from furuta.studies.tuning.plan import SIMULATED
+    from furuta.studies.tuning.tuning import tune_simulated
+
+    plan = SIMULATED._replace(seconds=seconds, rivals=True)
+    return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))
 
 
 def _ideal(loop: Loop | IdealLoop | None) -> IdealLoop:

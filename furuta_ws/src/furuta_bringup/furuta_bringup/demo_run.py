@@ -13,8 +13,7 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.result import TuningResult, observer_parameters
+from furuta.studies.tuning.plan import TuningPlan, TuningResult, observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune
 from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph

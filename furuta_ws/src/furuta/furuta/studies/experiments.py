@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.loops import ideal_loop_of
 from furuta.studies.feedback_map import predicted_peak_to_peak
-from furuta.studies.tuning.plan import SIMULATED
-from furuta.studies.tuning.result import observer_parameters
+from furuta.studies.tuning.plan import SIMULATED, observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate

@@ -14,8 +14,7 @@ from rich.table import Table
 
 from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
-from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.result import observer_parameters
+from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta_bringup.demo_run import run_demo, tune_graph
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
 from furuta_bringup.printing import print_json
