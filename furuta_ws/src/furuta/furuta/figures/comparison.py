@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta.figures.figure import saved_figure, style_axis
-from furuta.studies.comparison.scores import Table
+from furuta.studies.comparison.comparison import Table
 
 LABEL = "arm, peak to peak [rad]"
 COUNT = "one encoder count"

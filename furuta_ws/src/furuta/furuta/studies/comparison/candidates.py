@@ -136,7 +136,7 @@ def _set(candidate: Candidate, setting: str) -> None:
     for match in _beside_plant(name):
         full = f"{match.node}.{match.parameter.name}"
         if ":" in value:
-            candidate.ranges[full] = checked_range(match.parameter, value)
+            candidate.ranges[full] = _checked_range(match.parameter, value)
         else:
             candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))
 
@@ -149,7 +149,7 @@ def _beside_plant(name: str) -> list[Match]:
     return matches
 
 
-def checked_range(parameter: Declared, text: str) -> Range:
+def _checked_range(parameter: Declared, text: str) -> Range:
     """The range LOW:HIGH of a real parameter."""
     try:
         low, high = (float(limit) for limit in text.split(":"))

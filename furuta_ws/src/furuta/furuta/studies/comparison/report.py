@@ -14,6 +14,7 @@ from furuta.studies.comparison.tuning import TunedCandidate
 
 # Columns of the names of rigs, and of a candidate's residuals [characters].
 RIG_WIDTH, CANDIDATE_WIDTH = 28, 13
+HEADINGS = ("median", "95 %", "worst", "within [%]", "fell", "rms u", "pushes")
 
 
 class Report(NamedTuple):
@@ -31,7 +32,7 @@ class Report(NamedTuple):
     def as_json(self, by_rig: bool) -> dict[str, Any]:
         """The JSON object; with the residuals ``by_rig`` of the named rigs."""
         best = recommended(self.scores)
-        summary = {
+        summary: dict[str, Any] = {
             "rigs": len(self.table.rigs),
             "impossible": self.impossible,
             "encoder_count_rad": self.encoder_count,
@@ -39,7 +40,13 @@ class Report(NamedTuple):
             "recommended": best.candidate if best else None,
             "tuned": [candidate._asdict() for candidate in self.tuned],
         }
-        return summary | {"rows": self._rows()} if by_rig else summary
+        if by_rig:
+            summary["rows"] = [
+                {"truth": rig, "compensation": candidate, "phi_peak_to_peak_rad": float(size)}
+                for rig, sizes in zip(self.table.rigs, self.table.residual.T, strict=True)
+                for candidate, size in zip(self.table.candidates, sizes, strict=True)
+            ]
+        return summary
 
     def print(self, by_rig: bool) -> None:
         """Print the residuals ``by_rig``, the ranking and what was tuned."""
@@ -48,39 +55,34 @@ class Report(NamedTuple):
             columns = max(1, (console.width - RIG_WIDTH) // CANDIDATE_WIDTH)
             for first in range(0, len(self.table.candidates), columns):
                 console.print(self._residuals(slice(first, first + columns)))
-        console.print(self._sizes())
-        console.print(self._counts())
+        console.print(self._ranking())
         for tuned in self.tuned:
             settings = ", ".join(f"{name} {value}" for name, value in tuned.settings.items())
             print(f"tuned {tuned.candidate}: {settings}")
         if self.impossible:
             print(f"left out: {self.impossible} rigs whose parameters are impossible")
-        print(f"recommended: {self._recommendation()}")
-
-    def _rows(self) -> list[dict[str, Any]]:
-        """A row per named rig and candidate."""
-        return [
-            {"truth": rig, "compensation": candidate, "phi_peak_to_peak_rad": float(size)}
-            for rig, sizes in zip(self.table.rigs, self.table.residual.T, strict=True)
-            for candidate, size in zip(self.table.candidates, sizes, strict=True)
-        ]
+        if best := recommended(self.scores):
+            limit = f"fewer than {best.falls_below:.1%} fall (95 % confidence)"
+            print(f"recommended: {best.candidate}; {limit}")
+        else:
+            print("recommended: no candidate, because a pendulum falls with each of them")
 
     def _residuals(self, chosen: slice) -> Grid:
         names = (name.replace("_", " ") for name in self.table.candidates[chosen])
         grid = _grid("arm, peak to peak [mrad], by rig; bold: within one count", "rig", *names)
         for rig, sizes in zip(self.table.rigs, self.table.residual[chosen].T, strict=True):
-            grid.add_row(escape(rig), *(self._marked(float(size)) for size in sizes))
+            marks = ("bold" if size <= self.encoder_count else "none" for size in sizes)
+            texts = (_mrad(float(size)) for size in sizes)
+            pairs = zip(marks, texts, strict=True)
+            grid.add_row(escape(rig), *(f"[{mark}]{text}[/]" for mark, text in pairs))
         return grid
 
-    def _marked(self, size: float) -> str:
-        return f"[bold]{_mrad(size)}[/bold]" if size <= self.encoder_count else _mrad(size)
-
-    def _sizes(self) -> Grid:
+    def _ranking(self) -> Grid:
         title = (
             f"arm, peak to peak [mrad], over {len(self.table.rigs)} rigs, with a 95 % confidence "
-            f"interval, rms u [V]; one count is {1e3 * self.encoder_count:.1f}"
+            f"interval; rigs within one count, which is {1e3 * self.encoder_count:.1f}; rms u [V]"
         )
-        grid = _grid(title, "candidate", "median", "95 %", "worst", "fell", "rms u")
+        grid = _grid(title, "candidate", *HEADINGS)
         for score in self.scores:
             interval = f"({_mrad(score.residual_95_low_rad)}–{_mrad(score.residual_95_high_rad)})"
             grid.add_row(
@@ -88,32 +90,12 @@ class Report(NamedTuple):
                 _mrad(score.residual_median_rad),
                 f"{_mrad(score.residual_95_rad)} {interval}",
                 _mrad(score.residual_worst_rad),
+                f"{100 * score.within_count:.0f}",
                 str(score.falls),
                 f"{score.command_rms_v:.3f}",
-            )
-        return grid
-
-    def _counts(self) -> Grid:
-        title = "rigs [%] within one count and better than the next candidate; rigs worse than none"
-        grid = _grid(
-            f"{title}; pushes survived", "candidate", "within", "better", "worse", "pushes"
-        )
-        for score in self.scores:
-            interval = f"({_percent(score.within_count_low)}–{_percent(score.within_count_high)})"
-            grid.add_row(
-                escape(score.candidate),
-                f"{_percent(score.within_count)} {interval}",
-                _percent(score.beats_next),
-                "–" if score.worse_than_none is None else str(score.worse_than_none),
                 f"{score.pushes_survived}/{score.pushes}" if score.pushes else "–",
             )
         return grid
-
-    def _recommendation(self) -> str:
-        best = recommended(self.scores)
-        if best is None:
-            return "no candidate, because a pendulum falls with each of them"
-        return f"{best.candidate}; fewer than {best.falls_below:.1%} fall (95 % confidence)"
 
 
 def _grid(title: str, *headings: str) -> Grid:
@@ -128,7 +110,3 @@ def _mrad(value: float) -> str:
     if isfinite(value):
         return f"{1e3 * value:.1f}"
     return "fell" if value > 0 else "?"
-
-
-def _percent(value: float | None) -> str:
-    return "–" if value is None else f"{100 * value:.0f}"
