@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 from click.core import ParameterSource
+from rich.console import Console
 
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import Comparison
-from furuta.studies.comparison.report import Report
+from furuta.studies.comparison.comparison import Comparison, Table
 from furuta.studies.comparison.rigs import DISTURBANCES, NOMINAL, TUNING, RandomRigs, named_rigs
-from furuta.studies.comparison.scores import rank
+from furuta.studies.comparison.scores import comparison_report, rank
 from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
 from furuta.studies.experiments import encoder_resolution
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
@@ -24,8 +24,8 @@ from furuta_bringup.options import (
     parameter_options,
     rig_option,
 )
-from furuta_bringup.printing import print_json
-from furuta_bringup.progress import with_progress
+from furuta_bringup.printing import print_json, show
+from furuta_bringup.terminal import print_table, with_progress
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.rigs import find_uncertain_rig, rig_file
@@ -33,6 +33,19 @@ from furuta_sim.settings.settings import load_settings, loop
 
 # Options without effect on the named rigs.
 RANDOM_ONLY = ("--rigs", "--disturb", "--seed", "--tune-budget")
+
+# Columns of the names of rigs, and of a candidate's residuals [characters].
+RIG_WIDTH, CANDIDATE_WIDTH = 28, 13
+HEADINGS = {
+    "candidate": "candidate",
+    "residual_median_rad": "median",
+    "residual_95_rad": "95 %",
+    "residual_worst_rad": "worst",
+    "within_count": "within",
+    "falls": "falls",
+    "command_rms_v": "rms u",
+    "pushes_survived": "pushes",
+}
 
 
 @click.command()
@@ -110,15 +123,39 @@ def command(
         write_runs(rows, table)
     deque(rows, maxlen=0)
     outcome, count = comparison.table(), encoder_resolution(loop(settings))
-    report = Report(outcome, rank(outcome, count), count, len(comparison.impossible), tuned)
+    scores = rank(outcome, count)
     if out is not None and table is None:
         from furuta.figures.comparison import draw_comparison
 
-        draw_comparison(outcome, [score.candidate for score in report.scores], count, out)
+        draw_comparison(outcome, [score.candidate for score in scores], count, out)
+    report = comparison_report(outcome, scores, count, by_rig=truths)
+    report["impossible"] = len(comparison.impossible)
+    report["tuned"] = [best._asdict() for best in tuned]
     if as_json:
-        print_json(report.as_json(by_rig=truths))
-    else:
-        report.print(by_rig=truths)
+        print_json(report)
+        return
+    if truths:
+        _print_truths(outcome)
+    title = (
+        f"arm, peak to peak [rad], over {report['rigs']} rigs; fraction within one count, which is "
+        f"{count:.4f} rad; rms u [V]; pushes survived"
+    )
+    print_table(title, report["ranking"], HEADINGS)
+    show({name: report[name] for name in ("impossible", "tuned", "recommended")}, as_json)
+
+
+def _print_truths(table: Table) -> None:
+    """Print the residual of each candidate on each rig, some candidates at a time."""
+    rigs = zip(table.rigs, table.residual.T, strict=True)
+    rows = [
+        {"rig": rig, **dict(zip(table.candidates, map(float, sizes), strict=True))}
+        for rig, sizes in rigs
+    ]
+    columns = max(1, (Console().width - RIG_WIDTH) // CANDIDATE_WIDTH)
+    for first in range(0, len(table.candidates), columns):
+        names = table.candidates[first : first + columns]
+        headings = {"rig": "rig"} | {name: name.replace("_", " ") for name in names}
+        print_table("arm, peak to peak [rad], by rig; –: the pendulum falls", rows, headings)
 
 
 def _reject_random_options(ctx: click.Context) -> None:

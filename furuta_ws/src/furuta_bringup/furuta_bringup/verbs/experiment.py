@@ -1,14 +1,10 @@
 """``furuta experiment``."""
 
-from math import isnan
 from pathlib import Path
-from typing import Any
 
 import click
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from furuta.studies.experiments import (
     EXPERIMENTS,
@@ -17,7 +13,17 @@ from furuta.studies.experiments import (
 )
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
 from furuta_bringup.printing import print_json
+from furuta_bringup.terminal import print_table
 from furuta_sim.settings.settings import load_settings, loop
+
+HEADINGS = {
+    "experiment": "experiment",
+    "compensation": "compensation",
+    "phi_peak_to_peak_rad": "measured [rad]",
+    "predicted_phi_peak_to_peak_rad": "predicted [rad]",
+    "describing_function_phi_peak_to_peak_rad": "describing f. [rad]",
+    "period_s": "period [s]",
+}
 
 
 @click.command()
@@ -63,30 +69,8 @@ def command(
 
             draw_experiment(EXPERIMENTS[name].title, result, out / f"{name}.png")
         rows.append({"experiment": name, **result.report()})
+    count = encoder_resolution(nominal)
     if as_json:
-        print_json({"experiments": rows, "encoder_count_rad": encoder_resolution(nominal)})
+        print_json({"experiments": rows, "encoder_count_rad": count})
     else:
-        _print(rows, encoder_resolution(nominal))
-
-
-def _print(rows: list[dict[str, Any]], count: float) -> None:
-    table = Table(title=f"arm, peak to peak; one encoder count is {count:.4f} rad", box=SIMPLE)
-    table.add_column("experiment", no_wrap=True)
-    table.add_column("compensation", no_wrap=True)
-    for heading in ("measured [rad]", "predicted [rad]", "describing f. [rad]", "period [s]"):
-        table.add_column(escape(heading), justify="right")
-    for row in rows:
-        table.add_row(
-            row["experiment"],
-            row["compensation"] + ", tuned" * EXPERIMENTS[row["experiment"]].tuned,
-            *(
-                "–" if isnan(row[key]) else f"{row[key]:.4f}"
-                for key in (
-                    "phi_peak_to_peak_rad",
-                    "predicted_phi_peak_to_peak_rad",
-                    "describing_function_phi_peak_to_peak_rad",
-                    "period_s",
-                )
-            ),
-        )
-    Console().print(table)
+        print_table(f"arm, peak to peak; one encoder count is {count:.4f} rad", rows, HEADINGS)

@@ -18,7 +18,7 @@ from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import ideal_options, json_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.progress import with_progress
+from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 

@@ -19,7 +19,7 @@ from furuta.studies.sweep import (
 from furuta.studies.sweep_journal import Journal
 from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.progress import with_progress
+from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.settings import load_settings
 

@@ -5,7 +5,7 @@ statistics (Conover 1999), fractions by the method of Clopper and Pearson (1934)
 there are too few rigs for it.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.stats import binomtest, quantile_test
@@ -46,6 +46,26 @@ def rank(table: Table, encoder_count: float) -> list[Score]:
 def recommended(scores: list[Score]) -> Score | None:
     """The best candidate with which no pendulum fell; None if there is none."""
     return next((score for score in scores if score.falls == 0), None)
+
+
+def comparison_report(
+    table: Table, scores: list[Score], encoder_count: float, by_rig: bool
+) -> dict[str, Any]:
+    """The ranking by name; with the residuals ``by_rig`` of the named rigs."""
+    best = recommended(scores)
+    report: dict[str, Any] = {
+        "rigs": len(table.rigs),
+        "encoder_count_rad": encoder_count,
+        "ranking": [score._asdict() for score in scores],
+        "recommended": best.candidate if best else None,
+    }
+    if by_rig:
+        report["rows"] = [
+            {"truth": rig, "compensation": candidate, "phi_peak_to_peak_rad": float(size)}
+            for rig, sizes in zip(table.rigs, table.residual.T, strict=True)
+            for candidate, size in zip(table.candidates, sizes, strict=True)
+        ]
+    return report
 
 
 def _score(table: Table, k: int, encoder_count: float) -> Score:
