@@ -1,4 +1,4 @@
-"""Journal and table of a sweep: what continues, what is kept, types."""
+"""Points, journal and table of a sweep: what continues, what is kept, types."""
 
 import csv
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from furuta.studies.study_tables import OUTCOME, check_table, write_runs
-from furuta.studies.sweep import Sweep, SweptParameter
+from furuta.studies.sweep import Sweep, SweptParameter, parse_swept_parameter
 from furuta.studies.sweep_journal import Journal
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
@@ -16,8 +16,9 @@ from furuta_recordings.table_files import parquet
 from furuta_sim.simulation.closed_loop import Outcome
 
 RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
-ALPHA0 = SweptParameter("alpha0", (1.0, 2.0), False)
-SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), "grid", 2, 0, 60.0)
+ALPHA0 = SweptParameter("alpha0", (1.0, 2.0))
+KIND = SweptParameter("compensation", ("coulomb", "lugre"))
+SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), 60.0)
 
 
 def recorded(out: Path, stop: int = 9) -> int:
@@ -118,3 +119,48 @@ def test_a_table_is_checked_before_the_runs(
     monkeypatch.setattr(table_files, "arrow", None)
     with pytest.raises(ParameterError, match="need pyarrow"):
         check_table(tmp_path / "a.parquet")
+
+
+def test_swept_parameters_are_parsed() -> None:
+    """Ranges of numbers, integers for integer parameters, and lists of anything."""
+    assert parse_swept_parameter("alpha0=0.1:0.3:3", 9).values == pytest.approx((0.1, 0.2, 0.3))
+    assert parse_swept_parameter("alpha0=0.1:0.3", 9).values[4] == pytest.approx(0.2)
+    assert parse_swept_parameter("plant.seed=0:4:5", 9).values == (0, 1, 2, 3, 4)
+    assert parse_swept_parameter("compensation=coulomb,lugre", 9) == SweptParameter(
+        "compensation", ("coulomb", "lugre")
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("alpha0", "expected NAME="),
+        ("alpha0=", "expected NAME="),
+        ("alpho0=1:2", "no parameter alpho0"),
+        ("alpha0=2:1", "LOW < HIGH"),
+        ("alpha0=0:1:1", "COUNT"),
+        ("compensation=0:1", "has no range"),
+    ],
+)
+def test_bad_swept_parameters_are_rejected(text: str, reason: str) -> None:
+    """The error says what is wrong."""
+    with pytest.raises(ParameterError, match=reason):
+        parse_swept_parameter(text, 5)
+
+
+def test_points_are_every_combination() -> None:
+    """In the order of the parameters; the last one changes fastest."""
+    points = list(SWEEP._replace(axes=(ALPHA0, KIND)).points())
+    assert points[:3] == [
+        {"alpha0": 1.0, "compensation": "coulomb"},
+        {"alpha0": 1.0, "compensation": "lugre"},
+        {"alpha0": 2.0, "compensation": "coulomb"},
+    ]
+    assert len(points) == SWEEP._replace(axes=(ALPHA0, KIND)).size() == 4
+
+
+def test_impossible_sweeps_are_rejected() -> None:
+    with pytest.raises(ParameterError, match="once"):
+        SWEEP._replace(axes=(ALPHA0, ALPHA0)).size()
+    with pytest.raises(ParameterError, match="at most"):
+        SWEEP._replace(axes=(SweptParameter("plant.seed", tuple(range(10_000_001))),)).size()

@@ -11,7 +11,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
-from furuta.loops import ideal_loop_of
+from furuta.loops import ideal_loop
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.studies.tuning.plan import SIMULATED, observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune_simulated
@@ -78,7 +78,7 @@ def run_experiment(
     perfect = simulate(_with_perfect_sensors(configured), TRANSIENT + seconds)
     predicted, describing_function = _oscillation(perfect).phi_peak_to_peak_rad, float("nan")
     if configured.observer.compensation == "none":
-        ideal = ideal_loop_of(configured, None, None, linear=False)
+        ideal = ideal_loop(configured)
         predicted = limit_cycle(ideal, state_at_rest(0.05)).phi_peak_to_peak_rad
         describing_function = predicted_peak_to_peak(ideal)
     return ExperimentResult(

@@ -16,7 +16,7 @@ from furuta.studies.feedback_map import map_feedbacks
 from furuta.studies.linear_loop import prediction_report
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import ideal_options, json_option, model_options
+from furuta_bringup.options import feedback_option, json_option, law_option, model_options
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
@@ -37,7 +37,8 @@ QUARTER_TURN = 0.5 * np.pi
     "cycle; given twice: map the limit cycle.",
 )
 @click.option("--predict", is_flag=True, help="Predict it by the describing function instead.")
-@ideal_options
+@law_option
+@feedback_option
 @click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
 @click.option(
     "--release",

@@ -17,7 +17,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of
 from furuta_ros.yaml_files import parse_yaml
 from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_files import parameter_file, parameter_table
+from furuta_sim.settings.parameter_files import parameter_file
 
 
 @click.group()
@@ -119,13 +119,11 @@ def _double(name: str, value: Any) -> float:
 
 @command.command()
 @click.argument("node", required=False)
-@click.option("--markdown", is_flag=True, help="Print a table instead of a parameter file.")
-def defaults(node: str | None, markdown: bool) -> None:
+def defaults(node: str | None) -> None:
     """Print a parameter file with the defaults of NODE, or of all nodes."""
     if node is not None and node not in NODES:
         raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
-    render = parameter_table if markdown else parameter_file
-    print("\n".join(render(name) for name in ([node] if node else NODES)), end="")
+    print("\n".join(parameter_file(name) for name in ([node] if node else NODES)), end="")
 
 
 def _plain(value: Any) -> Any:

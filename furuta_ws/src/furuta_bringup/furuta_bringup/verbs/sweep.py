@@ -9,15 +9,9 @@ import click
 
 from furuta.studies.cluster import run_on_cluster
 from furuta.studies.study_tables import check_table, write_runs
-from furuta.studies.sweep import (
-    MAX_POINTS,
-    METHODS,
-    Sweep,
-    parse_swept_parameter,
-    run_locally,
-)
+from furuta.studies.sweep import Sweep, parse_swept_parameter, run_locally
 from furuta.studies.sweep_journal import Journal
-from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
+from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
@@ -28,22 +22,6 @@ DEFAULT_COUNT = 10
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
-@click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True,
-    help="How points are chosen: every combination, or a Sobol sequence.")  # fmt: skip
-@click.option(
-    "--points",
-    type=click.IntRange(1, MAX_POINTS),
-    default=256,
-    show_default=True,
-    help="Number of runs with sobol.",
-)
-@click.option(
-    "--seed",
-    type=SEED,
-    default=0,
-    show_default=True,
-    help="Seed of sobol points. plant.seed is that of the sensor noise.",
-)
 @click.option(
     "--seconds",
     type=SIMULATED_SECONDS,
@@ -61,9 +39,6 @@ DEFAULT_COUNT = 10
 @json_option
 def command(
     ranges: tuple[str, ...],
-    method: str,
-    points: int,
-    seed: int,
     seconds: float,
     scheduler: str | None,
     out: Path,
@@ -71,7 +46,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the closed loop for many parameter values.
+    """Simulate the closed loop for every combination of parameter values.
 
     Example: furuta sweep friction_observer.alpha0=0.1:0.3:50 seed=0:9
 
@@ -80,7 +55,7 @@ def command(
     """
     check_table(out)
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
-    sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
+    sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()
     journal = Journal(out, sweep)
     resumed, counts = journal.count, Counter[str]()
@@ -92,7 +67,7 @@ def command(
         )
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
-        pairs = zip(sweep.generate_points(), journal.results(), strict=True)
+        pairs = zip(sweep.points(), journal.results(), strict=True)
         write_runs(_counted((point | result for point, result in pairs), counts), out)
         reason = next(journal.results())["error"]
         journal.delete()
