@@ -8,11 +8,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from drawing import draw_pendulum
 from friction_curves import draw_friction_laws
 from pages import ROOT
+from paper_figures import draw_experiment
 from swing_up import draw_swing_up
 
 DOCS = ROOT / "docs"
@@ -22,7 +25,6 @@ COMMANDS = {
     "comparison.png": "compare --rigs 1000 --out OUT",
     "demo.png": "demo --out DIR",
     "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
-    "fig9.png": "experiment fig9 --out DIR",
     "limit_cycle.png": "limit-cycle --out OUT",
     "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --out OUT",
     "nyquist.png": "linearize --figure-4 --out OUT",
@@ -30,7 +32,8 @@ COMMANDS = {
     "--seconds 20 --out OUT",
 }
 # Functions that draw the others.
-DRAWINGS = {
+DRAWINGS: dict[str, Callable[[Path], None]] = {
+    "fig9.png": partial(draw_experiment, "fig9"),
     "friction_curves.png": draw_friction_laws,
     "pendulum.png": draw_pendulum,
     "swing-up.gif": draw_swing_up,

@@ -5,7 +5,6 @@ from math import pi, sin
 import numpy as np
 import pytest
 
-from furuta.studies.experiments import EXPERIMENTS, run_experiment
 from furuta.studies.tuning.guarded_loop import SimulatedLoop
 from furuta.studies.tuning.plan import TuningPlan
 from furuta.studies.tuning.tuning import tune
@@ -132,21 +131,6 @@ def test_switching_on_the_rig(before: str, after: str) -> None:
     compensator = design_compensator(ObserverParameters(after))
     assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], compensator)
     assert np.max(np.abs(run.state[:, 2])) < 0.1
-
-
-@pytest.mark.parametrize("name", EXPERIMENTS)
-def test_experiments_of_the_paper(name: str) -> None:
-    """Each figure's amplitude with its prediction; friction by direction from Fig. 6 on."""
-    found = run_experiment(name, Loop(), 20.0, silent)
-    size, predicted = found.measured.phi_peak_to_peak_rad, found.predicted_phi_peak_to_peak_rad
-    assert found.loop.plant.friction.parameters.asymmetry == (0.0 if name == "fig5" else 0.05)
-    if EXPERIMENTS[name].compensation == "none":
-        assert size == pytest.approx(predicted, rel=0.01)
-        assert found.describing_function_phi_peak_to_peak_rad == pytest.approx(0.64, abs=0.01)
-    else:
-        assert predicted < size < 0.04
-    if name == "fig9":
-        assert size < ENCODER_COUNT
 
 
 def lugre_residual(method: str, noise: float) -> float:

@@ -1,4 +1,4 @@
-"""``furuta tune`` and ``experiment`` as a user runs them."""
+"""``furuta tune`` as a user runs it."""
 
 import json
 import signal
@@ -62,9 +62,6 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
         (("tune", "--set", "method=lowpass"), 1, "must observe the friction"),
         (("tune", "--set", "enabled=false"), 1, "restored the initial parameters"),
         (("tune", "--running", "--set", "seed=1"), 1, "--running cannot be combined"),
-        (("experiment", "fig4"), 2, "fig4"),
-        (("experiment",), 2, "Missing argument"),
-        (("experiment", "fig6", "--seconds", "1"), 2, "range 5<=x<=3600"),
     ],
 )
 def test_wrong_arguments_are_rejected(
@@ -75,15 +72,3 @@ def test_wrong_arguments_are_rejected(
     assert (got, out) == (status, "")
     assert message in err
     assert "Traceback" not in err
-
-
-def test_experiment_draws_its_figure(furuta: Furuta, tmp_path: Path) -> None:
-    """There is a row of JSON and a picture for each requested figure."""
-    arguments = ("fig6", "fig7", "--seconds", "10", "--json", "--out", tmp_path)
-    status, out, err = furuta("experiment", *arguments)
-    assert status == 0, err
-    rows = json.loads(out)["experiments"]
-    assert [row["experiment"] for row in rows] == ["fig6", "fig7"]
-    assert rows[0]["phi_peak_to_peak_rad"] > 10 * rows[1]["phi_peak_to_peak_rad"]
-    for name in ("fig6", "fig7"):
-        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")

@@ -19,7 +19,6 @@ VERBS = {
     "run": "Run the graph until Ctrl-C.",
     "view": "Show the graph in a browser, with all parameters.",
     "simulate": "Simulate the same closed loop without ROS.",
-    "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
     "swing-up": "Swing up from random states, with knocks, or optimised.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",

@@ -9,11 +9,10 @@ from click.core import ParameterSource
 from rich.console import Console
 
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import Comparison, Table
+from furuta.studies.comparison.comparison import Comparison, Table, encoder_resolution
 from furuta.studies.comparison.rigs import DISTURBANCES, NOMINAL, TUNING, RandomRigs, named_rigs
 from furuta.studies.comparison.scores import comparison_report, rank
 from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
-from furuta.studies.experiments import encoder_resolution
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta_bringup.file_types import FIGURE_SUFFIXES, OutputFile
 from furuta_bringup.number_types import FiniteRange

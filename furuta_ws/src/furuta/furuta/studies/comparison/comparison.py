@@ -3,7 +3,7 @@
 from array import array
 from collections import deque
 from collections.abc import Iterator
-from math import inf
+from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -112,3 +112,9 @@ class Comparison:
 def residual(outcome: Outcome) -> float:
     """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
     return inf if outcome.fell else outcome.phi_peak_to_peak_rad
+
+
+def encoder_resolution(loop: Loop) -> float:
+    """One count of the arm's encoder [rad], 0 without quantisation."""
+    counts = loop.plant.sensors.encoder_counts
+    return 2 * pi / counts if counts else 0.0
