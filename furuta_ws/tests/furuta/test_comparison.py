@@ -19,9 +19,7 @@ from furuta.studies.comparison.rigs import (
 from furuta.studies.comparison.tuning import (
     ARM_GUARD,
     TuningBudget,
-    fraction,
     tune_candidate,
-    value_at,
 )
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_model.friction.laws import LAWS
@@ -50,7 +48,6 @@ def test_named_rigs_change_the_plant() -> None:
 
 
 def test_factors_apply_to_the_settings() -> None:
-    """Of another rig's friction too."""
     settings = load_settings([], ["plant.friction.alpha0=0.5"])
     (rig,) = (rig for rig in named_rigs(settings) if rig.name == "levels x 0.7")
     assert rig.plant(settings).friction.parameters.alpha0 == pytest.approx(0.35)
@@ -106,7 +103,6 @@ def test_rigs_are_as_uncertain_as_a_rig_file_says() -> None:
 
 
 def test_uncertain_torque_waves_vary() -> None:
-    """Their amplitudes are parameters of the plant."""
     waves = ["plant.waves.orders=[14]", "plant.waves.cosine=[0.1]", "plant.waves.sine=[0.0]"]
     settings = load_settings([], waves)
     uncertain = Uncertainty(("wave14_cos",), np.array([[0.01**2]]))
@@ -175,20 +171,10 @@ def test_candidates_are_parsed() -> None:
     ],
 )
 def test_bad_candidates_are_rejected(text: str, reason: str) -> None:
-    """The error says what is wrong."""
     with pytest.raises(ParameterError, match=reason):
         parse_candidates([text], SETTINGS, tuned=False)
     with pytest.raises(ParameterError, match="only once"):
         parse_candidates(["lugre", "lugre=sigma0=1"], SETTINGS, tuned=False)
-
-
-def test_fraction_and_value_are_inverse() -> None:
-    """On logarithmic and linear scales; the ends are reached exactly."""
-    for limits in ((0.01, 4.0), (-1.0, 3.0), (0.0, 2.0)):
-        assert value_at(0.0, limits) == limits[0]
-        assert value_at(1.0, limits) == limits[1]
-        for x in (0.1, 0.5, 0.9):
-            assert fraction(value_at(x, limits), limits) == pytest.approx(x)
 
 
 def test_tuning_improves_within_its_budget() -> None:

@@ -30,13 +30,6 @@ def test_quantile_intervals_are_order_statistics() -> None:
     assert isnan(high)
 
 
-def test_quantiles_with_falls() -> None:
-    """A fall is an infinite residual, and leaves the quantiles below it alone."""
-    values = np.array([*np.arange(1.0, 100.0), inf])
-    assert quantile(values, 0.5)[0] == 50.0
-    assert quantile(values, 1.0 - 1e-9)[0] == inf
-
-
 @pytest.mark.parametrize("n", [10, 1000])
 def test_probability_of_what_has_not_happened(n: int) -> None:
     """The closed form of Clopper and Pearson: 1 − 0.05^(1/n) for no hit of n."""

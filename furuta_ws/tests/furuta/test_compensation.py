@@ -148,7 +148,6 @@ def lugre_residual(method: str, noise: float) -> float:
 
 
 def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
-    """The Kalman filter leaves less than the low-pass at every noise; less noise is better."""
     kalman, lowpass = ([lugre_residual(m, n) for n in (0.25, 4.0)] for m in ("kalman", "lowpass"))
     assert kalman[0] < kalman[1] < lowpass[1]
     assert kalman[0] < lowpass[0] < lowpass[1]

@@ -3,8 +3,6 @@
 import control
 import numpy as np
 import pytest
-import reference
-from scipy.integrate import solve_ivp
 
 from furuta.passivity import RealPart, error_loop, passivity, strictly_positive_real
 from furuta_model.friction.parameters import Friction
@@ -119,40 +117,6 @@ def test_a_guaranteed_leak_stabilises(
         assert rightmost(errors(loop, gain, factor * leak)) < 0.0
     if verdict.at_omega_rad_s == 0.0:
         assert rightmost(errors(loop, gain, 0.999 * leak)) > 0.0
-
-
-def last_seconds(gain: float, bristle: float, tilt: float) -> tuple[np.ndarray, np.ndarray]:
-    """φ and z̃ [rad] in the last 5 s of 40 s of the nonlinear loop with its observer.
-
-    The initial state is the equilibrium for K = 0 with z̃ = ``bristle``, plus ``tilt`` in θ.
-    """
-
-    def rate(t: float, y: np.ndarray) -> list[float]:
-        x, z, guess = y[:4], y[4], y[5]
-        v = x[1]
-        leak = FRICTION.sigma0 * abs(v) / reference.level(v, FRICTION)
-        guess_rate = v - leak * guess - gain * x[PHI]
-        torque = float(np.dot(PLACED, x)) + FRICTION.sigma0 * guess + FRICTION.sigma1 * guess_rate
-        return [*reference.plant_rate(t, np.append(x, z), torque, P, FRICTION), guess_rate]
-
-    start = [FRICTION.sigma0 * bristle / PLACED[0], 0.0, tilt, 0.0, bristle, 0.0]
-    path = solve_ivp(rate, (0, 40), start, method="Radau", rtol=1e-6, atol=1e-11, max_step=0.02)
-    last = path.t > 35.0
-    return path.y[0, last], path.y[4, last] - path.y[5, last]
-
-
-def test_without_correction_arm_and_error_keep_their_offsets() -> None:
-    arm, bristle = last_seconds(0.0, 2e-5, 0.0)
-    assert arm == pytest.approx(FRICTION.sigma0 * 2e-5 / PLACED[0])
-    assert bristle == pytest.approx(2e-5)
-
-
-@pytest.mark.parametrize(("gain", "swings"), [(0.01, True), (-0.01, False), (-0.1, True)])
-def test_simulated_arm_angle_as_error(gain: float, swings: bool) -> None:
-    """The arm comes to rest within the linear limit, and oscillates beyond it or for K > 0."""
-    arm, _ = last_seconds(gain, 2e-4, 1e-4)
-    assert (np.ptp(arm) > 1e-3) == swings
-    assert (np.max(np.abs(arm)) < 1e-6) != swings
 
 
 def masses(count: int) -> list[tuple[np.ndarray, np.ndarray]]:

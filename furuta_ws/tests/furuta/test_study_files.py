@@ -96,7 +96,6 @@ def test_parquet_has_types_and_empty_values(
 
 
 def test_csv_has_the_same_rows(tmp_path: Path) -> None:
-    """With a header, and nothing in between."""
     write_runs(rows(3), tmp_path / "a.csv")
     with (tmp_path / "a.csv").open() as file:
         table = list(csv.DictReader(file))
@@ -143,7 +142,6 @@ def test_swept_parameters_are_parsed() -> None:
     ],
 )
 def test_bad_swept_parameters_are_rejected(text: str, reason: str) -> None:
-    """The error says what is wrong."""
     with pytest.raises(ParameterError, match=reason):
         parse_swept_parameter(text, 5)
 

@@ -61,7 +61,6 @@ def test_friction_is_identified_from_the_limit_cycle(true: Friction) -> None:
 
 
 def test_a_fit_needs_observed_friction() -> None:
-    """An arm at rest or an estimator that observes no friction gives an error."""
     resting = np.zeros((12_000, 5))
     with pytest.raises(ParameterError, match="hardly moved"):
         fit_friction(resting, STEP, 1e-3, NOMINAL)
@@ -130,7 +129,6 @@ def test_a_candidate_outside_the_guard_is_rejected() -> None:
 
 
 def test_initial_parameters_are_restored_if_nothing_helps() -> None:
-    """If even the initial parameters leave the guard, they are restored and the error says why."""
     rig = DangerousRig(dangerous=0.0)
     start = ObserverParameters("coulomb")
     with pytest.raises(GuardError, match="peak to peak"):
@@ -139,7 +137,6 @@ def test_initial_parameters_are_restored_if_nothing_helps() -> None:
 
 
 def test_initial_parameters_are_restored_after_an_interruption() -> None:
-    """Any exception leaves the rig with its initial parameters."""
     rig = DangerousRig(dangerous=np.inf)
     start = ObserverParameters("none")
 

@@ -53,7 +53,6 @@ def test_passivity(furuta: Any) -> None:
 
 
 def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
-    """The verb uses gain, friction and feedback, and reports a model mismatch."""
     settings = ("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2")
     given = ("--passivity", "--feedback", "10", "4", "60", "20", *settings)
     about = answer(furuta("linearize", "--json", *given))["passivity"]
@@ -66,7 +65,6 @@ def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
     ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
 )
 def test_prediction(furuta: Any, tmp_path: Path, law: str, width: float, period: float) -> None:
-    """The predicted limit cycle of the rig, with a picture."""
     picture = tmp_path / "prediction.png"
     predict = ("limit-cycle", "--predict", "--law", law, "--out", picture, "--json")
     result = answer(furuta(*predict))
@@ -89,7 +87,6 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
 
 
 def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
-    """All keys of the answer, and a picture."""
     picture = tmp_path / "cycle.png"
     result = answer(furuta("limit-cycle", "--json", "--out", picture))
     assert result["kind"] == "oscillation"
@@ -103,7 +100,6 @@ def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:
-    """The branch over a parameter with its fold."""
     picture = tmp_path / "branch.png"
     result = answer(furuta("limit-cycle", "--over", "viscous=0:0.3", "--json", "--out", picture))
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
@@ -113,7 +109,6 @@ def test_branch(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_map(furuta: Any, tmp_path: Path) -> None:
-    """A map as picture and rows, predicted beside exact."""
     picture = tmp_path / "map.png"
     over = ("--over", "omega1=5:9:3", "--over", "l4=1.2:1.5:2")
     rows = answer(furuta("limit-cycle", *over, "--out", picture, "--json"))["rows"]
@@ -132,14 +127,6 @@ def test_map_where_nothing_oscillates(furuta: Any, tmp_path: Path) -> None:
     assert picture.exists()
 
 
-@pytest.mark.parametrize("view", [("linearize", "--nyquist"), ("limit-cycle", "--predict")])
-def test_for_people(furuta: Any, view: tuple[str, str]) -> None:
-    """Without --json the same in words."""
-    status, out, _ = furuta(*view, "--feedback", "10", "4", "60", "20")
-    assert status == 0
-    assert "10, 4, 60, 20" in out
-
-
 @pytest.mark.parametrize(
     "loop",
     [
@@ -149,7 +136,6 @@ def test_for_people(furuta: Any, view: tuple[str, str]) -> None:
     ],
 )
 def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str]) -> None:
-    """Loops without feedback, or without friction, give a picture and no warning."""
     for view in (
         ("linearize", "--nyquist"),
         ("limit-cycle", "--predict", "--law", "coulomb"),
@@ -186,7 +172,6 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
     ],
 )
 def test_bad_input_is_one_line(furuta: Any, arguments: str, reason: str) -> None:
-    """Exit status 1 or 2, the reason on standard error, nothing on standard output."""
     status, out, err = furuta(*arguments.split())
     assert status in (1, 2)
     assert out == ""

@@ -82,7 +82,6 @@ def test_tuned_candidates_are_compared(furuta: Any, tmp_path: Path) -> None:
 def test_bad_comparisons_are_rejected(
     furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: list[str], reason: str
 ) -> None:
-    """There is one line that says what is wrong."""
     monkeypatch.chdir(tmp_path)
     Path("mine.csv").write_text("mine")
     status, out, err = furuta("compare", *arguments)

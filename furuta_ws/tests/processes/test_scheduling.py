@@ -43,7 +43,6 @@ def test_beside_a_page_a_graph_takes_a_priority_where_it_may(
     ],
 )
 def test_what_does_not_go_together(furuta: Any, arguments: list[str], reason: str) -> None:
-    """Is refused in one line."""
     status, _, err = furuta("run", *arguments)
     assert status == 1
     assert err.startswith("error: ")

@@ -47,7 +47,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    """A row has the results of ``simulate`` with the same parameters."""
     out = tmp_path / "new" / "a.csv"
     status, text, err = furuta(
         "sweep", "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre",
@@ -94,7 +93,6 @@ def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, wh
 
 @pytest.mark.long
 def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
-    """The table is the same if two of the workers are killed during the sweep."""
     out = tmp_path / "sweep.csv"
     with (
         LocalCluster(
@@ -126,7 +124,6 @@ def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> 
 def test_bad_sweeps_are_rejected(
     furuta: Any, tmp_path: Path, arguments: list[str], reason: str
 ) -> None:
-    """There is one line that says what is wrong."""
     if "--out" not in arguments:
         arguments = [*arguments, "--out", str(tmp_path / "a.csv")]
     status, out, err = furuta("sweep", *arguments)

@@ -37,7 +37,6 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
 
 
 def test_tuning_needs_a_running_graph(furuta: Furuta) -> None:
-    """Without one the verb prints one line that says so."""
     status, out, err = furuta("tune", "--running")
     assert (status, out) == (1, "")
     assert err.startswith("error: no node")
@@ -67,7 +66,6 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
 def test_wrong_arguments_are_rejected(
     furuta: Furuta, arguments: tuple[str, ...], status: int, message: str
 ) -> None:
-    """There is one line that says what is allowed, and nothing on standard output."""
     got, out, err = furuta(*arguments)
     assert (got, out) == (status, "")
     assert message in err
