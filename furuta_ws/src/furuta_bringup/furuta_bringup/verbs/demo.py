@@ -6,7 +6,6 @@ from typing import Any
 
 import click
 from rich.console import Console
-from rich.progress import Progress
 
 from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
@@ -14,7 +13,7 @@ from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta_bringup.demo_run import run_demo, tune_graph
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
 from furuta_bringup.printing import print_json, show
-from furuta_bringup.terminal import print_table
+from furuta_bringup.terminal import print_table, with_progress
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_ros.context import ros_context
 from furuta_sim.settings.settings import load_settings
@@ -76,14 +75,11 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
-    with ros_context(), Progress(console=console, transient=True) as bar:
-        tuning = bar.add_task("tuning", total=PLAN.seconds)
-        tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
-        bar.update(tuning, completed=PLAN.seconds)
-        task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
-        phases = run_demo(
-            settings, tuned.after.observer, seconds, bag, lambda t: bar.update(task, completed=t)
-        )
+    with ros_context():
+        with console.status("tuning"):
+            tuned = tune_graph(settings, PLAN, lambda message, seconds: None)
+        running = run_demo(settings, tuned.after.observer, seconds, bag)
+        phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
