@@ -21,8 +21,6 @@ OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
 
 def check_table(out: Path) -> None:
     """Reject a file that exists, or whose format cannot be written."""
-    if out.suffix not in SUFFIXES:
-        raise ParameterError(f"--out must be a .csv or .parquet file, given {out}")
     if out.suffix == ".parquet":
         check_parquet()
     if out.exists():

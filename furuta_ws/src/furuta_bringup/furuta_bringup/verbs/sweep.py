@@ -8,9 +8,10 @@ from typing import Any
 import click
 
 from furuta.studies.cluster import run_on_cluster
-from furuta.studies.study_tables import check_table, write_runs
+from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta.studies.sweep import Sweep, parse_swept_parameter, run_locally
 from furuta.studies.sweep_journal import Journal
+from furuta_bringup.file_types import OutputFile
 from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
@@ -31,7 +32,7 @@ DEFAULT_COUNT = 10
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE.csv|FILE.parquet",
+    "--out", type=OutputFile(*SUFFIXES),
     default=Path("output/sweep.csv"), show_default=True,
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
