@@ -131,23 +131,3 @@ def test_switching_on_the_rig(before: str, after: str) -> None:
     compensator = design_compensator(ObserverParameters(after))
     assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], compensator)
     assert np.max(np.abs(run.state[:, 2])) < 0.1
-
-
-def lugre_residual(method: str, noise: float) -> float:
-    """Arm, peak to peak [rad], at a multiple of the rig's noise: mean of two seeds."""
-    nominal = Sensors()
-    sensors = nominal._replace(
-        tachometer_noise=noise * nominal.tachometer_noise,
-        potentiometer_noise=noise * nominal.potentiometer_noise,
-    )
-    estimator = EstimatorParameters(method=method, sensors=sensors)
-    observer = ObserverParameters("lugre")
-    plants = (PlantParameters(sensors=sensors, seed=seed) for seed in (1, 2))
-    loops = (Loop(plant, estimator=estimator, observer=observer) for plant in plants)
-    return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 20.0, 0.75)]))
-
-
-def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
-    kalman, lowpass = ([lugre_residual(m, n) for n in (0.25, 4.0)] for m in ("kalman", "lowpass"))
-    assert kalman[0] < kalman[1] < lowpass[1]
-    assert kalman[0] < lowpass[0] < lowpass[1]
