@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
-from furuta.describing_functions import describing_function as describing
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
 from furuta.limit_cycles import limit_cycle as cycles
@@ -13,7 +12,6 @@ from furuta.limit_cycles import periodic_orbit
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import ideal_loop
-from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
@@ -115,23 +113,6 @@ def predict_cycles(loop: Loop | IdealLoop | None = None) -> Prediction:
     """
     ideal = _ideal(loop)
     return predicted(transfer(ideal.body, ideal.gains), ideal.law)
-
-
-def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
-    """Describing function N(A, ω) of friction, for the arm speed v = A sin ωt.
-
-    Args:
-        amplitude: A [rad/s], above 0.
-        omega: ω [rad/s], above 0.
-        law: What :func:`furuta.friction_law` returns.
-
-    Returns:
-        N [V s/rad].
-
-    Raises:
-        ParameterError: Amplitude or frequency is not above 0 and finite.
-    """
-    return describing.describing_function(amplitude, omega, law)
 
 
 def tune(

@@ -34,7 +34,19 @@ STEP = 1e-5
 
 
 def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
-    """N(A, ω) [V s/rad] of v = A sin ωt, A > 0 [rad/s], ω > 0 [rad/s]."""
+    """Describing function N(A, ω) of friction, for the arm speed v = A sin ωt.
+
+    Args:
+        amplitude: A [rad/s], above 0.
+        omega: ω [rad/s], above 0.
+        law: What :func:`furuta.friction_law` returns.
+
+    Returns:
+        N [V s/rad].
+
+    Raises:
+        ParameterError: Amplitude or frequency is not above 0 and finite.
+    """
     if not (0.0 < amplitude < np.inf and 0.0 < omega < np.inf):
         raise ParameterError(
             "a describing function needs amplitude and frequency above 0, "
@@ -49,13 +61,8 @@ def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> com
 
 def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
     """N(A) [V s/rad] of a law that depends on the present speed alone; A > 0 [rad/s]."""
-    level = fundamental_level(amplitude, law)
+    level = law.law.fundamental_level(amplitude, law.parameters)
     return 4.0 * level / (pi * amplitude) + law.parameters.viscous
-
-
-def fundamental_level(amplitude: float, law: FrictionLaw) -> float:
-    """The constant level [V] with the same fundamental as the law at amplitude A [rad/s]."""
-    return law.law.fundamental_level(amplitude, law.parameters)
 
 
 def bias(amplitude: float, law: FrictionLaw) -> float:
