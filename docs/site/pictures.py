@@ -1,6 +1,6 @@
 """Draws the pictures of the pages anew: ``python docs/site/pictures.py [NAME ...]``.
 
-Each picture comes from its command below. ``view.png`` shows a page in a browser:
+Each picture comes from its command or function below. ``view.png`` shows a page in a browser:
 ``furuta_ws/tests/view_picture.py`` makes it.
 """
 
@@ -8,35 +8,43 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from drawing import draw_pendulum
+from friction_curves import draw_friction_laws
 from pages import ROOT
+from paper_figures import draw_experiment
+from swing_up import draw_swing_up
 
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
     "comparison.png": "compare --rigs 1000 --out OUT",
-    "convergence.png": "linearize --passivity --out OUT",
     "demo.png": "demo --out DIR",
     "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
-    "fig9.png": "experiment fig9 --out DIR",
-    "friction_curves.png": "limit-cycle --curves OUT",
     "limit_cycle.png": "limit-cycle --out OUT",
     "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --out OUT",
     "nyquist.png": "linearize --figure-4 --out OUT",
-    "presliding.png": "limit-cycle --presliding OUT",
     "release.png": "simulate --set enabled=false --set initial.theta=0.01 --ideal-sensors "
     "--seconds 20 --out OUT",
 }
-DRAWING = "pendulum.png"
+# Functions that draw the others.
+DRAWINGS: dict[str, Callable[[Path], None]] = {
+    "fig9.png": partial(draw_experiment, "fig9"),
+    "friction_curves.png": draw_friction_laws,
+    "pendulum.png": draw_pendulum,
+    "swing-up.gif": draw_swing_up,
+    "swing-up.png": draw_swing_up,
+}
 
 
 def draw(name: str) -> None:
     """Draw one picture of ``docs/`` anew; the old one stays if that fails."""
-    if name == DRAWING:
-        draw_pendulum(DOCS / name)
+    if name in DRAWINGS:
+        DRAWINGS[name](DOCS / name)
         return
     with tempfile.TemporaryDirectory() as folder:
         places = {"OUT": str(Path(folder, name)), "DIR": str(Path(folder, "results"))}
@@ -49,6 +57,6 @@ def draw(name: str) -> None:
 
 
 if __name__ == "__main__":
-    for picture in sys.argv[1:] or [DRAWING, *COMMANDS]:
+    for picture in sys.argv[1:] or [*DRAWINGS, *COMMANDS]:
         print(picture, flush=True)
         draw(picture)

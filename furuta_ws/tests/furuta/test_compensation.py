@@ -5,9 +5,8 @@ from math import pi, sin
 import numpy as np
 import pytest
 
-from furuta.studies.experiments import EXPERIMENTS, run_experiment
+from furuta.studies.tuning.guarded_loop import SimulatedLoop
 from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.tunable_loop import SimulatedLoop
 from furuta.studies.tuning.tuning import tune
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (
@@ -132,39 +131,3 @@ def test_switching_on_the_rig(before: str, after: str) -> None:
     compensator = design_compensator(ObserverParameters(after))
     assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], compensator)
     assert np.max(np.abs(run.state[:, 2])) < 0.1
-
-
-@pytest.mark.parametrize("name", EXPERIMENTS)
-def test_experiments_of_the_paper(name: str) -> None:
-    """Each figure's amplitude with its prediction; friction by direction from Fig. 6 on."""
-    found = run_experiment(name, Loop(), 20.0, silent)
-    size, predicted = found.measured.phi_peak_to_peak_rad, found.predicted_phi_peak_to_peak_rad
-    assert found.loop.plant.friction.parameters.asymmetry == (0.0 if name == "fig5" else 0.05)
-    if EXPERIMENTS[name].compensation == "none":
-        assert size == pytest.approx(predicted, rel=0.01)
-        assert found.describing_function_phi_peak_to_peak_rad == pytest.approx(0.64, abs=0.01)
-    else:
-        assert predicted < size < 0.04
-    if name == "fig9":
-        assert size < ENCODER_COUNT
-
-
-def lugre_residual(method: str, noise: float) -> float:
-    """Arm, peak to peak [rad], at a multiple of the rig's noise: mean of two seeds."""
-    nominal = Sensors()
-    sensors = nominal._replace(
-        tachometer_noise=noise * nominal.tachometer_noise,
-        potentiometer_noise=noise * nominal.potentiometer_noise,
-    )
-    estimator = EstimatorParameters(method=method, sensors=sensors)
-    observer = ObserverParameters("lugre")
-    plants = (PlantParameters(sensors=sensors, seed=seed) for seed in (1, 2))
-    loops = (Loop(plant, estimator=estimator, observer=observer) for plant in plants)
-    return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 20.0, 0.75)]))
-
-
-def test_noise_makes_it_worse_and_the_kalman_filter_better() -> None:
-    """The Kalman filter leaves less than the low-pass at every noise; less noise is better."""
-    kalman, lowpass = ([lugre_residual(m, n) for n in (0.25, 4.0)] for m in ("kalman", "lowpass"))
-    assert kalman[0] < kalman[1] < lowpass[1]
-    assert kalman[0] < lowpass[0] < lowpass[1]

@@ -61,7 +61,6 @@ def simulated(amplitude: float, omega: float, p: Friction) -> complex:
 @pytest.mark.parametrize("p", [Friction(), UNEQUAL])
 @pytest.mark.parametrize("amplitude", [0.04, 10.0])
 def test_static_laws_by_quadrature(kind: int, p: Friction, amplitude: float) -> None:
-    """N is the first Fourier coefficient of F(A sin x), real for any asymmetry."""
     law = FrictionLaw(kind, p)
 
     def coefficient(weight: object) -> float:
@@ -102,7 +101,6 @@ def test_closed_forms_by_hand() -> None:
 @pytest.mark.parametrize(("amplitude", "omega"), [(1e-3, 30.0), (0.05, 1.0), (2.0, 1.0)])
 @pytest.mark.parametrize("p", [Friction(), Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)])
 def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Friction) -> None:
-    """N is the fundamental of equation (5) simulated by a stiff solver."""
     n = describing_function(amplitude, omega, FrictionLaw(LUGRE, p))
     assert n == pytest.approx(simulated(amplitude, omega, p), rel=2e-6)
 
@@ -133,7 +131,6 @@ def test_number_of_steps_is_sufficient() -> None:
 
 
 def test_asymmetry_enters_in_second_order_only() -> None:
-    """With unequal levels the fundamental differs from that of the mean level as a²."""
     equal = describing_function(0.1, 3.0, FrictionLaw(LUGRE))
     errors = [
         abs(simulated(0.1, 3.0, Friction(asymmetry=a)) / equal - 1.0) for a in (0.1, 0.2, 0.4)

@@ -5,16 +5,13 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
-from furuta.figures.figure import mark_half_turns, saved_figure
+from furuta.figures.figure import saved_figure
 from furuta.figures.labels import axis_label
-from furuta.figures.sweep import draw_sweep
-from furuta.studies.sweep_points import SweptParameter
 
 PNG = b"\x89PNG"
 
 
 def test_figure_is_saved_and_closed(tmp_path: Path) -> None:
-    """The directory is created, and no figure stays open."""
     path = tmp_path / "new" / "figure.png"
     with saved_figure(path, 2, figsize=(2, 2)) as (figure, axes):
         assert plt.get_fignums() == [figure.number]
@@ -25,7 +22,6 @@ def test_figure_is_saved_and_closed(tmp_path: Path) -> None:
 
 
 def test_nothing_is_saved_after_an_error(tmp_path: Path) -> None:
-    """An exception leaves neither a file nor an open figure."""
     path = tmp_path / "figure.png"
     with pytest.raises(ZeroDivisionError), saved_figure(path):
         raise ZeroDivisionError
@@ -47,39 +43,3 @@ def test_nothing_is_saved_after_an_error(tmp_path: Path) -> None:
 def test_axis_labels(name: str, label: str) -> None:
     """Symbol and declared unit; a name that restricts the parameter stays."""
     assert axis_label(name).startswith(label)
-
-
-@pytest.mark.parametrize(
-    ("limits", "marks"),
-    [
-        ((-0.1, 3.2), {"0", "π/2", "π"}),
-        ((-6.4, 6.4), {"−2π", "−π", "0", "π", "2π"}),
-        ((-3.2, 0.0), {"−π", "−π/2", "0"}),
-    ],
-)
-def test_half_turns_are_marked(limits: tuple[float, float], marks: set[str]) -> None:
-    """Multiples of π on the axis of an angle that turns over; a small angle keeps its numbers."""
-    figure, (large, small) = plt.subplots(1, 2)
-    large.set_ylim(*limits)
-    small.set_ylim(-0.2, 0.2)
-    for axis in (large, small):
-        mark_half_turns(axis)
-    figure.canvas.draw()
-    assert marks <= {text.get_text() for text in large.get_yticklabels()}
-    assert not any("π" in text.get_text() for text in small.get_yticklabels())
-    plt.close(figure)
-
-
-def test_sweep_over_a_choice_draws_lines(tmp_path: Path) -> None:
-    """One line per value of the choice, named in the legend."""
-    numbers = SweptParameter("alpha0", (0.1, 0.2), False)
-    choice = SweptParameter("compensation", ("coulomb", "lugre"), True)
-    rows = [
-        {"alpha0": a, "compensation": c, "phi_peak_to_peak_rad": a, "error": "", "fell": False}
-        for a in numbers.values
-        for c in choice.values
-    ]
-    with plt.rc_context({"svg.fonttype": "none"}):
-        draw_sweep((choice, numbers), rows, tmp_path / "sweep.svg")
-    text = (tmp_path / "sweep.svg").read_text()
-    assert all(f">{word}</text>" in text for word in ("coulomb", "lugre", "α₀ [V]"))

@@ -108,7 +108,6 @@ def test_a_soft_bristle_has_a_stable_rest_and_a_stiff_one_has_none() -> None:
 
 
 def test_a_cycle_that_passes_a_rest_closely_is_found() -> None:
-    """0.66192 rad and 29.39 s, though it comes as close as 1e-10 to a rest."""
     motion = exact(feedback=(0.7, 0.50429, 7.68541, 1.36183))
     assert motion.phi_peak_to_peak_rad == pytest.approx(0.66192, abs=5e-6)
     assert motion.period_s == pytest.approx(29.39, abs=0.005)
@@ -183,7 +182,6 @@ def random_settings(random: np.random.Generator) -> list[str]:
 
 
 def test_kinds_of_random_loops() -> None:
-    """Exact motion and simulation agree in kind, and about in size where there is a period."""
     random = np.random.default_rng(12)
     for number in range(RANDOM_LOOPS):
         given = random_settings(random)

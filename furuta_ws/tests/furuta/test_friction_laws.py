@@ -46,7 +46,6 @@ def plant(law: str, p: Friction, dt: float) -> PlantParameters:
 
 @pytest.mark.parametrize("law", ALL, ids=lambda law: law.name)
 def test_closed_forms_are_the_integrals_of_the_level(law: Law) -> None:
-    """Fundamental, mean and slope follow from the level alone."""
     bare = Law(law.name, law.level, law.breakaway, law.bristle)
     for amplitude in (0.01, 0.05, 0.3, 2.0):
         for name in ("fundamental_level", "mean_level", "level_slope"):
@@ -57,7 +56,6 @@ def test_closed_forms_are_the_integrals_of_the_level(law: Law) -> None:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("v", [0.4, 0.01, -0.01, -0.4])
 def test_steady_slide_has_the_steady_friction(law: str, v: float) -> None:
-    """At constant speed the plant reaches the steady friction of the law."""
     friction = friction_law(law, P)
     if friction.bristle:
         _, memory = bristle_force(v, 0.0, 1e4, friction)
@@ -67,20 +65,17 @@ def test_steady_slide_has_the_steady_friction(law: str, v: float) -> None:
 
 
 def test_a_law_without_damping_has_none() -> None:
-    """Dahl's law ignores σ₁."""
     assert friction_law("dahl", P).parameters.sigma1 == 0.0
     assert friction_law("lugre", P).named("dahl") == friction_law("dahl", P)
 
 
 def test_analysis_rejects_a_law_with_springs() -> None:
-    """It names the laws that analysis accepts."""
     with pytest.raises(ParameterError, match="maxwell_slip; give --law with one of coulomb, "):
         analysed_law("maxwell_slip", P)
 
 
 @pytest.mark.parametrize("law", STICKING)
 def test_the_arm_truly_sticks(law: str) -> None:
-    """Below the breakaway level the arm does not move at all, and friction is the torque."""
     body, friction = FurutaPendulum(), friction_law(law, P)
     x = np.array([0.3, 0.0, np.pi, 0.0, 0.0])
     for _ in range(2000):

@@ -35,7 +35,6 @@ def _gain(**poles: float) -> tuple[float, ...]:
 
 
 def test_values_of_the_paper() -> None:
-    """0.5106 rad, 0.0918 rad, 2.370 s within 0.05 % and the digits given."""
     cycle = limit_cycle(ideal())
     assert cycle.kind == "oscillation"
     assert cycle.stable
@@ -74,7 +73,6 @@ def test_independent_integration_closes_the_orbit(name: str) -> None:
 
 @pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
 def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
-    """With a stiff, well damped bristle LuGre approaches the law that truly sticks."""
     lugre = Friction(alpha1=0.0 if kind != STRIBECK else 0.05)
     sharp = limit_cycle(ideal(lugre, kind))
     errors = [
@@ -117,12 +115,10 @@ def test_without_arm_feedback_friction_accelerates_the_arm() -> None:
 
 
 def test_loop_without_friction_comes_to_rest() -> None:
-    """A stable loop with nearly no friction ends at rest."""
     assert limit_cycle(ideal(Friction(alpha0=0.0, alpha1=0.0, viscous=0.01))).kind == "rest"
 
 
 def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
-    """From reversal to reversal a small disturbance decays by the largest multiplier."""
     loop = IdealLoop(BODY, FrictionLaw(), 10.0, 4.0, 60.0, 20.0)
     cycle = limit_cycle(loop)
     largest = abs(cycle.floquet_multipliers[0])
@@ -154,7 +150,6 @@ def points() -> list[BranchPoint]:
 
 
 def test_branch_folds_where_the_cycle_disappears(points: list[BranchPoint]) -> None:
-    """Below the viscous friction of the fold there is a limit cycle, above it none."""
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
     value = fold_value(points, fold)
     assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "oscillation"
@@ -173,7 +168,6 @@ def test_unstable_cycle_bounds_the_region_of_attraction(points: list[BranchPoint
 
 
 def test_a_point_of_a_map_is_a_limit_cycle() -> None:
-    """Computed by one of several threads, it equals the single result."""
 
     def loop_at(first: float, second: float) -> IdealLoop:
         return ideal(omega1=first, omega2=second)
@@ -183,7 +177,6 @@ def test_a_point_of_a_map_is_a_limit_cycle() -> None:
 
 
 def test_impossible_loops_are_rejected() -> None:
-    """Invalid models and feedbacks are parameter errors."""
     with pytest.raises(ParameterError, match="gamma"):
         limit_cycle(IdealLoop(FurutaPendulum(gamma=1.0), FrictionLaw(), 1.0, 1.0, 1.0, 1.0))
     with pytest.raises(ParameterError, match="finite"):

@@ -16,7 +16,6 @@ POLES = [DesiredPoles(), DesiredPoles(4.0, 0.4, 9.0, 1.2), DesiredPoles(12.0, 1.
 
 @pytest.mark.parametrize("poles", POLES)
 def test_margins_agree_with_python_control(poles: DesiredPoles) -> None:
-    """Phase margin, delay margin and the distance of the Nyquist curve from −1."""
     gain = place_poles(BODY, poles)
     ours = margins(BODY, gain)
     loop = control.ss(A, B.reshape(-1, 1), gain.reshape(1, -1), 0.0)
@@ -30,7 +29,6 @@ def test_margins_agree_with_python_control(poles: DesiredPoles) -> None:
 
 @pytest.mark.parametrize("poles", POLES)
 def test_a_pole_reaches_the_axis_at_the_gain_margins(poles: DesiredPoles) -> None:
-    """Inside the margins the loop is stable, and a little outside it is not."""
     gain = place_poles(BODY, poles)
     ours = margins(BODY, gain)
 
@@ -45,6 +43,5 @@ def test_a_pole_reaches_the_axis_at_the_gain_margins(poles: DesiredPoles) -> Non
 
 
 def test_an_unstable_loop_has_no_margins() -> None:
-    """Without feedback there is nothing to report."""
     with pytest.raises(ParameterError, match="unstable"):
         margins(BODY, np.zeros(4))

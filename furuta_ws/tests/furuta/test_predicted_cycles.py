@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import ive
 
-from furuta.describing_functions.describing_function import static_describing_function
+from furuta.describing_functions.describing_function import residual, static_describing_function
 from furuta.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta.describing_functions.predicted_cycles import Prediction, predict_cycles
-from furuta.describing_functions.residual import residual
 from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles

@@ -108,20 +108,3 @@ def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
 def test_no_rotation(feedback: tuple[float, ...]) -> None:
     """None if φ is fed back, or if l2 is at most the viscous friction."""
     assert steady_rotations(P, feedback, FrictionLaw(COULOMB, Friction(viscous=0.3))) == ()
-
-
-def test_case_b_accelerates() -> None:
-    """If neither φ nor its speed is fed back, friction accelerates the arm at δFc/a₂."""
-    v = speeds(FIGURE_4["b"], Friction(), InitialState(0, 0.2, 0.0, 0), 30.0)
-    early = np.diff(v[[10_000, 20_000]])[0] / 2.0  # from 2 s to 4 s
-    assert early == pytest.approx(0.1434, rel=0.05)
-    assert v[-1] > 5.0
-    assert np.all(np.diff(v[10_000::1000]) > 0.0)
-
-
-def test_overdamped_loop_comes_to_rest_off_centre() -> None:
-    """If the slowest pole is real the arm creeps to l1 φ = F, against friction."""
-    feedback = (0.1, 1.0, 60.0, 20.0)
-    v = speeds(feedback, Friction(), InitialState(0, 0, 0.02, 0), 100.0)
-    assert abs(v[-1]) < 1e-5
-    assert abs(np.sum(v) * 2e-4) == pytest.approx(0.232 / 0.1, rel=1e-2)

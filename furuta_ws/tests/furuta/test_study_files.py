@@ -1,45 +1,55 @@
-"""Journal and table of a sweep: what continues, what is kept, types."""
+"""Points, journal and table of a sweep: what continues, what is kept, types."""
 
+import csv
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from furuta.studies.study_tables import OUTCOME, check_table, write_csv, write_runs
-from furuta.studies.sweep import Sweep
+from furuta.studies.study_tables import OUTCOME, check_table, write_runs
+from furuta.studies.sweep import Sweep, SweptParameter, parse_swept_parameter
 from furuta.studies.sweep_journal import Journal
-from furuta.studies.sweep_points import SweptParameter
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 from furuta_recordings.table_files import parquet
 from furuta_sim.simulation.closed_loop import Outcome
 
-RESULTS = {number: {"size": 0.1 * number, "error": ""} for number in (2, 0, 1)}
+RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
+ALPHA0 = SweptParameter("alpha0", (1.0, 2.0))
+KIND = SweptParameter("compensation", ("coulomb", "lugre"))
+SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), 60.0)
 
 
-ALPHA0 = SweptParameter("alpha0", (1.0, 2.0), False)
-SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), "grid", 2, 0, 60.0)
-
-
-def recorded(out: Path, stop: int = 9) -> list[int]:
-    """Add results to the journal of ``out``, at most ``stop``; the numbers that were there."""
+def recorded(out: Path, stop: int = 9) -> int:
+    """Add results to the journal of ``out`` up to ``stop``; the number that was there."""
     journal = Journal(out, SWEEP)
-    before = [number for number in RESULTS if number in journal]
-    rest = [(number, RESULTS[number]) for number in RESULTS if number not in journal][:stop]
-    assert list(journal.record(iter(rest))) == rest
-    assert len(journal) == len(before) + len(rest)
-    assert all(journal[number] == RESULTS[number] for number, _ in rest)
+    before = journal.count
+    assert list(journal.record(RESULTS[before:stop])) == RESULTS[before:stop]
+    assert list(journal.results()) == RESULTS[: journal.count]
     journal.close()
     return before
 
 
 def test_a_journal_continues(tmp_path: Path) -> None:
-    """With the runs that are not there yet."""
     out = tmp_path / "a.csv"
-    assert recorded(out, stop=2) == []
-    assert recorded(out) == [2, 0]
-    assert recorded(out) == [2, 0, 1]
+    assert [recorded(out, 2), recorded(out), recorded(out)] == [0, 2, 3]
+
+
+def test_a_line_that_a_kill_has_cut_is_dropped(tmp_path: Path) -> None:
+    out = tmp_path / "a.csv"
+    recorded(out)
+    journal = tmp_path / "a.csv.part"
+    journal.write_bytes(journal.read_bytes()[:-5])
+    assert recorded(out) == 2
+
+
+def test_a_result_that_two_processes_have_written_counts_once(tmp_path: Path) -> None:
+    journals = [Journal(tmp_path / "a.csv", SWEEP) for _ in range(2)]
+    for number in range(3):
+        for journal in journals:
+            list(journal.record(RESULTS[number : number + 1]))
+    assert list(journals[0].results()) == RESULTS
 
 
 @pytest.mark.parametrize("other", ["a value", "the columns", "a text"])
@@ -86,23 +96,66 @@ def test_parquet_has_types_and_empty_values(
 
 
 def test_csv_has_the_same_rows(tmp_path: Path) -> None:
-    """With a header, and nothing in between."""
     write_runs(rows(3), tmp_path / "a.csv")
-    write_csv(list(rows(3)), tmp_path / "b.csv")
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-    assert len((tmp_path / "a.csv").read_text().splitlines()) == 4
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.csv", "b.csv"]
+    with (tmp_path / "a.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert table == [
+        {name: "" if value is None else str(value) for name, value in row.items()}
+        for row in rows(3)
+    ]
+    assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
 
 
 def test_a_table_is_checked_before_the_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its suffix, whether it exists, and whether Parquet can be written."""
-    with pytest.raises(ParameterError, match=r"must be a .csv or .parquet file"):
-        check_table(tmp_path / "a.txt")
     (tmp_path / "a.csv").touch()
     with pytest.raises(ParameterError, match="already exists"):
         check_table(tmp_path / "a.csv")
     monkeypatch.setattr(table_files, "arrow", None)
     with pytest.raises(ParameterError, match="need pyarrow"):
         check_table(tmp_path / "a.parquet")
+
+
+def test_swept_parameters_are_parsed() -> None:
+    """Ranges of numbers, integers for integer parameters, and lists of anything."""
+    assert parse_swept_parameter("alpha0=0.1:0.3:3", 9).values == pytest.approx((0.1, 0.2, 0.3))
+    assert parse_swept_parameter("alpha0=0.1:0.3", 9).values[4] == pytest.approx(0.2)
+    assert parse_swept_parameter("plant.seed=0:4:5", 9).values == (0, 1, 2, 3, 4)
+    assert parse_swept_parameter("compensation=coulomb,lugre", 9) == SweptParameter(
+        "compensation", ("coulomb", "lugre")
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("alpha0", "expected NAME="),
+        ("alpha0=", "expected NAME="),
+        ("alpho0=1:2", "no parameter alpho0"),
+        ("alpha0=2:1", "LOW < HIGH"),
+        ("alpha0=0:1:1", "COUNT"),
+        ("compensation=0:1", "has no range"),
+    ],
+)
+def test_bad_swept_parameters_are_rejected(text: str, reason: str) -> None:
+    with pytest.raises(ParameterError, match=reason):
+        parse_swept_parameter(text, 5)
+
+
+def test_points_are_every_combination() -> None:
+    """In the order of the parameters; the last one changes fastest."""
+    points = list(SWEEP._replace(axes=(ALPHA0, KIND)).points())
+    assert points[:3] == [
+        {"alpha0": 1.0, "compensation": "coulomb"},
+        {"alpha0": 1.0, "compensation": "lugre"},
+        {"alpha0": 2.0, "compensation": "coulomb"},
+    ]
+    assert len(points) == SWEEP._replace(axes=(ALPHA0, KIND)).size() == 4
+
+
+def test_impossible_sweeps_are_rejected() -> None:
+    with pytest.raises(ParameterError, match="once"):
+        SWEEP._replace(axes=(ALPHA0, ALPHA0)).size()
+    with pytest.raises(ParameterError, match="at most"):
+        SWEEP._replace(axes=(SweptParameter("plant.seed", tuple(range(10_000_001))),)).size()

@@ -30,7 +30,6 @@ def test_who_takes_parameter_files_takes_a_rig(verb: str) -> None:
 
 
 def test_the_rig_is_the_first_parameter_file(tmp_path: Path) -> None:
-    """Parameter files take precedence over it."""
 
     @click.command()
     @model_options

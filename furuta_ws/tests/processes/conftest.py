@@ -156,7 +156,7 @@ def furuta(
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
         capfd.readouterr()
         with pytest.raises(SystemExit) as ended:
-            main.run_command(main.furuta, "furuta")
+            main.run_verb()
         for number, handler in handlers.items():
             signal.signal(number, handler)
         return int(ended.value.code or 0), *capfd.readouterr()

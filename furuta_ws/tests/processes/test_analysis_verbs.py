@@ -1,6 +1,5 @@
 """The verbs ``linearize`` and ``limit-cycle`` as a user meets them."""
 
-import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -41,29 +40,24 @@ def test_nyquist_of_the_controller(furuta: Any) -> None:
     assert result["crossings"][0]["omega_rad_s"] == pytest.approx(3.057, abs=1e-3)
 
 
-def test_passivity(furuta: Any, tmp_path: Path) -> None:
+def test_passivity(furuta: Any) -> None:
     """The paper's K does not satisfy the condition, and the reason is given."""
-    picture = tmp_path / "g.png"
-    result = answer(furuta("linearize", "--passivity", "--json", "--out", picture))
-    assert picture.read_bytes().startswith(PNG)
+    result = answer(furuta("linearize", "--passivity", "--json"))
     assert result["passive"] is False
     about = result["passivity"]
     assert "5.09 1/s in the right half plane" in about["reason"]
     assert about["K"] == 0.01
-    assert about["static_gain"] == pytest.approx(80 / result["L"][0])
-    assert about["violated_rad_s"][1][1] is None
+    assert about["smallest_real_part"] == pytest.approx(80 / result["L"][0])
     assert about["fastest_growth"] == pytest.approx(0.5765, abs=1e-4)
-    assert about["passive_error"]["smallest_real_part"] > 0.0
     assert about["exact_model"] is True
 
 
 def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
-    """The verb uses gain, friction and feedback, and reports a model mismatch."""
     settings = ("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2")
     given = ("--passivity", "--feedback", "10", "4", "60", "20", *settings)
     about = answer(furuta("linearize", "--json", *given))["passivity"]
     assert about["K"] == -0.5
-    assert about["static_gain"] == pytest.approx(-8.0)
+    assert about["reason"].startswith("-G")
     assert about["exact_model"] is False
 
 
@@ -71,15 +65,14 @@ def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
     ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
 )
 def test_prediction(furuta: Any, tmp_path: Path, law: str, width: float, period: float) -> None:
-    """The predicted limit cycle of the rig, with pictures."""
-    pictures = [tmp_path / f"{name}.png" for name in ("out", "curves", "presliding")]
-    drawn = (word for picture in pictures for word in (f"--{picture.stem}", picture))
-    result = answer(furuta("limit-cycle", "--predict", "--law", law, "--json", *drawn))
+    picture = tmp_path / "prediction.png"
+    predict = ("limit-cycle", "--predict", "--law", law, "--out", picture, "--json")
+    result = answer(furuta(*predict))
     (cycle,) = result["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(width, abs=1e-4)
     assert cycle["period_s"] == pytest.approx(period, abs=1e-4)
     assert cycle["stable"] is True
-    assert all(picture.read_bytes().startswith(PNG) for picture in pictures)
+    assert picture.read_bytes().startswith(PNG)
 
 
 def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
@@ -94,7 +87,6 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
 
 
 def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
-    """All keys of the answer, and a picture."""
     picture = tmp_path / "cycle.png"
     result = answer(furuta("limit-cycle", "--json", "--out", picture))
     assert result["kind"] == "oscillation"
@@ -108,7 +100,6 @@ def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:
-    """The branch over a parameter with its fold."""
     picture = tmp_path / "branch.png"
     result = answer(furuta("limit-cycle", "--over", "viscous=0:0.3", "--json", "--out", picture))
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
@@ -118,35 +109,12 @@ def test_branch(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_map(furuta: Any, tmp_path: Path) -> None:
-    """A map as picture and data, predicted beside exact."""
-    picture, data = tmp_path / "map.png", tmp_path / "map.csv"
-    over = ("--over", "omega1=5:9:3", "--over", "l4=1.2:1.5:2")
-    rows = answer(
-        furuta("limit-cycle", *over, "--out", picture, "--data", data, "--json"),
-    )["rows"]
-    assert len(rows) == 6
-    assert rows[0]["predicted_phi_peak_to_peak_rad"] > rows[0]["phi_peak_to_peak_rad"] > 0
-    with data.open() as file:
-        assert [float(row["omega1"]) for row in csv.DictReader(file)] == [5, 5, 7, 7, 9, 9]
-    assert picture.read_bytes().startswith(PNG)
-
-
-def test_map_where_nothing_oscillates(furuta: Any, tmp_path: Path) -> None:
-    """Without friction every loop comes to rest, which can be drawn too."""
     picture = tmp_path / "map.png"
-    over = ("--over", "omega1=5:7:2", "--over", "zeta1=0.5:0.7:2")
-    frictionless = ("--set", "alpha0=0", "--set", "alpha1=0")
-    result = answer(furuta("limit-cycle", *over, *frictionless, "--out", picture, "--json"))
-    assert {row["kind"] for row in result["rows"]} == {"rest"}
-    assert picture.exists()
-
-
-@pytest.mark.parametrize("view", [("linearize", "--nyquist"), ("limit-cycle", "--predict")])
-def test_for_people(furuta: Any, view: tuple[str, str]) -> None:
-    """Without --json the same in words."""
-    status, out, _ = furuta(*view, "--feedback", "10", "4", "60", "20")
-    assert status == 0
-    assert "10, 4, 60, 20" in out
+    over = ("--over", "omega1=5:9:3", "--over", "l4=1.2:1.5:2")
+    rows = answer(furuta("limit-cycle", *over, "--out", picture, "--json"))["rows"]
+    assert [row["omega1"] for row in rows] == [5, 5, 7, 7, 9, 9]
+    assert rows[0]["predicted_phi_peak_to_peak_rad"] > rows[0]["phi_peak_to_peak_rad"] > 0
+    assert picture.read_bytes().startswith(PNG)
 
 
 @pytest.mark.parametrize(
@@ -158,11 +126,10 @@ def test_for_people(furuta: Any, view: tuple[str, str]) -> None:
     ],
 )
 def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str]) -> None:
-    """Loops without feedback, or without friction, give a picture and no warning."""
     for view in (
         ("linearize", "--nyquist"),
         ("limit-cycle", "--predict", "--law", "coulomb"),
-        ("linearize", "--passivity"),
+        ("limit-cycle", "--over", "sigma0=70:80:2", "--over", "sigma1=1:2:2"),
     ):
         picture = tmp_path / f"{view[1]}.png"
         status, _, err = furuta(*view, *loop, "--out", picture)
@@ -178,7 +145,7 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
         ("linearize --figure-4 --feedback 1 1 1 1", "cannot be combined"),
         ("linearize --set gamma=1", "alpha * beta must exceed gamma²"),
         ("linearize --passivity --set observer_gain=1e9", "observer_gain must be"),
-        ("linearize --out x.png", "--out needs one of"),
+        ("linearize --out x.png", "--out needs --nyquist"),
         ("limit-cycle --predict --feedback 1 inf 1 1", "four finite numbers"),
         ("limit-cycle --feedback 0 7 60 20 --out x.png", "no limit cycle"),
         ("limit-cycle --feedback 0 0 0 0", "does not stabilise"),
@@ -193,11 +160,9 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
         ("limit-cycle --over omega1=-2:-1 --over zeta1=0:1", "omega1 must be"),
         ("limit-cycle --over omega1=1:2:1 --over zeta1=0:1", "COUNT must be"),
         ("limit-cycle --over omega1=1:2 --predict", "not with --predict"),
-        ("limit-cycle --over omega1=1:2 --data x.csv", "--data needs a map"),
     ],
 )
 def test_bad_input_is_one_line(furuta: Any, arguments: str, reason: str) -> None:
-    """Exit status 1 or 2, the reason on standard error, nothing on standard output."""
     status, out, err = furuta(*arguments.split())
     assert status in (1, 2)
     assert out == ""

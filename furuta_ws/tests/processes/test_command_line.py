@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan
 from furuta_bringup import main
 from furuta_bringup.main import VERBS
 from furuta_bringup.verbs import demo
@@ -46,7 +47,6 @@ def test_every_verb_is_a_module() -> None:
 
 
 def test_help_names_every_verb(furuta: Any) -> None:
-    """``furuta --help`` lists all verbs with their descriptions."""
     status, out, _ = furuta("--help")
     assert status == 0
     text = " ".join(out.split())
@@ -70,7 +70,7 @@ def test_every_command_has_help(path: tuple[str, ...]) -> None:
 
 def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
-    monkeypatch.setattr(demo, "PLAN", demo.PLAN._replace(seconds=demo.PLAN.min_seconds))
+    monkeypatch.setattr(demo, "PLAN", TuningPlan(MIN_SECONDS))
     out_dir = tmp_path / "demo"
     status, out, err = furuta("demo", "--seconds", "8", "--out", out_dir, "--json")
     assert status == 0, err
@@ -94,7 +94,6 @@ def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path:
 
 
 def test_simulate(furuta: Any, tmp_path: Path) -> None:
-    """Numbers as JSON, series as file."""
     series = tmp_path / "run.npz"
     status, out, err = furuta(
         "simulate", "--ideal-sensors", "--seconds", "30", "--out", series, "--json"
@@ -123,7 +122,6 @@ def test_simulate_with_a_law_into_a_table(tmp_path: Path) -> None:
 
 
 def test_version() -> None:
-    """That of the packages, on one line."""
     done = CliRunner().invoke(main.furuta, ["--version"])
     assert (done.exit_code, done.output) == (0, f"furuta {version('furuta_bringup')}\n")
 
@@ -214,7 +212,6 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
-    """Exit status 1, the reason on standard error, nothing on standard output."""
     status, out, err = furuta(*arguments)
     assert status == 1
     assert out == ""
@@ -267,7 +264,6 @@ def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
 def test_bad_parameter_file_is_one_line(
     furuta: Any, tmp_path: Path, content: str, reason: str
 ) -> None:
-    """What is wrong with the file, in one line."""
     file = tmp_path / "bad.yaml"
     file.write_text(content)
     status, _, err = furuta("simulate", "--params", file)

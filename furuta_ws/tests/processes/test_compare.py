@@ -13,10 +13,10 @@ PNG = b"\x89PNG"
 
 
 def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    """On the nominal rig, with a table and a picture, and with the ranking that the rows give."""
-    out, picture = tmp_path / "named.csv", tmp_path / "named.png"
+    """On the nominal rig, with a table, and with the ranking that the rows give."""
+    out = tmp_path / "named.csv"
     status, text, err = furuta(
-        "compare", "--truths", "--seconds", "20", "--out", out, "--out", picture, "--json",
+        "compare", "--truths", "--seconds", "20", "--out", out, "--json",
         "--candidate", "none", "--candidate", "mine=compensation=lugre,sigma0=100",
     )  # fmt: skip
     assert status == 0, err
@@ -37,7 +37,6 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     for name in ("none", "mine"):
         sizes = [float(row["phi_peak_to_peak_rad"]) for row in rows if row["candidate"] == name]
         assert worst[name] == max(sizes)
-    assert picture.read_bytes().startswith(PNG)
 
 
 def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> None:
@@ -57,34 +56,32 @@ def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> 
     assert len({row["friction.sigma0"] for row in rows}) == 1
 
 
-def test_tuned_candidates_are_compared(furuta: Any) -> None:
-    """With the result of the tuning, and a table for readers."""
-    arguments = ("compare", "--rigs", "2", "--seconds", "5", "--tune-budget", "3")
+def test_tuned_candidates_are_compared(furuta: Any, tmp_path: Path) -> None:
+    """With the result of the tuning, a table for readers, and a picture."""
+    picture = tmp_path / "named.png"
+    given = ("--rigs", "2", "--seconds", "5", "--tune-budget", "3", "--out", picture)
+    arguments = ("compare", *given)
     status, out, err = furuta(*arguments, "--candidate", "a=compensation=lugre,sigma0=20:500")
     assert status == 0, err
-    assert "tuned a: " in out
+    assert "candidate a, settings" in out
     assert "friction_observer.sigma0" in out
-    assert "recommended: a" in out
+    assert out.split()[-2:] == ["recommended", "a"]
+    assert picture.read_bytes().startswith(PNG)
 
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
         (["--truths", "--rigs", "5"], "--rigs has no effect on the named rigs"),
-        (["--tuning-rigs", "5"], "--tuning-rigs needs --tune-budget"),
         (["--candidate", "a=alpha0=0.1:0.3"], "needs --tune-budget"),
         (["--candidate", "a=plant.seed=1"], "only the plant"),
         (["--set", "plant.sample_time=0.002"], "sample_time"),
-        (["--vary", "omega1=1:2"], "parameters of the plant"),
-        (["--vary", "gamma=0.05:0.1"], "alpha * beta must exceed"),
-        (["--out", "a.csv", "--out", "b.csv"], "one table is enough"),
         (["--out", "mine.csv"], "already exists"),
     ],
 )
 def test_bad_comparisons_are_rejected(
     furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: list[str], reason: str
 ) -> None:
-    """There is one line that says what is wrong."""
     monkeypatch.chdir(tmp_path)
     Path("mine.csv").write_text("mine")
     status, out, err = furuta("compare", *arguments)

@@ -12,7 +12,6 @@ from paused_graph import PausedGraph
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
-from furuta_graph.processes import executable
 from furuta_ros.node import with_message_info
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.settings.nodes import graph_nodes
@@ -72,18 +71,6 @@ def test_nodes_end_cleanly(processes: Any, number: int) -> None:
         _, err = process.communicate(timeout=120.0)
         assert process.returncode == 0, err
         assert "Traceback" not in err
-
-
-def test_composed_executable(processes: Any) -> None:
-    """``ros2 run furuta_bringup graph`` is the graph in one process, with the options of run."""
-    for arguments, status, text in (
-        (("--lockstep", "--seconds", "0.2"), 0, "200 samples"),
-        (("--seconds", "0"), 2, "(see graph --help)"),
-    ):
-        process = processes.start(executable("furuta_bringup", "graph"), *arguments)
-        out, err = process.communicate(timeout=120.0)
-        assert process.returncode == status
-        assert text in out + err
 
 
 def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:

@@ -96,7 +96,7 @@ def test_interrupt_during_the_start(processes: Any, name: str, stage: str) -> No
 def test_every_executable_starts_with_interrupts_blocked() -> None:
     """Python would answer SIGINT with a traceback before the first line of the executable runs."""
     names = [*((each.package, each.executable) for each in NODES.values()), FURUTA]
-    names += [("furuta_sim", "rig_emulator"), ("furuta_bringup", "graph")]
+    names.append(("furuta_sim", "rig_emulator"))
     for name in names:
         first_line = executable(*name).read_text().splitlines()[0]
         assert first_line.startswith("#!/usr/bin/env -S --block-signal=INT ")
@@ -161,7 +161,6 @@ def test_which_child_has_failed() -> None:
             ("furuta_sim", "rig_emulator"),
             "unrecognized arguments: --bogus (see rig_emulator",
         ),
-        (("furuta_bringup", "graph"), "(see graph --help)"),
         ((*FURUTA, "bag", "info"), "(see furuta bag info --help)"),
     ],
 )

@@ -4,8 +4,6 @@ import csv
 import json
 import os
 import signal
-import sqlite3
-from contextlib import closing
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -13,21 +11,14 @@ from typing import Any
 import pytest
 from distributed import Client, LocalCluster
 
-PNG = b"\x89PNG"
 TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
 LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
 
 def finished_runs(journal: Path) -> int:
-    """The number of runs in the journal, 0 if there is none yet."""
-    if not journal.exists():
-        return 0
-    with closing(sqlite3.connect(journal)) as file:
-        try:
-            return int(file.execute("SELECT count(*) FROM runs").fetchone()[0])
-        except sqlite3.OperationalError:  # not yet made
-            return 0
+    """The number of runs in the journal, 0 if there is none yet; its first line describes it."""
+    return max(0, journal.read_bytes().count(b"\n") - 1) if journal.exists() else 0
 
 
 def wait_for_runs(journal: Path, runs: int) -> None:
@@ -56,11 +47,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    """A row has the results of ``simulate`` with the same parameters, and the picture is drawn."""
-    out, picture = tmp_path / "new" / "a.csv", tmp_path / "a.png"
+    out = tmp_path / "new" / "a.csv"
     status, text, err = furuta(
         "sweep", "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre",
-        "--seconds", "20", "--out", out, "--picture", picture, "--json",
+        "--seconds", "20", "--out", out, "--json",
     )  # fmt: skip
     assert status == 0, err
     assert json.loads(text) == {
@@ -76,7 +66,6 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     (row,) = (r for r in rows if r["compensation"] == "lugre" and "0.2" in r[next(iter(r))][:4])
     for name in ("phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "stuck_fraction", "steps"):
         assert float(row[name]) == simulated[name], name
-    assert picture.read_bytes().startswith(PNG)
     assert not list(tmp_path.rglob("*.part"))
 
 
@@ -104,7 +93,6 @@ def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, wh
 
 @pytest.mark.long
 def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
-    """The table is the same if two of the workers are killed during the sweep."""
     out = tmp_path / "sweep.csv"
     with (
         LocalCluster(
@@ -136,11 +124,10 @@ def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> 
 def test_bad_sweeps_are_rejected(
     furuta: Any, tmp_path: Path, arguments: list[str], reason: str
 ) -> None:
-    """There is one line that says what is wrong."""
     if "--out" not in arguments:
         arguments = [*arguments, "--out", str(tmp_path / "a.csv")]
     status, out, err = furuta("sweep", *arguments)
-    assert status == 1
+    assert status == (2 if "a.txt" in arguments else 1)
     assert out == ""
     assert err.startswith("error: ")
     assert reason in err

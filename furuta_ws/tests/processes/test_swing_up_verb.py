@@ -27,7 +27,6 @@ def test_random_starts_and_knocks(furuta: Any) -> None:
     ],
 )
 def test_bad_input_is_one_line(furuta: Any, arguments: tuple[str, ...], message: str) -> None:
-    """A rig that cannot see the hanging pendulum is refused, with the reason."""
     status, out, err = furuta("swing-up", "--starts", "1", *arguments)
     assert status in (1, 2)
     assert out == ""

@@ -1,4 +1,4 @@
-"""``furuta tune`` and ``experiment`` as a user runs them."""
+"""``furuta tune`` as a user runs it."""
 
 import json
 import signal
@@ -12,7 +12,6 @@ import yaml
 from furuta_sim.settings.settings import read_file
 
 Furuta = Callable[..., Any]
-SHORT = ("--fit", "alpha0", "--search", "sigma1", "--seconds", "110")
 
 
 def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) -> None:
@@ -38,7 +37,6 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
 
 
 def test_tuning_needs_a_running_graph(furuta: Furuta) -> None:
-    """Without one the verb prints one line that says so."""
     status, out, err = furuta("tune", "--running")
     assert (status, out) == (1, "")
     assert err.startswith("error: no node")
@@ -47,7 +45,7 @@ def test_tuning_needs_a_running_graph(furuta: Furuta) -> None:
 def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     """The result is better than the start, printed as JSON, and written to a valid file."""
     file = tmp_path / "tuned.yaml"
-    status, out, err = furuta("tune", *SHORT, "--json", "--out", file)
+    status, out, err = furuta("tune", "--seconds", "110", "--json", "--out", file)
     assert status == 0, err
     found = json.loads(out)
     assert found["after"]["phi_peak_to_peak_rad"] < found["before"]["phi_peak_to_peak_rad"]
@@ -60,32 +58,15 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     ("arguments", "status", "message"),
     [
         (("tune", "--seconds", "20"), 1, "needs at least"),
-        (("tune", "--search", "omega1"), 2, "omega1"),
         (("tune", "--set", "method=lowpass"), 1, "must observe the friction"),
         (("tune", "--set", "enabled=false"), 1, "restored the initial parameters"),
         (("tune", "--running", "--set", "seed=1"), 1, "--running cannot be combined"),
-        (("experiment", "fig4"), 2, "fig4"),
-        (("experiment",), 2, "Missing argument"),
-        (("experiment", "fig6", "--seconds", "1"), 2, "range 5<=x<=3600"),
     ],
 )
 def test_wrong_arguments_are_rejected(
     furuta: Furuta, arguments: tuple[str, ...], status: int, message: str
 ) -> None:
-    """There is one line that says what is allowed, and nothing on standard output."""
     got, out, err = furuta(*arguments)
     assert (got, out) == (status, "")
     assert message in err
     assert "Traceback" not in err
-
-
-def test_experiment_draws_its_figure(furuta: Furuta, tmp_path: Path) -> None:
-    """There is a row of JSON and a picture for each requested figure."""
-    arguments = ("fig6", "fig7", "--seconds", "10", "--json", "--out", tmp_path)
-    status, out, err = furuta("experiment", *arguments)
-    assert status == 0, err
-    rows = json.loads(out)["experiments"]
-    assert [row["experiment"] for row in rows] == ["fig6", "fig7"]
-    assert rows[0]["phi_peak_to_peak_rad"] > 10 * rows[1]["phi_peak_to_peak_rad"]
-    for name in ("fig6", "fig7"):
-        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")

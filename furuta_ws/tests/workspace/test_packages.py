@@ -34,7 +34,6 @@ EXECUTABLES = [
     ("furuta_sim", "rig_emulator"),
     ("furuta_recordings", "recorder"),
     ("furuta_bringup", "furuta"),
-    ("furuta_bringup", "graph"),
 ]
 # Modules that know ROS; every other module of the workspace is pure.
 ROS_MODULES = {

@@ -13,17 +13,18 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 
 from importlib.metadata import version
 
+from furuta.describing_functions.describing_function import describing_function
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
 from furuta.models import friction_law, linearize, place_poles
 from furuta.motions import (
-    describing_function,
     limit_cycle,
     measure,
     predict_cycles,
     simulate,
     trace_cycle,
+    tune,
 )
 from furuta.recordings import (
     identified_values,
@@ -33,7 +34,6 @@ from furuta.recordings import (
     simulated_series,
     write_series,
 )
-from furuta.tuning import tune
 from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles

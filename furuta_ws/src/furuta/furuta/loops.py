@@ -95,25 +95,15 @@ def ideal_loop(
             does not stabilise the pendulum; :func:`place_poles` gives L of u = -L·x, with the
             other sign.
     """
-    if feedback is None:
-        return ideal_loop_of(loop or Loop(), law, None, linear)
-    ideal = ideal_loop_of(loop or Loop(), law, checked_feedback(list(feedback)), linear)
-    require_stabilising(ideal)
-    return ideal
-
-
-def ideal_loop_of(
-    loop: Loop, law: str | None, feedback: tuple[float, float, float, float] | None, linear: bool
-) -> IdealLoop:
-    """The ideal loop with the plant of ``loop``, another law and feedback u = l·x if given.
-
-    Raises:
-        ParameterError: The law has no limit cycles that can be analysed.
-    """
-    l1, l2, l3, l4 = feedback or (-gain for gain in loop.controller.feedback_gain)
+    loop = loop or Loop()
     friction = loop.plant.friction
     analysed = analysed_law(law or friction.law, friction.parameters)
-    return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
+    if feedback is None:
+        l1, l2, l3, l4 = (-gain for gain in loop.controller.feedback_gain)
+        return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
+    ideal = IdealLoop(loop.plant.model, analysed, *checked_feedback(list(feedback)), linear)
+    require_stabilising(ideal)
+    return ideal
 
 
 def require_stabilising(ideal: IdealLoop) -> None:

@@ -1,8 +1,10 @@
-"""Simulates loops and computes their limit cycles."""
+"""Simulates loops, computes their limit cycles and tunes them."""
+
+from __future__ import annotations
 
 from math import inf
+from typing import TYPE_CHECKING
 
-from furuta.describing_functions import describing_function as describing
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
 from furuta.limit_cycles import limit_cycle as cycles
@@ -10,11 +12,14 @@ from furuta.limit_cycles import periodic_orbit
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import ideal_loop
-from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Outcome, Record
+
+if TYPE_CHECKING:
+    from furuta.studies.tuning.plan import TuningResult
+    from furuta.studies.tuning.tuning import ProgressCallback
 
 
 def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
@@ -110,21 +115,32 @@ def predict_cycles(loop: Loop | IdealLoop | None = None) -> Prediction:
     return predicted(transfer(ideal.body, ideal.gains), ideal.law)
 
 
-def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
-    """Describing function N(A, ω) of friction, for the arm speed v = A sin ωt.
+def tune(
+    loop: Loop | None = None,
+    seconds: float = 240.0,
+    report: ProgressCallback | None = None,
+) -> TuningResult:
+    """Find the compensation with the smallest remaining limit cycle, by simulation.
 
     Args:
-        amplitude: A [rad/s], above 0.
-        omega: ω [rad/s], above 0.
-        law: What :func:`furuta.friction_law` returns.
+        loop: The loop; by default that of the paper. Its plant is the truth, which the tuning sees
+            only through the estimates.
+        seconds: Total simulated time [s].
+        report: Called with a message and the simulated time [s]; by default nothing is reported.
 
     Returns:
-        N [V s/rad].
+        The best trial ``after``, with its ``observer`` parameters and the arm's peak to peak
+        ``amplitude`` [rad]; the trials ``before`` and ``uncompensated``; whether there is a
+        ``gain``.
 
     Raises:
-        ParameterError: Amplitude or frequency is not above 0 and finite.
+        ParameterError: The time is too short, or the loop cannot be tuned.
     """
-    return describing.describing_function(amplitude, omega, law)
+    from furuta.studies.tuning.plan import SIMULATED
+    from furuta.studies.tuning.tuning import tune_simulated
+
+    plan = SIMULATED._replace(seconds=seconds, rivals=True)
+    return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))
 
 
 def _ideal(loop: Loop | IdealLoop | None) -> IdealLoop:

@@ -4,7 +4,7 @@ First the compensator is tuned on a graph of its own. Then one pendulum keeps ru
 compensation is switched. Both use the parameter services, as a user would.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -13,8 +13,7 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.result import TuningResult, observer_parameters
+from furuta.studies.tuning.plan import TuningPlan, TuningResult, observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune
 from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
@@ -67,24 +66,15 @@ def _in_lockstep(settings: Settings) -> Settings:
 
 
 def run_demo(
-    settings: Settings,
-    tuned: ObserverParameters,
-    seconds: float,
-    bag: Path,
-    progress: Callable[[float], None],
-) -> list[Phase]:
-    """Run every compensation for ``seconds`` and record the graph into ``bag``.
-
-    ``progress`` is called regularly with the pendulum time [s].
-    """
+    settings: Settings, tuned: ObserverParameters, seconds: float, bag: Path
+) -> Iterator[Phase]:
+    """Run every compensation for ``seconds``, and record the graph into ``bag``."""
     node = Node("furuta_demo")
     settings = _in_lockstep(settings)
     record = partial(RecorderNode, bag, stamped=True, parameters=settings_file(settings))
     graph = SimulatedGraph(settings, [node], record)
     try:
-        graph.plant.create_timer(0.1, lambda: progress(graph.plant.time))
         client = ParameterClient(node, graph.executor)
-        phases = []
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
@@ -94,8 +84,6 @@ def run_demo(
             client.set_all("friction_observer", changes)
             client.set("plant", run_until=end)
             graph.run_until(end)
-            phases.append(Phase(compensation, number * seconds, end, perf_counter() - began))
-        progress(graph.plant.time)
-        return phases
+            yield Phase(compensation, number * seconds, end, perf_counter() - began)
     finally:
         graph.close()

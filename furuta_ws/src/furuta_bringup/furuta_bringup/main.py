@@ -19,7 +19,6 @@ VERBS = {
     "run": "Run the graph until Ctrl-C.",
     "view": "Show the graph in a browser, with all parameters.",
     "simulate": "Simulate the same closed loop without ROS.",
-    "experiment": "Reproduce Figs 5 to 9 of the paper without ROS.",
     "swing-up": "Swing up from random states, with knocks.",
     "tune": "Tune the compensator for the smallest limit cycle.",
     "sweep": "Simulate many parameter values, on all cores or on a cluster.",
@@ -111,25 +110,18 @@ def main() -> None:
     """Entry point of the executable ``furuta``."""
     exit_on_interrupt()
     end_with_parent()
-    run_command(furuta, "furuta")
+    run_verb()
 
 
-def run_verb(verb: str, name: str) -> None:
-    """Run one verb as the executable ``name``."""
-    exit_on_interrupt()
-    end_with_parent()
-    run_command(_load(verb), name)
-
-
-def run_command(command: click.Command, name: str) -> None:
-    """Run a command with the arguments of the process, and end the process.
+def run_verb() -> None:
+    """Run the verb that the arguments of the process name, and end the process.
 
     Its exit status is 0 (done), 1 (failed), 2 (wrong usage) or 130 (Ctrl-C). Each error is one line
     on standard error.
     """
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
-        status = command.main(prog_name=name, standalone_mode=False)
+        status = furuta.main(prog_name="furuta", standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         status = error.exit_code

@@ -65,11 +65,6 @@ def parameter_options(function: Function) -> Function:
     )(function)
 
 
-def ideal_options(function: Function) -> Function:
-    """``--law`` and ``--feedback`` of the verbs that analyse the ideal loop."""
-    return feedback_option(law_option(function))
-
-
 law_option = click.option(
     "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
 )

@@ -1,11 +1,9 @@
 """Running the composed graph until it is stopped, with a report at the end."""
 
-import csv
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from pathlib import Path
 from time import monotonic
 from typing import TypeVar
 
@@ -32,20 +30,14 @@ def run_simulated(
     record: MakeRecorder | None,
     seconds: float | None,
     scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
-    timing: Path | None = None,
 ) -> None:
-    """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed.
-
-    A table of how late samples were is written to ``timing``.
-    """
+    """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
         counts = plant.parameters.plant.sensors.encoder_counts
         with status_line(partial(_simulated_status, running), counts, sys.stdout):
             spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
         _report(running)
-        if timing is not None:
-            _write_timing(running, timing)
 
 
 def run_hardware(
@@ -154,16 +146,3 @@ def _report(graph: SimulatedGraph) -> None:
         )
         print(f"latency   {plant.pacing.latency.summary()}")
         print(f"lateness  {plant.pacing.lateness.summary()}")
-
-
-def _write_timing(graph: SimulatedGraph, path: Path) -> None:
-    """Write both histograms, a row per microsecond with counts."""
-    pacing = graph.plant.pacing
-    if not isinstance(pacing, RealTime):
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["from_us", "latency", "lateness"])
-        counts = zip(pacing.latency.counts, pacing.lateness.counts, strict=True)
-        writer.writerows([us, a, b] for us, (a, b) in enumerate(counts) if a or b)

@@ -1,10 +1,9 @@
-"""Scheduling of a process that must be on time: priority, cores, memory, garbage collection.
+"""Scheduling of a process that must be on time: priority and memory.
 
-Applied before ROS starts, so that its threads inherit priority and cores.
+Applied before ROS starts, so that its threads inherit the priority.
 """
 
 import ctypes
-import gc
 import os
 from collections.abc import Callable
 from typing import NamedTuple
@@ -17,9 +16,7 @@ class Scheduling(NamedTuple):
     """What the process requests from the operating system: nothing, by default."""
 
     priority: int = 0  # of SCHED_FIFO, 1 to 99; 0 leaves the scheduler as it is
-    cores: tuple[int, ...] = ()  # that the process may run on; () leaves them as they are
     lock_memory: bool = False  # keep all pages in memory
-    collect_garbage: bool = True  # Python's cyclic collector, which stops a process for ms
 
 
 class RequestResult(NamedTuple):
@@ -38,14 +35,8 @@ def apply_scheduling(requested: Scheduling) -> list[RequestResult]:
     results = []
     if requested.priority:
         results.append(_set_priority(requested.priority))
-    if requested.cores:
-        results.append(_set_cores(requested.cores))
     if requested.lock_memory:
         results.append(_lock_memory())
-    if not requested.collect_garbage:
-        gc.disable()
-        detail = "memory in reference cycles is not freed"
-        results.append(RequestResult("garbage collector off", not gc.isenabled(), detail))
     return results
 
 
@@ -68,15 +59,6 @@ def _set_priority(priority: int) -> RequestResult:
 
     needs = "needs CAP_SYS_NICE or an rtprio limit (ulimit -r)"
     return _result_of(f"SCHED_FIFO priority {priority}", request, needs)
-
-
-def _set_cores(cores: tuple[int, ...]) -> RequestResult:
-    def request() -> str:
-        os.sched_setaffinity(0, cores)
-        return f"runs on {sorted(os.sched_getaffinity(0))}"
-
-    present = f"there are {sorted(os.sched_getaffinity(0))}"
-    return _result_of(f"cores {sorted(cores)}", request, present)
 
 
 def _lock_memory() -> RequestResult:

@@ -40,7 +40,7 @@ def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[st
             helper.start(RELEASE, release)
 
     try:
-        graph_process.start(GRAPH, [str(executable("furuta_bringup", "graph")), *shared, *graph])
+        graph_process.start(GRAPH, [furuta, "run", *shared, *graph])
         _watch(graph_process, shown, page_ended, stop)
     finally:
         helper.end()

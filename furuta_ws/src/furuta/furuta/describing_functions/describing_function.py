@@ -15,6 +15,9 @@ With asymmetric levels, (1 ± a), friction also has a mean: :func:`bias`. For th
 the fundamental is exactly that of the mean level. For LuGre this holds to first order in a, and the
 mean level is used. If φ is not fed back, the mean force also shifts the mean of v; that is
 neglected.
+
+Limit cycles are the zeros of the residual H(A, ω) = 1/G(jω) + N(A, ω). They are those of 1 + G N,
+but H is finite for all A, ω > 0, because the only zero of G on the imaginary axis is ω = 0.
 """
 
 from math import pi
@@ -24,10 +27,26 @@ import numpy as np
 from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
+from furuta_model.transfer import Transfer
+
+# Relative step of the central differences; their relative error is 1e-10.
+STEP = 1e-5
 
 
 def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> complex:
-    """N(A, ω) [V s/rad] of v = A sin ωt, A > 0 [rad/s], ω > 0 [rad/s]."""
+    """Describing function N(A, ω) of friction, for the arm speed v = A sin ωt.
+
+    Args:
+        amplitude: A [rad/s], above 0.
+        omega: ω [rad/s], above 0.
+        law: What :func:`furuta.friction_law` returns.
+
+    Returns:
+        N [V s/rad].
+
+    Raises:
+        ParameterError: Amplitude or frequency is not above 0 and finite.
+    """
     if not (0.0 < amplitude < np.inf and 0.0 < omega < np.inf):
         raise ParameterError(
             "a describing function needs amplitude and frequency above 0, "
@@ -42,13 +61,8 @@ def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> com
 
 def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
     """N(A) [V s/rad] of a law that depends on the present speed alone; A > 0 [rad/s]."""
-    level = fundamental_level(amplitude, law)
+    level = law.law.fundamental_level(amplitude, law.parameters)
     return 4.0 * level / (pi * amplitude) + law.parameters.viscous
-
-
-def fundamental_level(amplitude: float, law: FrictionLaw) -> float:
-    """The constant level [V] with the same fundamental as the law at amplitude A [rad/s]."""
-    return law.law.fundamental_level(amplitude, law.parameters)
 
 
 def bias(amplitude: float, law: FrictionLaw) -> float:
@@ -59,3 +73,18 @@ def bias(amplitude: float, law: FrictionLaw) -> float:
     than the deflection of the bristle the bias is smaller.
     """
     return law.parameters.asymmetry * law.law.mean_level(amplitude, law.parameters)
+
+
+def residual(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> complex:
+    """H [V s/rad] at A [rad/s] and ω [rad/s]."""
+    return complex(g.inverse_at(omega)) + describing_function(amplitude, omega, law)
+
+
+def residual_slopes(
+    amplitude: float, omega: float, g: Transfer, law: FrictionLaw
+) -> tuple[complex, complex]:
+    """∂H/∂A and ∂H/∂ω."""
+    da, dw = STEP * amplitude, STEP * omega
+    up, down = (residual(amplitude + step, omega, g, law) for step in (da, -da))
+    right, left = (residual(amplitude, omega + step, g, law) for step in (dw, -dw))
+    return (up - down) / (2 * da), (right - left) / (2 * dw)

@@ -21,7 +21,7 @@ from math import exp, log, pi
 
 import numpy as np
 
-from furuta.describing_functions.residual import residual, residual_slopes
+from furuta.describing_functions.describing_function import residual, residual_slopes
 from furuta_model.compiled import compiled
 from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import FrictionLaw

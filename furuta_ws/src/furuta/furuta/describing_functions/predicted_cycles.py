@@ -1,13 +1,8 @@
 r"""Predicts limit cycles with the describing function: solutions of 1 + G(jω)N(A, ω) = 0.
 
-They are computed as zeros of the residual
-
-.. math::
-    H(A, ω) = 1/G(jω) + N(A, ω) = U + jV
-
-which is finite and smooth for all A, ω > 0. Stability follows from Loeb's quasi-static criterion.
-If the amplitude is off by δA, the oscillation decays at the rate σ for which H stays zero at the
-complex frequency ω + δω + jσ: H_A δA + H_ω(δω + jσ) = 0, hence
+They are computed as zeros of the residual H(A, ω) = 1/G(jω) + N(A, ω) = U + jV. Stability follows
+from Loeb's quasi-static criterion. If the amplitude is off by δA, the oscillation decays at the
+rate σ for which H stays zero at the complex frequency ω + δω + jσ: H_A δA + H_ω(δω + jσ) = 0, hence
 σ = (U_A V_ω − V_A U_ω) δA/|H_ω|². The amplitude returns if
 
 .. math::
@@ -26,10 +21,10 @@ import numpy as np
 from furuta.describing_functions.describing_function import (
     bias,
     describing_function,
+    residual_slopes,
     static_describing_function,
 )
 from furuta.describing_functions.lugre_cycles import search
-from furuta.describing_functions.residual import residual_slopes
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.transfer import Transfer
 

@@ -39,7 +39,7 @@ def steady_rotations(
     if l1 != 0.0 or l2 <= law.parameters.viscous:
         return ()
     return tuple(
-        Rotation(direction * speed, _stable(direction * speed, p, feedback, law))
+        Rotation(direction * speed, rotation_growth(direction * speed, p, feedback, law) < 0.0)
         for direction in (1.0, -1.0)
         if (speed := _speed(direction, l2 - law.parameters.viscous, law)) > 0.0
     )
@@ -58,10 +58,6 @@ def _speed(direction: float, excess: float, law: FrictionLaw) -> float:
         return excess * speed - sliding_level(speed, direction, law)
 
     return float(brentq(surplus, low, high, xtol=1e-15 * high))
-
-
-def _stable(v: float, p: FurutaPendulum, feedback: Sequence[float], law: FrictionLaw) -> bool:
-    return rotation_growth(v, p, feedback, law) < 0.0
 
 
 def rotation_growth(

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta.figures.figure import saved_figure, style_axis
-from furuta.studies.comparison.scores import Table
+from furuta.studies.comparison.comparison import Table
 
 LABEL = "arm, peak to peak [rad]"
 COUNT = "one encoder count"
@@ -14,8 +14,6 @@ COUNT = "one encoder count"
 SCATTER = 0.3
 # Most points per candidate that are drawn singly.
 MOST_POINTS = 300
-# Colours of the default cycle.
-COLOURS = 10
 # A fall is drawn at this multiple of the largest residual.
 FALL = 2.0
 
@@ -48,7 +46,7 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
 def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
     scatter = np.random.default_rng(number).uniform(-SCATTER, SCATTER, len(residual))
     some = slice(None, MOST_POINTS)
-    axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=_colour(number))
+    axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=f"C{number}")
     marks = np.quantile(residual, [0.5, 0.95, 1.0], method="inverted_cdf")
     axis.plot(marks, [number] * 3, "k|", ms=16, mew=1.5)
 
@@ -56,11 +54,7 @@ def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
 def _draw_fraction_above(axis: Axes, number: int, residual: np.ndarray, name: str) -> None:
     sizes = np.sort(residual)
     above = np.linspace(1.0, 0.0, len(sizes) + 1)
-    style = "-" if number < COLOURS else "--"
+    style = "-" if number < 10 else "--"  # there are ten colours
     axis.step(
-        [sizes[0], *sizes], above, style, where="post", label=name, color=_colour(number), lw=1.4
+        [sizes[0], *sizes], above, style, where="post", label=name, color=f"C{number}", lw=1.4
     )
-
-
-def _colour(number: int) -> str:
-    return f"C{number % COLOURS}"

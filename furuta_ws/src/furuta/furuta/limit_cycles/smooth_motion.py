@@ -5,7 +5,6 @@ breakaway of the stuck arm.
 """
 
 from math import isfinite, pi
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,18 +38,8 @@ MAX_STEP = 5e-3  # [s]
 MIN_STEP = 1e-12  # [s]
 
 
-class Extent(NamedTuple):
-    """Indices of an array (6,): extremes of φ and θ [rad], time stuck [s], least rest distance."""
-
-    PHI_LOW: int = 0
-    PHI_HIGH: int = 1
-    THETA_LOW: int = 2
-    THETA_HIGH: int = 3
-    STUCK: int = 4
-    CLOSEST: int = 5
-
-
-PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK, CLOSEST = Extent()
+# Indices of an extent (6,): extremes of φ and θ [rad], time stuck [s], least rest distance.
+PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK, CLOSEST = range(6)
 
 
 def extent_at(y: np.ndarray) -> np.ndarray:

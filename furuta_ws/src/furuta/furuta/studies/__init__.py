@@ -1,1 +1,1 @@
-"""Studies on many loops: experiments, tuning, sweeps, comparisons, maps."""
+"""Studies on many loops: tuning, sweeps, comparisons, maps."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.ideal_loop import IdealLoop
-from furuta.loops import ideal_loop_of
+from furuta.loops import ideal_loop
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback
 from furuta_sim.settings.parameter_names import parameters_named
@@ -34,8 +34,9 @@ class AnalysisOptions(NamedTuple):
         values = values or {}
         named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
         configured = loop(load_settings(self.files, [*self.assignments, *named]))
-        ideal = ideal_loop_of(configured, self.law, self.feedback, self.linear)
-        l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, ideal.gains, strict=True))
+        ideal = ideal_loop(configured, law=self.law, linear=self.linear)
+        gains = self.feedback or ideal.gains
+        l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, gains, strict=True))
         return ideal.with_gains((l1, l2, l3, l4))
 
     def checked_loop(self) -> IdealLoop:

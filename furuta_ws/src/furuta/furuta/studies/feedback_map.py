@@ -12,6 +12,12 @@ from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.lanes.batch import available_cores
 
+# What a row of the map says about a cycle.
+SHOWN = (
+    *("kind", "phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "period_s"),
+    *("rotation_rate_rad_s", "stable"),
+)
+
 
 class MapPoint(NamedTuple):
     """Exact motion at one pair of parameter values, IMPOSSIBLE if the values are rejected.
@@ -27,16 +33,10 @@ class MapPoint(NamedTuple):
 
     def row(self, first: str, second: str) -> dict[str, Any]:
         """The point by name; ``first`` and ``second`` are the names of its parameters."""
-        cycle = self.cycle
         return {
             first: float(self.first),
             second: float(self.second),
-            "kind": cycle.kind,
-            "phi_peak_to_peak_rad": cycle.phi_peak_to_peak_rad,
-            "theta_peak_to_peak_rad": cycle.theta_peak_to_peak_rad,
-            "period_s": cycle.period_s,
-            "rotation_rate_rad_s": cycle.rotation_rate_rad_s,
-            "stable": cycle.stable,
+            **{name: getattr(self.cycle, name) for name in SHOWN},
             "predicted_phi_peak_to_peak_rad": self.predicted_phi_peak_to_peak_rad,
         }
 

@@ -1,75 +1,104 @@
-"""A sweep: many closed loops over some parameters, run on all cores of this machine."""
+"""A sweep: many closed loops over every combination of some values."""
 
 from collections import deque
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
+from itertools import islice, product
+from math import prod
 from typing import Any, NamedTuple
 
-from furuta.studies.sweep_points import Point, SweptParameter, count_points, generate_points
+from furuta.studies.analysis_options import parse_range
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
+from furuta_sim.settings.parameter_names import parameters_named
 from furuta_sim.settings.settings import Settings, loop_with
 from furuta_sim.simulation.closed_loop import Loop, Outcome
 
+MAX_POINTS = 10_000_000
 NO_OUTCOME = dict.fromkeys(Outcome._fields)
 
-# Number of a run, and its outcome or the reason why its parameters are impossible.
-RunResult = tuple[int, dict[str, Any]]
+# Values of the swept parameters in one run, by name.
+Point = dict[str, Any]
+# Outcome of a run and the reason, which is empty, why its parameters are impossible.
+Result = dict[str, Any]
+
+
+class SweptParameter(NamedTuple):
+    """A parameter and its values."""
+
+    name: str
+    values: tuple[Any, ...]
+
+
+def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
+    """Parse NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE,..."""
+    name, separator, rest = text.partition("=")
+    name = name.strip()
+    if not separator or not rest:
+        raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, given {text!r}")
+    (_, first), *_ = parameters_named(name)
+    if ":" not in rest:
+        return SweptParameter(name, tuple(rest.split(",")))
+    if first.kind not in (float, int):
+        raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")
+    integer = first.kind is int
+    _, values = parse_range(text, default_count)
+    numbers = dict.fromkeys(round(float(v)) if integer else float(v) for v in values)
+    return SweptParameter(name, tuple(numbers))
 
 
 class Sweep(NamedTuple):
-    """Base settings, swept parameters, how their values are chosen, and seconds per run."""
+    """Base settings, swept parameters, and seconds per run."""
 
     settings: Settings
     axes: tuple[SweptParameter, ...]
-    method: str
-    points: int
-    seed: int
     seconds: float
 
-    @property
     def size(self) -> int:
-        """The number of runs."""
-        return count_points(self.axes, self.method, self.points)
+        """The number of runs; :class:`ParameterError` if there are too many."""
+        if len({axis.name for axis in self.axes}) < len(self.axes):
+            raise ParameterError("a parameter of a sweep may be named only once")
+        total = prod(len(axis.values) for axis in self.axes)
+        if total > MAX_POINTS:
+            raise ParameterError(f"a sweep has at most {MAX_POINTS} points, given {total}")
+        return total
 
-    def generate_points(self) -> Iterator[Point]:
-        """Generate the parameter values of every run."""
-        return generate_points(self.axes, self.method, self.points, self.seed)
+    def points(self) -> Iterator[Point]:
+        """Every combination of the values, in order; the last parameter changes fastest."""
+        names = [axis.name for axis in self.axes]
+        for values in product(*(axis.values for axis in self.axes)):
+            yield dict(zip(names, values, strict=True))
 
-    def remaining_loops(self, done: Container[int]) -> Iterator[tuple[int, Loop | str]]:
-        """The loop of every run that is not ``done``, or the reason why it is impossible."""
-        for number, point in enumerate(self.generate_points()):
-            if number not in done:
-                try:
-                    yield number, loop_with(self.settings, point)
-                except ParameterError as error:
-                    yield number, str(error)
+    def loops(self, first: int) -> Iterator[Loop | str]:
+        """The loop of every run from number ``first`` on, or the reason why it is impossible."""
+        for point in islice(self.points(), first, None):
+            try:
+                yield loop_with(self.settings, point)
+            except ParameterError as error:
+                yield str(error)
 
 
-def finished_run(number: int, outcome: Outcome) -> RunResult:
+def finished_run(outcome: Outcome) -> Result:
     """The result of a run."""
-    return number, {**outcome._asdict(), "error": ""}
+    return {**outcome._asdict(), "error": ""}
 
 
-def impossible_run(number: int, reason: str) -> RunResult:
+def impossible_run(reason: str) -> Result:
     """The result of a run whose parameters are rejected."""
-    return number, {**NO_OUTCOME, "error": reason}
+    return {**NO_OUTCOME, "error": reason}
 
 
-def run_locally(sweep: Sweep, done: Container[int]) -> Iterator[RunResult]:
-    """Run what is not ``done`` on all cores, and yield the results."""
-    numbers: deque[int] = deque()
-    impossible: deque[RunResult] = deque()
+def run_locally(sweep: Sweep, first: int) -> Iterator[Result]:
+    """Run everything from number ``first`` on, on all cores; yields the results in order."""
+    waiting: deque[Loop | str] = deque()
 
     def possible_loops() -> Iterator[Loop]:
-        for number, loop_or_reason in sweep.remaining_loops(done):
-            if isinstance(loop_or_reason, str):
-                impossible.append(impossible_run(number, loop_or_reason))
-            else:
-                numbers.append(number)
+        for loop_or_reason in sweep.loops(first):
+            waiting.append(loop_or_reason)
+            if not isinstance(loop_or_reason, str):
                 yield loop_or_reason
 
     for outcome in batch(possible_loops(), sweep.seconds):
-        yield finished_run(numbers.popleft(), outcome)
-        while impossible:
-            yield impossible.popleft()
-    yield from impossible
+        while isinstance(reason := waiting.popleft(), str):
+            yield impossible_run(reason)
+        yield finished_run(outcome)
+    yield from (impossible_run(str(reason)) for reason in waiting)

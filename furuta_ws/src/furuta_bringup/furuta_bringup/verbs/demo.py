@@ -1,29 +1,34 @@
 """``furuta demo``."""
 
 import json
-from math import isnan
 from pathlib import Path
 from typing import Any
 
 import click
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress
-from rich.table import Table
 
 from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
-from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.result import observer_parameters
+from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta_bringup.demo_run import run_demo, tune_graph
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
-from furuta_bringup.printing import print_json
+from furuta_bringup.printing import print_json, show
+from furuta_bringup.terminal import print_table, with_progress
 from furuta_recordings.bags.recorded_run import read_recorded_run
 from furuta_ros.context import ros_context
 from furuta_sim.settings.settings import load_settings
 
 PLAN = TuningPlan()
+TITLE = "limit cycle, peak to peak, last three quarters of each phase"
+HEADINGS = {
+    "compensation": "compensation",
+    "phi_peak_to_peak_rad": "arm [rad]",
+    "theta_peak_to_peak_rad": "pendulum [rad]",
+    "period_s": "period [s]",
+    "command_rms_v": "u rms [V]",
+    "samples": "samples",
+    "wall_seconds": "took [s]",
+}
 
 
 @click.command()
@@ -62,21 +67,19 @@ def command(
     if as_json:
         print_json(summary)
     else:
-        _print(summary)
+        print_table(TITLE, summary["runs"], HEADINGS)
+        show({name: summary[name] for name in ("figure", "bag")}, as_json)
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
-    with ros_context(), Progress(console=console, transient=True) as bar:
-        tuning = bar.add_task("tuning", total=PLAN.seconds)
-        tuned = tune_graph(settings, PLAN, lambda _, t: bar.update(tuning, completed=t))
-        bar.update(tuning, completed=PLAN.seconds)
-        task = bar.add_task("experiment", total=seconds * len(COMPENSATIONS))
-        phases = run_demo(
-            settings, tuned.after.observer, seconds, bag, lambda t: bar.update(task, completed=t)
-        )
+    with ros_context():
+        with console.status("tuning"):
+            tuned = tune_graph(settings, PLAN, lambda message, seconds: None)
+        running = run_demo(settings, tuned.after.observer, seconds, bag)
+        phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
@@ -101,23 +104,3 @@ def _clear(bag: Path) -> None:
     for file in bag.iterdir():
         file.unlink()
     bag.rmdir()
-
-
-def _print(summary: dict[str, Any]) -> None:
-    table = Table(title="limit cycle, peak to peak, last three quarters of each phase", box=SIMPLE)
-    table.add_column("compensation", no_wrap=True)
-    for heading in ("arm [rad]", "pendulum [rad]", "period [s]", "u rms [V]", "samples/s"):
-        table.add_column(escape(heading), justify="right")
-    for run in summary["runs"]:
-        table.add_row(
-            run["compensation"],
-            f"{run['phi_peak_to_peak_rad']:.4f}",
-            f"{run['theta_peak_to_peak_rad']:.4f}",
-            "none" if isnan(run["period_s"]) else f"{run['period_s']:.3f}",
-            f"{run['command_rms_v']:.3f}",
-            f"{run['samples'] / run['wall_seconds']:.0f}",
-        )
-    console = Console()
-    console.print(table)
-    for name in ("figure", "bag"):
-        console.print(f"{name}: {summary[name]}", soft_wrap=True)

@@ -14,12 +14,11 @@ from furuta.loops import require_stabilising
 from furuta.studies.analysis_options import AnalysisOptions, parse_range
 from furuta.studies.feedback_map import map_feedbacks
 from furuta.studies.linear_loop import prediction_report
-from furuta.studies.study_tables import write_csv
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import ideal_options, json_option, model_options
+from furuta_bringup.options import feedback_option, json_option, law_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.study_runs import with_progress
+from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 
@@ -38,7 +37,8 @@ QUARTER_TURN = 0.5 * np.pi
     "cycle; given twice: map the limit cycle.",
 )
 @click.option("--predict", is_flag=True, help="Predict it by the describing function instead.")
-@ideal_options
+@law_option
+@feedback_option
 @click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
 @click.option(
     "--release",
@@ -48,10 +48,6 @@ QUARTER_TURN = 0.5 * np.pi
     help="Initial pendulum angle, not 0 [rad].",
 )
 @click.option("--out", type=FIGURE, help="Draw the cycle, branch or map, or G and -1/N.")
-@click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
-    help="Write the rows of the map.")  # fmt: skip
-@click.option("--curves", type=FIGURE, help="Draw friction over speed for all laws.")
-@click.option("--presliding", type=FIGURE, help="Draw presliding, with Maxwell slip.")
 @model_options
 @json_option
 def command(
@@ -62,9 +58,6 @@ def command(
     linear: bool,
     release: float,
     out: Path | None,
-    data: Path | None,
-    curves: Path | None,
-    presliding: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -81,16 +74,13 @@ def command(
         raise click.UsageError("--release must not be 0")
     if len(ranges) > 2 or (ranges and predict):
         raise click.UsageError("--over is given once or twice, and not with --predict")
-    if data is not None and len(ranges) < 2:
-        raise click.UsageError("--data needs a map: give --over twice")
     options = AnalysisOptions(files, assignments, law, feedback, linear)
     if predict:
         report = _prediction(options, out)
     elif len(ranges) == 2:
-        report = _map(options, ranges, release, out, data, quiet=as_json)
+        report = _map(options, ranges, release, out, quiet=as_json)
     else:
         report = _cycle(options, ranges, release, out)
-    _draw_laws(options, curves, presliding)
     show(report, as_json)
 
 
@@ -140,7 +130,6 @@ def _map(
     ranges: tuple[str, ...],
     release: float,
     out: Path | None,
-    data: Path | None,
     quiet: bool,
 ) -> dict[str, Any]:
     (first, firsts), (second, seconds) = (parse_range(text, DEFAULT_COUNT) for text in ranges)
@@ -150,22 +139,8 @@ def _map(
         lambda a, b: options.ideal_loop({first: a, second: b}), firsts, seconds, release
     )
     points = list(with_progress("mapping", mapped, len(firsts) * len(seconds), 0, quiet))
-    rows = [point.row(first, second) for point in points]
-    if data is not None:
-        write_csv(rows, data)
     if out is not None:
         from furuta.figures.feedback_map import draw_map
 
         draw_map(first, second, firsts, seconds, points, out)
-    return {"rows": rows}
-
-
-def _draw_laws(options: AnalysisOptions, curves: Path | None, presliding: Path | None) -> None:
-    if curves is not None:
-        from furuta.figures.friction_laws import draw_friction_laws
-
-        draw_friction_laws(options.ideal_loop().law.parameters, curves)
-    if presliding is not None:
-        from furuta.figures.presliding import draw_presliding
-
-        draw_presliding(options.ideal_loop().law.parameters, presliding)
+    return {"rows": [point.row(first, second) for point in points]}

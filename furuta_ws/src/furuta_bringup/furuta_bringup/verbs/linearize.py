@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-from furuta.convergence.convergence import observer_passivity
 from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.margins import linear_report
+from furuta.passivity import observer_passivity
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.linear_loop import nyquist_report
 from furuta_bringup.file_types import FIGURE
@@ -26,7 +26,7 @@ GIVEN = "given"
 @click.option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
 @click.option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
 @click.option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
-@click.option("--out", type=FIGURE, help="Draw the Nyquist plot, or G of the passivity condition.")
+@click.option("--out", type=FIGURE, help="Draw the Nyquist plot.")
 @feedback_option
 @model_options
 @json_option
@@ -52,37 +52,30 @@ def command(
     nyquist = nyquist or figure_4
     if figure_4 and feedback is not None:
         raise ParameterError("--figure-4 cannot be combined with --feedback")
-    if out is not None and nyquist == passivity:
-        raise click.UsageError("--out needs one of --nyquist, --figure-4 and --passivity")
+    if out is not None and not nyquist:
+        raise click.UsageError("--out needs --nyquist or --figure-4")
     nominal = loop(load_settings(files, assignments))
     report = linear_report(nominal.controller, feedback)
     ideal = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
     if nyquist:
         feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
         cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
-        report |= _nyquist(cases, out)
+        if out is not None:
+            from furuta.figures.nyquist import draw_nyquist
+
+            draw_nyquist(cases, out)
+        report |= nyquist_report(cases)
     if passivity:
-        report |= _passivity(ideal, nominal, out)
+        report |= _passivity(ideal, nominal)
     show(report, as_json)
 
 
-def _nyquist(cases: dict[str, IdealLoop], out: Path | None) -> dict[str, Any]:
-    if out is not None:
-        from furuta.figures.nyquist import draw_nyquist
-
-        draw_nyquist(cases, out)
-    return nyquist_report(cases)
-
-
-def _passivity(ideal: IdealLoop, nominal: Loop, out: Path | None) -> dict[str, Any]:
-    passivity = observer_passivity(ideal, nominal.observer.observer_gain)
-    if out is not None:
-        from furuta.figures.convergence import draw_convergence
-
-        draw_convergence(passivity, out)
+def _passivity(ideal: IdealLoop, nominal: Loop) -> dict[str, Any]:
+    gain = nominal.observer.observer_gain
+    result = observer_passivity(ideal, gain)
     exact = (
         nominal.observer.friction == nominal.plant.friction.parameters
         and nominal.controller.model == nominal.plant.model
     )
-    report = {**passivity.report(), "exact_model": exact}
-    return {"passive": passivity.convergence.satisfied, "passivity": report}
+    report = {**result._asdict(), "K": gain, "exact_model": exact}
+    return {"passive": result.satisfied, "passivity": report}

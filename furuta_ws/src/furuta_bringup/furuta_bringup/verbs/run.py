@@ -1,58 +1,22 @@
 """``furuta run``."""
 
 import sys
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import Any, cast
 
 import click
 
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import Function, namespace_option, parameter_options, rig_option
+from furuta_bringup.options import namespace_option, parameter_options, rig_option
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
-from furuta_ros.scheduling import Scheduling, may_have_priority
+from furuta_ros.scheduling import Scheduling
 from furuta_ros.spinning import StopSignal
 from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.parameter_files import settings_file
-
-PRIORITY_BESIDE_PAGE = 80
-
-
-def scheduling_options(function: Function) -> Function:
-    """``--priority``, ``--cores``, ``--lock-memory``, ``--no-gc``, and ``--beside-page``.
-
-    The verb receives the first four as ``scheduling``.
-    """
-
-    @wraps(function)
-    def with_scheduling(
-        *args: Any, priority: int | None, cores: str, lock_memory: bool, no_gc: bool, **others: Any
-    ) -> Any:
-        scheduling = Scheduling(priority or 0, _cores(cores), lock_memory, not no_gc)
-        return function(*args, scheduling=scheduling, **others)
-
-    for option in (
-        click.option("--no-gc", is_flag=True, help="Disable Python's garbage collector."),
-        click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out."),
-        click.option("--cores", default="", metavar="N,N", help="Run on these CPU cores only."),
-        click.option("--beside-page", is_flag=True, help="Take a priority in real time, if the "
-            "system permits it: a browser may take all cores."),
-        click.option("--priority", type=click.IntRange(1, 99),
-            help="SCHED_FIFO priority (real time)."),
-    ):  # fmt: skip
-        with_scheduling = option(with_scheduling)
-    return cast(Function, with_scheduling)
-
-
-def _cores(text: str | None) -> tuple[int, ...]:
-    try:
-        return tuple(int(core) for core in text.split(",")) if text else ()
-    except ValueError:
-        raise ParameterError(f"--cores must be numbers such as 0,1, given {text!r}") from None
 
 
 @click.command()
@@ -82,9 +46,8 @@ def _cores(text: str | None) -> tuple[int, ...]:
 @click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
 @click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
     help="Stop after this time of the plant or rig [s].")  # fmt: skip
-@scheduling_options
-@click.option("--timing", type=click.Path(path_type=Path), metavar="FILE.csv",
-    help="Write histograms of latency and lateness.")  # fmt: skip
+@click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
+@click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
 @parameter_options
 def command(
     plant: str,
@@ -98,24 +61,23 @@ def command(
     record: Path | None,
     topics: tuple[str, ...],
     seconds: float | None,
-    scheduling: Scheduling,
-    beside_page: bool,
-    timing: Path | None,
+    priority: int | None,
+    lock_memory: bool,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
 ) -> None:
     """Run the graph until Ctrl-C.
 
-    At the start, the command prints what the system granted of --priority, --cores and
-    --lock-memory.
+    At the start, the command prints what the system granted of --priority and --lock-memory.
     """
     hardware = plant == "hardware"
-    if processes and (seconds is not None or timing or scheduling != Scheduling()):
+    scheduling = Scheduling(priority or 0, lock_memory)
+    if processes and (seconds is not None or scheduling != Scheduling()):
         raise ParameterError(
-            "--processes cannot be combined with --seconds, --timing or scheduling"
+            "--processes cannot be combined with --seconds, --priority or --lock-memory"
         )
-    if hardware and (clock or timing):
-        raise ParameterError("a rig has its own clock: no --lockstep, --realtime or --timing")
+    if hardware and clock:
+        raise ParameterError("a rig has its own clock: no --lockstep or --realtime")
     if not hardware and (port or read_only):
         raise ParameterError("--port and --read-only need --plant hardware")
     options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace)
@@ -123,18 +85,13 @@ def command(
     if not hardware and seconds is not None:
         graph.settings["plant"]["run_until"] = seconds
     lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
-    in_time = not (lockstep or processes or scheduling.priority)
-    if beside_page and in_time and may_have_priority(PRIORITY_BESIDE_PAGE):
-        scheduling = scheduling._replace(priority=PRIORITY_BESIDE_PAGE)
-    if timing is not None and lockstep:
-        raise ParameterError("--timing needs real time; in lock-step no sample is late")
     recorder = _recorder(record, topics, graph, stamped=lockstep)
     if processes:
         sys.exit(run_processes(graph, StopSignal(), recorder))
     if hardware:
         run_hardware(graph, recorder, seconds, scheduling)
     else:
-        run_simulated(graph, recorder, seconds, scheduling, timing)
+        run_simulated(graph, recorder, seconds, scheduling)
 
 
 def _recorder(

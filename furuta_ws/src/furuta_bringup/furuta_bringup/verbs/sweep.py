@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-from furuta.studies.study_tables import check_table, write_runs
-from furuta.studies.sweep import Sweep
+from furuta.studies.cluster import run_on_cluster
+from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
+from furuta.studies.sweep import Sweep, parse_swept_parameter, run_locally
 from furuta.studies.sweep_journal import Journal
-from furuta.studies.sweep_points import MAX_POINTS, METHODS, parse_swept_parameter
-from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import SEED, SIMULATED_SECONDS, json_option, model_options
+from furuta_bringup.file_types import OutputFile
+from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options
 from furuta_bringup.printing import show
-from furuta_bringup.study_runs import run_sweep, with_progress
+from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.settings import load_settings
 
@@ -23,22 +23,6 @@ DEFAULT_COUNT = 10
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
-@click.option("--method", type=click.Choice(METHODS), default="grid", show_default=True,
-    help="How points are chosen: every combination, or a sample.")  # fmt: skip
-@click.option(
-    "--points",
-    type=click.IntRange(1, MAX_POINTS),
-    default=256,
-    show_default=True,
-    help="Number of runs with random or sobol.",
-)
-@click.option(
-    "--seed",
-    type=SEED,
-    default=0,
-    show_default=True,
-    help="Seed of random and sobol points. plant.seed is that of the sensor noise.",
-)
 @click.option(
     "--seconds",
     type=SIMULATED_SECONDS,
@@ -48,27 +32,22 @@ DEFAULT_COUNT = 10
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE.csv|FILE.parquet",
+    "--out", type=OutputFile(*SUFFIXES),
     default=Path("output/sweep.csv"), show_default=True,
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
-@click.option("--picture", type=FIGURE, help="Draw the results.")
 @model_options
 @json_option
 def command(
     ranges: tuple[str, ...],
-    method: str,
-    points: int,
-    seed: int,
     seconds: float,
     scheduler: str | None,
     out: Path,
-    picture: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the closed loop for many parameter values.
+    """Simulate the closed loop for every combination of parameter values.
 
     Example: furuta sweep friction_observer.alpha0=0.1:0.3:50 seed=0:9
 
@@ -77,33 +56,28 @@ def command(
     """
     check_table(out)
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
-    sweep = Sweep(load_settings(files, assignments), swept, method, points, seed, seconds)
-    size = sweep.size
+    sweep = Sweep(load_settings(files, assignments), swept, seconds)
+    size = sweep.size()
     journal = Journal(out, sweep)
-    resumed, counts = len(journal), Counter[str]()
+    resumed, counts = journal.count, Counter[str]()
     try:
-        results = journal.record(run_sweep(sweep, journal, scheduler))
+        results = journal.record(
+            run_locally(sweep, resumed)
+            if scheduler is None
+            else run_on_cluster(sweep, resumed, scheduler)
+        )
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
-        rows = (point | journal[number] for number, point in enumerate(sweep.generate_points()))
-        write_runs(_counted(rows, counts), out)
-        if picture is not None:
-            _draw(sweep, journal, picture)
-        first = journal[0]
+        pairs = zip(sweep.points(), journal.results(), strict=True)
+        write_runs(_counted((point | result for point, result in pairs), counts), out)
+        reason = next(journal.results())["error"]
         journal.delete()
     finally:
         journal.close()
     if counts["impossible"] == counts["runs"]:
-        raise ParameterError(f"no run is possible: {first['error']}")
+        raise ParameterError(f"no run is possible: {reason}")
     kinds = {kind: counts[kind] for kind in ("fell", "switched_off", "impossible")}
     show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
-
-
-def _draw(sweep: Sweep, journal: Journal, picture: Path) -> None:
-    from furuta.figures.sweep import draw_sweep
-
-    rows = [point | journal[number] for number, point in enumerate(sweep.generate_points())]
-    draw_sweep(sweep.axes, rows, picture)
 
 
 def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[dict[str, Any]]:

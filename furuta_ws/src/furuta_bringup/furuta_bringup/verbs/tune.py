@@ -3,17 +3,15 @@
 from pathlib import Path
 
 import click
+import yaml
 from rclpy.node import Node
 from rich.console import Console
 
-from furuta.studies.tuning.observed_friction import FITTED
-from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.result import TuningResult, write_parameter_file
-from furuta.studies.tuning.search import SEARCHABLE
+from furuta.studies.tuning.plan import TuningPlan, TuningResult
 from furuta.studies.tuning.tuning import ProgressCallback, tune, tune_simulated
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, namespace_option
-from furuta_bringup.printing import print_json
+from furuta_bringup.printing import print_json, show
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
@@ -23,7 +21,7 @@ from furuta_ros.spinning import StopSignal, executor_of
 from furuta_sim.settings.settings import load_settings, loop
 
 # Each of the other compensations takes a trial of 12 s more.
-DEFAULT = TuningPlan(seconds=240.0, rivals=RIVALS)
+DEFAULT = TuningPlan(seconds=240.0, rivals=True)
 GUARD = FiniteRange(0, min_open=True)
 
 
@@ -34,21 +32,6 @@ GUARD = FiniteRange(0, min_open=True)
     help="Tune the running graph through its parameter services (default: a simulation).",
 )
 @namespace_option
-@click.option(
-    "--fit",
-    multiple=True,
-    type=click.Choice(FITTED),
-    default=DEFAULT.fit,
-    help="Fit this parameter to the observed friction; repeatable (default: all possible ones).",
-)
-@click.option(
-    "--search",
-    multiple=True,
-    type=click.Choice(SEARCHABLE),
-    default=DEFAULT.search,
-    show_default=True,
-    help="Then optimise this parameter by trials; repeatable.",
-)
 @click.option(
     "--seconds",
     type=SIMULATED_SECONDS,
@@ -81,8 +64,6 @@ GUARD = FiniteRange(0, min_open=True)
 def command(
     running: bool,
     namespace: str,
-    fit: tuple[str, ...],
-    search: tuple[str, ...],
     seconds: float,
     arm_guard: float,
     pendulum_guard: float,
@@ -94,13 +75,13 @@ def command(
     """Find the compensation with the smallest remaining limit cycle.
 
     The pendulum first swings without compensation, and the friction parameters are fitted to the
-    friction that the estimator observes. Then the parameters of the LuGre compensator named by
-    --search are optimised by trials, and the other compensations are tried with the fitted
-    friction. If the initial parameters or no compensation are better than all of them, they are the
-    result ("gain": false in the JSON); the exit status is 0 then too. On a running graph the result
-    stays active. If the motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
+    friction that the estimator observes. Then sigma1 of the LuGre compensator is optimised by
+    trials, and the other compensations are tried with the fitted friction. If the initial
+    parameters or no compensation are better than all of them, they are the result ("gain": false in
+    the JSON); the exit status is 0 then too. On a running graph the result stays active. If the
+    motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
     """
-    plan = TuningPlan(fit, search, seconds, arm_guard, pendulum_guard, RIVALS)
+    plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
         raise ParameterError("--running cannot be combined with --rig, --params or --set")
     if namespace and not running:
@@ -110,13 +91,19 @@ def command(
         result = _tune_running(plan, namespace, report)
     else:
         result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
+    tuned = result.as_json()
     if out is not None:
-        write_parameter_file(result.after.observer, out)
+        out.parent.mkdir(parents=True, exist_ok=True)
+        file = {"friction_observer": {"ros__parameters": tuned["parameters"]}}
+        out.write_text(yaml.safe_dump(file, sort_keys=False))
     if as_json:
-        print_json(result.as_json())
-    else:
-        result.print()
-        print(f"parameter file: {out or 'none, without --out'}")
+        print_json(tuned)
+        return
+    motions = ("before", "uncompensated", "after")
+    show({f"{name} [rad]": getattr(result, name).amplitude for name in motions}, as_json)
+    show({**tuned["parameters"], "pendulum time [s]": result.seconds}, as_json)
+    if not result.gain:
+        print(f"no gain: nothing is better than {result.after.observer.compensation} as it was")
 
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:

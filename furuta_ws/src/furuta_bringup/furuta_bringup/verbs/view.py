@@ -7,9 +7,14 @@ from pathlib import Path
 import click
 
 from furuta_bringup.options import namespace_option
+from furuta_ros.scheduling import may_have_priority
 
 # How far the page stands back for the loop when both want a core.
 NICENESS = 10
+# Priority in real time of the graph, if the system permits it: a browser may take all cores. These
+# options of the graph have their own, or would leave nothing for the page.
+PRIORITY = 80
+NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 # Recordings that are shown over each other.
 MOST_BAGS = 2
 
@@ -59,4 +64,6 @@ def command(
     page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []
     shared = ["--namespace", namespace] if namespace else []
-    sys.exit(run_with_page(("--beside-page", *options), page, shared))
+    in_time = not any(option.startswith(NOT_IN_TIME) for option in options)
+    prior = ["--priority", str(PRIORITY)] if in_time and may_have_priority(PRIORITY) else []
+    sys.exit(run_with_page((*prior, *options), page, shared))

@@ -38,16 +38,13 @@ class Candidate(NamedTuple):
         return load_settings([], [], merge_settings(settings, given))
 
 
-class _Standard(NamedTuple):
-    """Settings of a standard candidate by full name, and the parameters that can be tuned."""
-
-    settings: dict[str, Any]
-    tunable: tuple[str, ...] = ()
+# Settings of a standard candidate by full name, and the parameters that can be tuned.
+_Standard = tuple[dict[str, Any], tuple[str, ...]]
 
 
 def _standard(compensation: str, *tunable: str, **controller: Any) -> _Standard:
     beside = {f"controller.{name}": value for name, value in controller.items()}
-    return _Standard({"friction_observer.compensation": compensation, **beside}, tunable)
+    return {"friction_observer.compensation": compensation, **beside}, tunable
 
 
 def _observer(*names: str) -> tuple[str, ...]:
@@ -98,10 +95,9 @@ def current_values(settings: Settings, names: Iterable[str]) -> list[float]:
 
 
 def _standard_candidate(name: str, settings: Settings) -> Candidate:
-    standard = STANDARD[name]
-    plain = Candidate(name, standard.settings, {})
-    now = current_values(plain.applied_to(settings), standard.tunable)
-    pairs = zip(standard.tunable, now, strict=True)
+    given, tunable = STANDARD[name]
+    plain = Candidate(name, given, {})
+    pairs = zip(tunable, current_values(plain.applied_to(settings), tunable), strict=True)
     ranges = {parameter: (value / SPAN, value * SPAN) for parameter, value in pairs if value}
     return plain._replace(ranges=ranges)
 
@@ -136,7 +132,7 @@ def _set(candidate: Candidate, setting: str) -> None:
     for match in _beside_plant(name):
         full = f"{match.node}.{match.parameter.name}"
         if ":" in value:
-            candidate.ranges[full] = checked_range(match.parameter, value)
+            candidate.ranges[full] = _checked_range(match.parameter, value)
         else:
             candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))
 
@@ -149,7 +145,7 @@ def _beside_plant(name: str) -> list[Match]:
     return matches
 
 
-def checked_range(parameter: Declared, text: str) -> Range:
+def _checked_range(parameter: Declared, text: str) -> Range:
     """The range LOW:HIGH of a real parameter."""
     try:
         low, high = (float(limit) for limit in text.split(":"))

@@ -1,16 +1,15 @@
-"""A comparison: every candidate on every simulated rig, with every noise seed and every push."""
+"""A comparison: every candidate on every simulated rig, undisturbed and with every push."""
 
 from array import array
 from collections import deque
 from collections.abc import Iterator
-from math import inf
+from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta.studies.comparison.candidates import Candidate
-from furuta.studies.comparison.named_rigs import SimulatedRig
-from furuta.studies.comparison.random_rigs import RandomRigs
+from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
 from furuta_model.parameters import ParameterError
 from furuta_model.parts.pushes import Pushes
 from furuta_sim.lanes.batch import batch
@@ -22,30 +21,10 @@ from furuta_sim.simulation.closed_loop import Loop, Outcome
 PUSH_DURATION = 0.1
 
 
-class Trials(NamedTuple):
-    """Number of noise seeds, pushes on the arm [V], and seconds of each run.
-
-    A push acts in the middle of a run of its own with the first seed.
-    """
-
-    seeds: int = 1
-    pushes: tuple[float, ...] = ()
-    seconds: float = 30.0
-
-    def of(self, plant: PlantParameters) -> Iterator[tuple[float, PlantParameters]]:
-        """The push [V], 0 for none, and the plant of every run."""
-        for k in range(self.seeds):
-            yield 0.0, plant._replace(seed=plant.seed + k)
-        middle = (self.seconds / 2,)
-        for push in self.pushes:
-            yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
-
-
 class Table(NamedTuple):
     """Residuals [rad] and rms commands [V] (candidates, rigs), and which pushes were survived.
 
-    The residual of a rig is the largest arm angle, peak to peak, over the noise seeds, and infinite
-    after a fall.
+    The residual of a rig is the arm angle, peak to peak, and infinite after a fall.
     """
 
     candidates: list[str]
@@ -56,9 +35,10 @@ class Table(NamedTuple):
 
 
 class Comparison:
-    """Candidates on rigs that they do not know.
+    """Candidates on rigs that they do not know, in runs of ``seconds`` [s].
 
-    ``impossible`` are the reasons why some of the rigs are left out, by their names.
+    Each of ``pushes`` [V] acts on the arm in the middle of a run of its own. ``impossible`` are the
+    reasons why some of the rigs are left out, by their names.
     """
 
     def __init__(
@@ -66,7 +46,8 @@ class Comparison:
         settings: Settings,
         rigs: list[SimulatedRig] | RandomRigs,
         candidates: tuple[Candidate, ...],
-        trials: Trials,
+        seconds: float,
+        pushes: tuple[float, ...] = (),
     ) -> None:
         self.impossible: dict[str, str] = {}
         self._settings = settings
@@ -74,7 +55,8 @@ class Comparison:
         self._controls = {
             candidate.name: loop(candidate.applied_to(settings)) for candidate in candidates
         }
-        self._trials = trials
+        self._seconds = seconds
+        self._pushes = pushes
         self._simulated: list[str] = []
         self._sizes = array("d")
         self._commands = array("d")
@@ -82,16 +64,12 @@ class Comparison:
     @property
     def size(self) -> int:
         """The number of runs."""
-        return len(self._rigs) * len(self._controls) * self._runs_of_each
-
-    @property
-    def _runs_of_each(self) -> int:
-        return self._trials.seeds + len(self._trials.pushes)
+        return len(self._rigs) * len(self._controls) * (1 + len(self._pushes))
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Run everything; yields a row per run: rig, candidate, seed, push and outcome."""
+        """Run everything; yields a row per run: rig, candidate, push and outcome."""
         waiting: deque[dict[str, Any]] = deque()
-        for outcome in batch(self._loops(waiting), self._trials.seconds):
+        for outcome in batch(self._loops(waiting), self._seconds):
             self._sizes.append(residual(outcome))
             self._commands.append(outcome.command_rms_v)
             yield waiting.popleft() | outcome._asdict()
@@ -100,23 +78,18 @@ class Comparison:
 
     def table(self) -> Table:
         """What the rows say, once all of them have been taken."""
-        shape = len(self._simulated), len(self._controls), self._runs_of_each
+        shape = len(self._simulated), len(self._controls), 1 + len(self._pushes)
         sizes = np.reshape(self._sizes, shape).transpose(1, 0, 2)
         commands = np.reshape(self._commands, shape).transpose(1, 0, 2)
-        seeds = self._trials.seeds
-        return Table(
-            list(self._controls),
-            self._simulated,
-            sizes[:, :, :seeds].max(axis=2),
-            commands[:, :, :seeds].mean(axis=2),
-            np.isfinite(sizes[:, :, seeds:]),
-        )
+        survived = np.isfinite(sizes[:, :, 1:])
+        names = list(self._controls)
+        return Table(names, self._simulated, sizes[:, :, 0], commands[:, :, 0], survived)
 
     def _loops(self, waiting: deque[dict[str, Any]]) -> Iterator[Loop]:
         """The loop of every run; the beginning of its row is appended to ``waiting``."""
         for rig in self._rigs:
             try:
-                plants = list(self._trials.of(rig.plant(self._settings)))
+                plants = list(self._pushed(rig.plant(self._settings)))
             except ParameterError as error:
                 self.impossible[rig.name] = str(error)
                 continue
@@ -124,11 +97,24 @@ class Comparison:
             numbers = {k: value for k, value in rig.values.items() if not isinstance(value, list)}
             for candidate, control in self._controls.items():
                 for push, plant in plants:
-                    run = {"rig": rig.name, "candidate": candidate, "seed": plant.seed}
-                    waiting.append(run | {"push_v": push} | numbers)
+                    run = {"rig": rig.name, "candidate": candidate, "push_v": push}
+                    waiting.append(run | numbers)
                     yield control._replace(plant=plant)
+
+    def _pushed(self, plant: PlantParameters) -> Iterator[tuple[float, PlantParameters]]:
+        """The push [V], 0 for none, and the plant of every run."""
+        yield 0.0, plant
+        middle = (self._seconds / 2,)
+        for push in self._pushes:
+            yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
 
 
 def residual(outcome: Outcome) -> float:
     """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
     return inf if outcome.fell else outcome.phi_peak_to_peak_rad
+
+
+def encoder_resolution(loop: Loop) -> float:
+    """One count of the arm's encoder [rad], 0 without quantisation."""
+    counts = loop.plant.sensors.encoder_counts
+    return 2 * pi / counts if counts else 0.0

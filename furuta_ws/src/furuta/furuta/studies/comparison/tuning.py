@@ -5,7 +5,7 @@ guard, or with a fall, counts as the guard. The start is the first evaluation, s
 is never worse than its start on these rigs.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,12 +13,14 @@ from scipy.optimize import minimize
 
 from furuta.studies.comparison.candidates import Candidate, Range, current_values
 from furuta.studies.comparison.comparison import residual
-from furuta.studies.comparison.named_rigs import SimulatedRig
+from furuta.studies.comparison.rigs import SimulatedRig
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.settings.settings import Settings, loop
 
+# Number of random rigs to tune on.
+TUNING_RIGS = 10
 # Largest peak-to-peak angle of the arm that counts [rad].
 ARM_GUARD = 2.0
 # First and last radius of the trust region, relative to the range.
@@ -42,83 +44,47 @@ class TunedCandidate(NamedTuple):
     after: float
     evaluations: int
 
-    @property
-    def as_candidate(self) -> Candidate:
-        """The candidate with what was tuned."""
-        return Candidate(self.candidate, self.settings, {})
-
-
-def tune_candidates(
-    candidates: Iterable[Candidate], settings: Settings, budget: TuningBudget
-) -> Iterator[TunedCandidate]:
-    """Tune every candidate with the same budget."""
-    return (tune_candidate(candidate, settings, budget) for candidate in candidates)
-
 
 def tune_candidate(
     candidate: Candidate, settings: Settings, budget: TuningBudget
 ) -> TunedCandidate:
     """Tune the parameters of ``candidate`` that have a range, with COBYQA."""
-    search = _Search(candidate, settings, budget)
-    start = search.start()
-    before = search.evaluate(start)
+    plants = _plants(settings, budget.rigs)
+    tried: list[tuple[float, Candidate]] = []
+
+    def criterion(point: np.ndarray) -> float:
+        """The criterion [rad] at a point of the cube that the ranges span."""
+        pairs = zip(candidate.ranges.items(), point, strict=True)
+        values = {name: value_at(float(x), limits) for (name, limits), x in pairs}
+        chosen = candidate._replace(settings=candidate.settings | values)
+        try:
+            control = loop(chosen.applied_to(settings))
+            loops = (control._replace(plant=plant) for plant in plants)
+            sizes = [min(residual(run), ARM_GUARD) for run in batch(loops, budget.seconds)]
+            size = float(np.mean(sizes))
+        except ParameterError:  # an impossible candidate counts as the guard
+            size = ARM_GUARD
+        tried.append((size, chosen))
+        return size
+
+    now = current_values(candidate.applied_to(settings), candidate.ranges)
+    pairs = zip(now, candidate.ranges.values(), strict=True)
+    start = np.array([fraction(value, limits) for value, limits in pairs])
+    before = criterion(start)
     if len(start) and budget.evaluations > 1:
-        search.minimise(start, budget.evaluations - 1)
-    return TunedCandidate(
-        candidate.name, search.best.settings, before, search.lowest, search.evaluations
-    )
-
-
-class _Search:
-    """Evaluates points of the unit cube that the ranges span."""
-
-    def __init__(self, candidate: Candidate, settings: Settings, budget: TuningBudget) -> None:
-        self.best, self.lowest, self.evaluations = candidate, np.inf, 0
-        self._candidate = candidate
-        self._settings = settings
-        self._seconds = budget.seconds
-        self._plants = _plants(settings, budget.rigs)
-
-    def start(self) -> np.ndarray:
-        """The point of the present values, moved into the ranges."""
-        ranges = self._candidate.ranges
-        now = current_values(self._candidate.applied_to(self._settings), ranges)
-        pairs = zip(now, ranges.values(), strict=True)
-        return np.array([fraction(value, limits) for value, limits in pairs])
-
-    def minimise(self, start: np.ndarray, evaluations: int) -> None:
-        """Search from ``start``; the best point found is kept."""
         minimize(
-            self.evaluate,
+            criterion,
             start,
             method="COBYQA",
             bounds=[(0.0, 1.0)] * len(start),
             options={
-                "maxfev": evaluations,
+                "maxfev": budget.evaluations - 1,
                 "initial_tr_radius": FIRST_RADIUS,
                 "final_tr_radius": LAST_RADIUS,
             },
         )
-
-    def evaluate(self, point: np.ndarray) -> float:
-        """The criterion [rad] at a point; an impossible candidate counts as the guard."""
-        pairs = zip(self._candidate.ranges.items(), point, strict=True)
-        values = {name: value_at(float(x), limits) for (name, limits), x in pairs}
-        tried = self._candidate._replace(settings=self._candidate.settings | values)
-        self.evaluations += 1
-        try:
-            criterion = self._criterion(tried)
-        except ParameterError:
-            return ARM_GUARD
-        if criterion < self.lowest:
-            self.best, self.lowest = tried, criterion
-        return criterion
-
-    def _criterion(self, candidate: Candidate) -> float:
-        control = loop(candidate.applied_to(self._settings))
-        loops = (control._replace(plant=plant) for plant in self._plants)
-        outcomes = batch(loops, self._seconds)
-        return float(np.mean([min(residual(outcome), ARM_GUARD) for outcome in outcomes]))
+    after, best = min(tried, key=lambda trial: trial[0])
+    return TunedCandidate(candidate.name, best.settings, before, after, len(tried))
 
 
 def value_at(x: float, limits: Range) -> float:

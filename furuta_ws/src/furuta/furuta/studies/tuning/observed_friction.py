@@ -66,19 +66,14 @@ TRANSFORMS = {
     "viscous": Transform(_identity, abs, 0.05),
     "asymmetry": Transform(_inverse_tanh, tanh, 1.0),
 }
-FITTED = tuple(TRANSFORMS)
 # Bounds of the fit around the start, in deviations of the prior.
 BOUND = 4.0
 
 
 def fit_friction(
-    estimates: np.ndarray,
-    kalman_step: np.ndarray,
-    sample_time: float,
-    start: Friction,
-    names: tuple[str, ...] = FITTED,
+    estimates: np.ndarray, kalman_step: np.ndarray, sample_time: float, start: Friction
 ) -> Friction:
-    """Fit the parameters ``names`` to ``estimates`` (n, 5); the others keep their start values.
+    """Fit the parameters to ``estimates`` (n, 5), from the values ``start``.
 
     ``kalman_step`` is the filter's (:func:`furuta_control.estimators.kalman.sample_kalman`). Raises
     :class:`ParameterError` if the arm hardly moved or no friction was observed.
@@ -86,43 +81,23 @@ def fit_friction(
     speed, observed = np.ascontiguousarray(estimates[:, PHI_DOT]), estimates[:, OBSERVED_FRICTION]
     _require_friction(speed, observed)
     errors = np.ascontiguousarray(kalman_step[1:, 1 : 1 + RIGID_STATES])
-    model = _Model(speed, observed, errors, sample_time, start, names)
-    initial, prior = model.prior
-    solution = least_squares(
-        lambda x: np.append(model.residuals(x) / OBSERVATION_NOISE, (x - initial) / prior),
-        initial,
-        bounds=(initial - BOUND * prior, initial + BOUND * prior),
-    )
-    return model.friction(solution.x)
+    pairs = TRANSFORMS.items()
+    initial = np.array([kind.to_variable(getattr(start, name)) for name, kind in pairs])
+    prior = np.array([kind.prior_deviation for kind in TRANSFORMS.values()])
+
+    def residuals(variables: np.ndarray) -> np.ndarray:
+        predicted = _predict_observed(speed, sample_time, _friction(variables, start), errors)
+        used = (predicted - observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
+        return np.append(used / OBSERVATION_NOISE, (variables - initial) / prior)
+
+    bounds = (initial - BOUND * prior, initial + BOUND * prior)
+    return _friction(least_squares(residuals, initial, bounds=bounds).x, start)
 
 
-class _Model(NamedTuple):
-    """Prediction of the observed friction (n,) [V] from the speed (n,) and the fit's variables."""
-
-    speed: np.ndarray
-    observed: np.ndarray
-    errors: np.ndarray
-    sample_time: float
-    start: Friction
-    names: tuple[str, ...]
-
-    @property
-    def prior(self) -> tuple[np.ndarray, np.ndarray]:
-        """Start values of the variables and the standard deviations of their prior."""
-        values = [TRANSFORMS[name].to_variable(getattr(self.start, name)) for name in self.names]
-        return np.array(values), np.array([TRANSFORMS[n].prior_deviation for n in self.names])
-
-    def friction(self, variables: np.ndarray) -> Friction:
-        """The friction parameters that belong to ``variables``."""
-        pairs = zip(self.names, variables, strict=True)
-        fitted = {name: TRANSFORMS[name].to_parameter(float(variable)) for name, variable in pairs}
-        return self.start._replace(**fitted)
-
-    def residuals(self, variables: np.ndarray) -> np.ndarray:
-        """Predicted minus observed friction [V] at the samples that are used."""
-        friction = self.friction(variables)
-        predicted = _predict_observed(self.speed, self.sample_time, friction, self.errors)
-        return (predicted - self.observed)[TRANSIENT_SAMPLES::SAMPLE_STRIDE]
+def _friction(variables: np.ndarray, start: Friction) -> Friction:
+    """The friction parameters that belong to ``variables``."""
+    pairs = zip(TRANSFORMS.items(), variables, strict=True)
+    return start._replace(**{name: kind.to_parameter(float(x)) for (name, kind), x in pairs})
 
 
 def _require_friction(speed: np.ndarray, observed: np.ndarray) -> None:

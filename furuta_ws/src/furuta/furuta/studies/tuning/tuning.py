@@ -3,9 +3,9 @@
 1. The limit cycle is measured with the initial parameters.
 2. The pendulum swings without compensation, and the friction parameters are fitted to the friction
    that the estimator observes (:mod:`.observed_friction`).
-3. A trust-region search (:mod:`.search`) varies the few parameters that this fit determines worst
-   and minimises the limit cycle that remains with compensation.
-4. Other compensations that the plan names are tried with the fitted friction.
+3. A trust-region search varies σ₁, which this fit determines worst and the delay of the estimator
+   changes, and minimises the limit cycle that remains with compensation.
+4. Other compensations are tried with the fitted friction, if the plan says so.
 5. The best candidates are measured once more with the time that is left, because the minimum of
    noisy trials is biased low. The initial parameters and no compensation are candidates too: if
    nothing is better, one of them is the result.
@@ -18,9 +18,18 @@ parameters are restored.
 """
 
 from collections.abc import Callable
+from math import log
 
 import numpy as np
+from scipy.optimize import minimize
 
+from furuta.studies.tuning.guarded_loop import (
+    GUARD_INTERVAL,
+    GuardedLoop,
+    GuardError,
+    SimulatedLoop,
+    TunableLoop,
+)
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import (
     FINALISTS,
@@ -28,28 +37,30 @@ from furuta.studies.tuning.plan import (
     FRICTION_SETTLING_TIME,
     MEASURING_TIME,
     RECOVERY_TIME,
+    RIVALS,
     SETTLING_TIME,
+    Trial,
     TuningPlan,
-)
-from furuta.studies.tuning.result import Trial, TuningResult
-from furuta.studies.tuning.search import minimise_amplitude
-from furuta.studies.tuning.tunable_loop import (
-    GUARD_INTERVAL,
-    GuardedLoop,
-    GuardError,
-    SimulatedLoop,
-    TunableLoop,
+    TuningResult,
 )
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError, values
+from furuta_model.parameters import ParameterError, declared
 from furuta_model.state import PHI
 from furuta_sim.simulation.closed_loop import Loop
 
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
+
+# One step of the search multiplies σ₁ by a factor.
+STEP_FACTOR = 1.5
+# First and last radius of the trust region, in steps.
+FIRST_RADIUS, LAST_RADIUS = 0.6, 0.1
+# Least amplitude that the search distinguishes from 0 [rad].
+SMALLEST_AMPLITUDE = 1e-12
+_SIGMA1 = next(item.about for item in declared(ObserverParameters) if item.name == "sigma1")
 
 
 def tune(
@@ -107,19 +118,16 @@ class _Tuner:
         uncompensated, estimates = self._without_compensation()
         unchanged = [before, uncompensated]
         given = self._given_trial(unchanged)
-        fitted = None
         try:
             fitted = self._fit(estimates, estimator)
         except ParameterError as error:
             if before.amplitude < uncompensated.amplitude:
                 raise
             self._report(f"nothing to tune: {error}")
-        if fitted is not None:
+        else:
             self._search(self._start._replace(friction=fitted))
         after = self._confirm_best([*unchanged, given])
-        return TuningResult(
-            before, uncompensated, given, fitted, after, self._trials, self._rig.elapsed
-        )
+        return TuningResult(before, uncompensated, given, after, self._trials, self._rig.elapsed)
 
     def _given_trial(self, unchanged: list[Trial]) -> Trial:
         """The motion with the initial compensation, measured only if it is not known yet."""
@@ -131,11 +139,26 @@ class _Tuner:
         return trial
 
     def _search(self, start: ObserverParameters) -> None:
-        minimise_amplitude(self._try, start, self._plan.search, self._plan.max_trials)
-        if self._plan.rivals and not self._plan.seconds_for_rivals:
+        """Try LuGre compensation with other σ₁ than ``start`` has, then the rivals."""
+
+        def cost(steps: np.ndarray) -> float:
+            sigma1 = float(min(start.friction.sigma1 * STEP_FACTOR ** steps[0], _SIGMA1.high))
+            tried = start._replace(friction=start.friction._replace(sigma1=sigma1))
+            return log(max(self._try(tried), SMALLEST_AMPLITUDE))
+
+        minimize(
+            cost,
+            np.zeros(1),
+            method="COBYQA",
+            options={
+                "maxfev": self._plan.max_trials,
+                "initial_tr_radius": FIRST_RADIUS,
+                "final_tr_radius": LAST_RADIUS,
+            },
+        )
+        if self._plan.rivals and not self._plan.tries_rivals:
             self._report("no time left to try the other compensations")
-            return
-        for rival in self._plan.rivals:
+        for rival in RIVALS if self._plan.tries_rivals else ():
             self._try(start._replace(compensation=rival))
 
     def _without_compensation(self) -> tuple[Trial, np.ndarray]:
@@ -156,7 +179,6 @@ class _Tuner:
             sample_kalman(estimator.rig, estimator.kalman),
             estimator.sample_time,
             self._start.friction,
-            self._plan.fit,
         )
 
     def _try(self, observer: ObserverParameters) -> float:
@@ -167,9 +189,8 @@ class _Tuner:
             trial = Trial(observer, self._plan.arm_guard)
             self._retreat()
         self._trials.append(trial)
-        given = values(observer)
-        tried = ", ".join(f"{name} {given[name]:.4g}" for name in self._plan.search)
-        self._report(f"{observer.compensation}, {tried}: {trial.amplitude:.4f} rad")
+        name, sigma1 = observer.compensation, observer.friction.sigma1
+        self._report(f"{name}, sigma1 {sigma1:.4g}: {trial.amplitude:.4f} rad")
         return trial.amplitude
 
     def _retreat(self) -> None:

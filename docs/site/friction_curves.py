@@ -24,12 +24,12 @@ SAMPLES = 20_000
 STEADY, REST, MOVING = "tab:blue", "tab:red", "tab:green"
 
 
-def draw_friction_laws(p: Friction, path: Path) -> None:
-    """Draw one panel per law without springs; :mod:`.presliding` draws those."""
+def draw_friction_laws(path: Path) -> None:
+    """Draw one panel per law without springs, with the paper's parameters."""
     shared: dict[str, Any] = {"sharex": True, "sharey": True, "figsize": (13, 4.2)}
     with saved_figure(path, 1, len(ANALYSED_LAWS), **shared) as (figure, axes):
         for name, axis in zip(ANALYSED_LAWS, axes, strict=True):
-            law = friction_law(name, p)
+            law = friction_law(name, Friction())
             _draw_steady_sliding(axis, law)
             if law.bristle:
                 _draw_oscillation(axis, law)

@@ -1,4 +1,4 @@
-"""One simulated run as a short animation: the rig in 3D, and its angles over time."""
+"""The pictures of the swing-up: series over time, and a short animation of the rig in 3D."""
 
 from math import cos, pi, sin
 from pathlib import Path
@@ -8,31 +8,43 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 
+import furuta
 from furuta.figures.figure import style_time_series
+from furuta.figures.run import draw_run
+from furuta.studies.swing_up.rig_loop import swing_up_settings
 from furuta_model.state import PHI, THETA
-from furuta_sim.simulation.closed_loop import Record
+from furuta_sim.settings.settings import load_settings, loop
 
 FRAMES_PER_SECOND = 20
 DPI = 72
-# Lengths in the picture: arm, pendulum, and the part of the past that the tip's path shows [s].
+# Time of the run and of its animation [s].
+SECONDS, SHOWN = 8.0, 6.0
+# Lengths in the animation: arm, pendulum, and the part of the past that the tip's path shows [s].
 ARM, PENDULUM = 1.0, 0.8
 PATH_TIME = 0.4
 
 
-def animate_run(run: Record, path: Path, seconds: float) -> None:
-    """Write the first ``seconds`` of a run as an animated GIF, in real time."""
-    shown = np.arange(0.0, min(seconds, float(run.time[-1])), 1.0 / FRAMES_PER_SECOND)
+def draw_swing_up(path: Path) -> None:
+    """Swing the paper's rig with a full-turn encoder up; the suffix .gif asks for the animation."""
+    settings = swing_up_settings(furuta.load_rig("paper_full_turn"))
+    run = furuta.simulate(loop(load_settings([], [], settings)), SECONDS)
+    if path.suffix == ".gif":
+        _animate(run, path)
+    else:
+        draw_run(run, path)
+
+
+def _animate(run: furuta.Record, path: Path) -> None:
+    """Write the beginning of a run as an animated GIF, in real time."""
+    shown = np.arange(0.0, SHOWN, 1.0 / FRAMES_PER_SECOND)
     rows = np.rint(shown / run.sample_time).astype(int)
     figure, draw = _prepared(run, int(rows[-1]))
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        animation = FuncAnimation(figure, draw, frames=rows.tolist(), blit=False)
-        animation.save(path, writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
-    finally:
-        plt.close(figure)
+    animation = FuncAnimation(figure, draw, frames=rows.tolist(), blit=False)
+    animation.save(path, writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
+    plt.close(figure)
 
 
-def positions(state: np.ndarray) -> np.ndarray:
+def _positions(state: np.ndarray) -> np.ndarray:
     """Centre, end of the arm and tip of the pendulum (3, 3) for a state (4,)."""
     phi, theta = float(state[PHI]), float(state[THETA])
     end = ARM * np.array((cos(phi), sin(phi), 0.0))
@@ -41,7 +53,7 @@ def positions(state: np.ndarray) -> np.ndarray:
     return np.array((np.zeros(3), end, end + PENDULUM * (sin(theta) * across + cos(theta) * up)))
 
 
-def _prepared(run: Record, last: int) -> tuple[Any, Any]:
+def _prepared(run: furuta.Record, last: int) -> tuple[Any, Any]:
     """The figure, and the function that draws the sample of a frame in it."""
     figure = plt.figure(figsize=(8, 3.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
@@ -60,11 +72,11 @@ def _prepared(run: Record, last: int) -> tuple[Any, Any]:
         style_time_series(axis, f"{label} [rad]")
     curves = [axis.plot([], [], color=f"C{k}", lw=1.4)[0] for k, axis in enumerate(axes)]
     pendulum_axis.set_xlabel("time [s]")
-    tips = np.array([positions(state)[2] for state in run.state[: last + 1]])
+    tips = np.array([_positions(state)[2] for state in run.state[: last + 1]])
     length = round(PATH_TIME / run.sample_time)
 
     def draw(sample: int) -> tuple[Any, ...]:
-        joints = positions(run.state[sample])
+        joints = _positions(run.state[sample])
         arm.set_data_3d(*joints[:2].T)
         pendulum.set_data_3d(*joints[1:].T)
         past.set_data_3d(*tips[max(0, sample - length) : sample + 1].T)

@@ -1,4 +1,4 @@
-"""The interface of a loop that can be tuned, its simulation, and the guard around it."""
+"""A loop that can be tuned, simulated or real, and the guard around it."""
 
 from typing import Protocol
 

@@ -1,1 +1,0 @@
-"""Convergence of the friction observer: passivity conditions."""

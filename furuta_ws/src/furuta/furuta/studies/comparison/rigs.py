@@ -1,0 +1,202 @@
+"""Simulated rigs of a comparison: each sets parameters of the plant alone.
+
+Estimator, friction observer and controller keep the values of the settings. So the rigs show what a
+compensation does when the truth is not its model. The named rigs are the truths of the table in
+docs/comparison.md. Random rig k of a seed is the same in a comparison of any size: its parameters
+are drawn from the covariance of a rig file if it states one, otherwise it differs from the settings
+in friction law, friction and pendulum. Disturbances come on top. Each has a random stream of its
+own, so a further one leaves the other choices as they are.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
+from furuta_model.friction.laws import LAWS
+from furuta_model.parameters import build, values
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.settings import Settings, loop
+
+# Relative errors of the friction parameters and of each coefficient of the pendulum.
+FRICTION_ERROR, MODEL_ERROR = 0.3, 0.1
+_FRICTION = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity", "viscous")
+_MODEL = ("alpha", "beta", "gamma", "delta")
+DISTURBANCES = ("delay", "lag", "noise", "turn", "asymmetry", "cogging")
+# Largest values of the disturbances: delay and lag of the drive [s], factor on the tachometer's
+# noise, amplitude of the level over the turn, difference between the directions, cogging [V].
+LARGEST_DELAY, LARGEST_LAG = 0.005, 0.010
+LARGEST_NOISE_FACTOR = 10.0
+LARGEST_CHANGE, LARGEST_ASYMMETRY, LARGEST_COGGING = 0.3, 0.3, 0.05
+
+# Streams of rigs to judge by and of rigs to tune on.
+JUDGING, TUNING = 0, 1
+NOMINAL = Rig()
+# Points that are drawn together.
+_DRAWN = 1024
+
+# Values of parameters of the plant by full name.
+PlantValues = dict[str, Any]
+
+
+class SimulatedRig(NamedTuple):
+    """Name of a rig, and the parameters of its plant that replace those of the settings."""
+
+    name: str
+    values: PlantValues
+
+    def plant(self, settings: Settings) -> PlantParameters:
+        """The plant. ParameterError if the parameters are impossible."""
+        node: Any = build(NODES["plant"].parameters, settings["plant"] | self.values)
+        plant: PlantParameters = node.plant
+        return plant
+
+
+def nominal_values(settings: Settings) -> PlantValues:
+    """Values of all parameters of the plant that the settings describe."""
+    return values(build(NODES["plant"].parameters, settings["plant"]))
+
+
+def named_rigs(settings: Settings) -> list[SimulatedRig]:
+    """The named rigs; factors apply to the plant of the settings.
+
+    Each states every value that any of them changes. The last one tests that compensation does no
+    harm.
+    """
+    nominal = nominal_values(settings)
+
+    def scaled(factor: float, *names: str) -> PlantValues:
+        return {name: factor * nominal[name] for name in names}
+
+    levels = "friction.alpha0", "friction.alpha1"
+    changes: dict[str, PlantValues] = {
+        "nominal": {},
+        "levels x 0.7": scaled(0.7, *levels),
+        "levels x 1.3": scaled(1.3, *levels),
+        "sigma0 x 0.5": scaled(0.5, "friction.sigma0"),
+        "sigma0 x 2": scaled(2.0, "friction.sigma0"),
+        "sigma0 = 1000": {"friction.sigma0": 1000.0},
+        "sigma0 = 10000": {"friction.sigma0": 10000.0},
+        "Coulomb, sticking": {"friction.law": "coulomb", "friction.alpha1": 0.0},
+        "stiction, sticking": {"friction.law": "stiction"},
+        "alpha1 = 0.2": {"friction.alpha1": 0.2},
+        "alpha1 = 0.2, sticking": {"friction.law": "stiction", "friction.alpha1": 0.2},
+        "asymmetry 0.3": {"friction.asymmetry": 0.3},
+        "levels ±30 %, 50 per turn": {
+            "friction.variation.angle": 0.3,
+            "friction.variation.angle_periods": 50,
+        },
+        "cogging 0.05 V": {"cogging.torque": 0.05},
+        "no friction": dict.fromkeys((*levels, "friction.viscous"), 0.0),
+    }
+    names = dict.fromkeys(name for change in changes.values() for name in change)
+    unchanged = {name: nominal[name] for name in names}
+    return [SimulatedRig(name, unchanged | change) for name, change in changes.items()]
+
+
+@dataclass(frozen=True)
+class RandomRigs:
+    """The first ``size`` random rigs of a ``seed`` about the plant of the settings.
+
+    ``uncertainty`` is that of a ``rig`` file.
+    """
+
+    settings: Settings
+    size: int
+    seed: int = 0
+    disturbances: tuple[str, ...] = ()
+    rig: Rig = NOMINAL
+    uncertainty: Uncertainty = CERTAIN
+    purpose: int = JUDGING
+
+    def __len__(self) -> int:
+        """The number of rigs."""
+        return self.size
+
+    def __iter__(self) -> Iterator[SimulatedRig]:
+        """Generate the rigs in order."""
+        nominal = nominal_values(self.settings)
+        rig = _with_plant(self.rig, loop(self.settings).plant)
+        for number, change in zip(range(self.size), self._changes(), strict=False):
+            if len(change):
+                chosen = _drawn(changed_rig(rig, self.uncertainty.names, change))
+            else:
+                chosen = self._truth(number, nominal)
+            for stream, name in enumerate(DISTURBANCES, start=1):
+                if name in self.disturbances:
+                    chosen |= _disturbance(name, self._stream(number, stream), nominal)
+            yield SimulatedRig(str(number), chosen)
+
+    def _changes(self) -> Iterator[np.ndarray]:
+        """Changes of the uncertain coordinates, without end; empty ones if none is uncertain."""
+        generator = np.random.default_rng(
+            self.seed if self.purpose == JUDGING else (self.seed, self.purpose)
+        )
+        while True:
+            yield from self.uncertainty.draws(_DRAWN, generator)
+
+    def _truth(self, number: int, nominal: PlantValues) -> PlantValues:
+        """Friction law, friction parameters and pendulum."""
+        r = self._stream(number, 0)
+        chosen: PlantValues = {"friction.law": LAWS[int(r.integers(len(LAWS)))]}
+        errors = {f"friction.{name}": FRICTION_ERROR for name in _FRICTION}
+        errors |= {f"model.{name}": MODEL_ERROR for name in _MODEL}
+        for name, error in errors.items():
+            chosen[name] = nominal[name] * r.uniform(1.0 - error, 1.0 + error)
+        return chosen
+
+    def _stream(self, number: int, stream: int) -> np.random.Generator:
+        key = self.purpose, number, stream
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))
+
+
+def _disturbance(name: str, r: np.random.Generator, nominal: PlantValues) -> PlantValues:
+    """Random parameters of one of :data:`DISTURBANCES`."""
+    if name == "delay":
+        return {"drive.delay": round(r.uniform(0.0, LARGEST_DELAY) / nominal["sample_time"])}
+    if name == "lag":
+        return {"drive.lag": r.uniform(0.0, LARGEST_LAG)}
+    if name == "noise":
+        noise = "sensors.tachometer_noise"
+        return {noise: r.uniform(1.0, LARGEST_NOISE_FACTOR) * nominal[noise]}
+    if name == "turn":
+        return {
+            "friction.variation.angle": r.uniform(0.0, LARGEST_CHANGE),
+            "friction.variation.angle_periods": int(r.integers(1, 5)),
+            "friction.variation.angle_phase": r.uniform(-pi, pi),
+        }
+    if name == "asymmetry":
+        return {"friction.asymmetry": r.uniform(-LARGEST_ASYMMETRY, LARGEST_ASYMMETRY)}
+    return {
+        "cogging.torque": r.uniform(0.0, LARGEST_COGGING),
+        "cogging.periods": int(r.integers(10, 201)),
+        "cogging.phase": r.uniform(-pi, pi),
+    }
+
+
+def _with_plant(rig: Rig, plant: PlantParameters) -> Rig:
+    """The rig with the values of the plant, about which others are drawn."""
+    return rig._replace(
+        model=plant.model,
+        friction=plant.friction.parameters,
+        pendulum_friction=plant.pendulum_friction,
+        tilt=plant.tilt,
+        waves=plant.waves,
+    )
+
+
+def _drawn(rig: Rig) -> PlantValues:
+    """What can be uncertain in a rig file, as parameters of the plant."""
+    return {
+        **values(rig.model, "model."),
+        **values(rig.friction, "friction."),
+        **values(rig.pendulum_friction, "pendulum_friction."),
+        **values(rig.tilt, "tilt."),
+        **values(rig.waves, "waves."),
+        "drive.delay": rig.drive_dynamics.delay,
+    }
