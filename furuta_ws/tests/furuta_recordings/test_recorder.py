@@ -196,6 +196,9 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
         "liveliness_lease_duration": {"sec": 9223372036, "nsec": 854775807},
         "avoid_ros_namespace_conventions": False,
     }
+    with closing(sqlite3.connect(tmp_path / "bag" / "bag_0.db3")) as database:
+        ((text,),) = database.execute("SELECT metadata FROM metadata").fetchall()
+    assert yaml.safe_load(text) == about
     with Reader(tmp_path / "bag") as bag, Reader(tmp_path / "bag" / "bag_0.db3") as file:
         assert bag.ros_distro == "jazzy"
         assert {c.topic: c.ext for c in bag.connections} == {
@@ -206,14 +209,3 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
         }
     assert durabilities["/rosout"] == "TRANSIENT_LOCAL"
     assert durabilities["/parameter_events"] == "VOLATILE"
-
-
-def test_a_file_holds_the_metadata_too(ros: None, tmp_path: Path) -> None:
-    """A file without metadata.yaml is read as version 9 too."""
-    recorder = RecorderNode(tmp_path / "bag")
-    recorder.destroy_node()
-    with closing(sqlite3.connect(tmp_path / "bag" / "bag_0.db3")) as database:
-        ((text,),) = database.execute("SELECT metadata FROM metadata").fetchall()
-    about = yaml.safe_load(text)
-    assert (about["version"], about["ros_distro"]) == (9, "jazzy")
-    assert (about["relative_file_paths"], about["files"]) == ([], [])

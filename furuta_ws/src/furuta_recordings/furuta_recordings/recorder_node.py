@@ -15,8 +15,7 @@ from sensor_msgs.msg import JointState
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.message_types import definition_of, type_hash
-from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
-from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
 from furuta_ros import topic_names
 from furuta_ros.loop_topics import several_publishers
 from furuta_ros.time_stamps import NANOSECONDS
@@ -46,16 +45,16 @@ class RecorderNode(Node):
     """Writes serialized messages to the bag ``path``.
 
     The node belongs to no executor. The middleware keeps received messages with their times until
-    :meth:`collect` passes them to a writer process. Recording therefore costs the control loop no
-    callback and no wait for a disk, and collected messages survive the end of this process.
+    :meth:`collect` passes them to the thread that writes the bag. Recording therefore costs the
+    control loop no callback and no wait for a disk.
 
     By default a message gets the time of its arrival. With ``stamped``, for lock-step, it gets the
-    newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for the
-    writer. If writing fails, for example on a full disk, recording ends with an error message, the
-    graph continues, and the bag keeps what was written. It also ends when two nodes publish one of
-    the loop's topics, because a bag does not tell their messages apart; a few stray messages are
-    recorded. ``kept`` and ``lost`` count the messages
-    that were passed on and those that the middleware dropped.
+    newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for a
+    slow disk. If writing fails, for example on a full disk, recording ends with an error message,
+    the graph continues, and the bag keeps what was written. It also ends when two nodes publish one
+    of the loop's topics, because a bag does not tell their messages apart; a few stray messages are
+    recorded. ``kept`` and ``lost`` count the messages that were passed on and those that the
+    middleware dropped.
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
     records each change of a parameter (/parameter_events), what the nodes log (/rosout), and what
@@ -91,14 +90,14 @@ class RecorderNode(Node):
         return BagTopic(full_name, name, definition, qos, type_hash(name, definition))
 
     def collect(self) -> None:
-        """Pass all received messages to the writer process."""
+        """Pass all received messages to the writer."""
         if self.failure is not None:
             return
         indexes = range(len(self._inputs))
         received = [message for index in indexes for message in self._take(index)]
         for time, index, data in sorted(received):
             self._add(time, index, data)
-        self._writer.send(wait=self._stamped)
+        self._writer.send(wait_for_disk=self._stamped)
         self._report_failure()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.csv_columns import csv_columns
 from furuta_recordings.readers.column_names import (
     ANGLE_UNITS,
     COMMAND_UNITS,
@@ -13,7 +14,6 @@ from furuta_recordings.readers.column_names import (
     Column,
     column,
 )
-from furuta_recordings.readers.csv_columns import csv_columns
 from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.readers.table_joints import (
     ANGLE_WORDS,
