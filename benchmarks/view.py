@@ -30,8 +30,7 @@ from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.processes import executable
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.message_types import definition_of, type_hash
-from furuta_recordings.bags.metadata import BagTopic
-from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_recordings.bags.metadata import BagTopic, offered_qos
 from furuta_recordings.bags.writer import BagWriter
 from furuta_ros.context import ros_context
 from furuta_ros.scheduling import Scheduling, apply_scheduling

@@ -177,11 +177,8 @@ def text(value: str | bytes) -> bytes:
     return struct.pack("<I", len(data)) + data
 
 
-def mcap_file(chunks: list[tuple[str, bytes, int, int]], repeat: int = 1) -> bytes:
-    """A file with chunks (compression, data, claimed size, start time).
-
-    The summary names each chunk ``repeat`` times.
-    """
+def mcap_file(chunks: list[tuple[str, bytes, int, int]]) -> bytes:
+    """A file with chunks (compression, data, claimed size, start time)."""
     described = record(
         3,
         struct.pack("<H", 1)
@@ -199,7 +196,7 @@ def mcap_file(chunks: list[tuple[str, bytes, int, int]], repeat: int = 1) -> byt
         offsets = struct.pack("<IHQ", 10, 1, len(data) + len(chunk))
         sizes = struct.pack("<QQ", len(content), size)
         index = place + offsets + struct.pack("<Q", 31) + text(compression) + sizes
-        indexes += record(8, index) * repeat
+        indexes += record(8, index)
         data += chunk + record(7, struct.pack("<HIQQ", 1, 16, start, 0))
     data += record(15, bytes(4))
     statistics = struct.pack("<QHIIIIQQI", 1, 1, 1, 0, 0, len(chunks), 0, 10, 10)
@@ -232,17 +229,6 @@ def bomb(compression: str, size: int, claimed: int | None = None) -> Callable[[P
             [(compression, compressed(compression, size), size if claimed is None else claimed, 0)]
         )
     )
-
-
-def overlapping_chunks() -> bytes:
-    block = np.random.default_rng(0).bytes(2**20)
-    content = zstandard.compress(block * 32)
-    return mcap_file([("zstd", content, 2**25, 0)] * 8)
-
-
-def repeated_index() -> bytes:
-    content = bytes(2**16)
-    return mcap_file([("zstd", zstandard.compress(content), 2**16, 0)], repeat=50_000)
 
 
 def long_record() -> bytes:
@@ -283,31 +269,6 @@ def fixed_array(path: Path) -> Path:
     writer.add(1, 0, b"\0\1\0\0" + bytes(8))
     writer.close()
     return path
-
-
-# -- compression of rosbag2 --------------------------------------------------------------------
-
-
-def compressed_bag(mode: str) -> Callable[[Path], Path]:
-    def make(path: Path) -> Path:
-        bag = sqlite_bag(path)
-        file = bag / f"{path.name}.db3"
-        metadata = (bag / "metadata.yaml").read_text()
-        name = file.name
-        if mode == "file":
-            name = f"{file.name}.zstd"
-            (bag / name).write_bytes(compressed("zstd", 2**31))
-            file.unlink()
-        else:
-            with sqlite3.connect(file) as connection:
-                connection.execute("UPDATE messages SET data = ?", [compressed("zstd", 2**28)])
-        metadata = metadata.replace(file.name, name)
-        metadata = metadata.replace("compression_format: ''", "compression_format: zstd")
-        metadata = metadata.replace("compression_mode: ''", f"compression_mode: {mode}")
-        (bag / "metadata.yaml").write_text(metadata)
-        return bag
-
-    return make
 
 
 # -- sqlite3 -----------------------------------------------------------------------------------

@@ -1,15 +1,15 @@
 """Bag files: readable after every flush, whatever ends the writer, and recovered when damaged."""
 
+import os
 import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
-import tempfile
+import threading
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -24,7 +24,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag import Bag, refuse_too_long
+from furuta_recordings.bags import background_writer
+from furuta_recordings.bags.background_writer import BackgroundWriter
+from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
@@ -121,17 +123,64 @@ def test_sigkill_while_writing(tmp_path: Path, flushes: int) -> None:
         assert [time for _, time, _ in reader.messages()] == kept
 
 
-def test_a_full_disk_keeps_what_was_written_before(tmp_path: Path) -> None:
-    """Writing fails with the reason, and the bag is still readable."""
-    writer = BagWriter(tmp_path / "bag", TOPICS, {})
+def test_a_full_disk_ends_a_recording(tmp_path: Path) -> None:
+    """The bag keeps what was written before; closing twice does no harm."""
+    writer = BackgroundWriter(tmp_path / "bag", TOPICS, {})
     writer.add(0, 1, DATA)
-    writer.flush()
-    pages = writer._database.execute("PRAGMA page_count").fetchone()[0]
-    writer._database.execute(f"PRAGMA max_page_count = {pages}")
+    writer._flush()
+    writer._check()
+    database = writer._writer._database
+    pages = database.execute("PRAGMA page_count").fetchone()[0]
+    database.execute(f"PRAGMA max_page_count = {pages}")
     writer.add(0, 2, bytes(2**20))
-    with pytest.raises(OSError, match="disk is full"):
-        writer.flush()
+    writer.close()
+    writer.close()
+    assert "disk is full" in str(writer.failure)
     assert times(writer.path) == [1]
+
+
+def test_all_messages_are_written(tmp_path: Path) -> None:
+    """In order, whatever their sizes; the bag exists from the start."""
+    writer = BackgroundWriter(tmp_path / "bag", TOPICS, {"parameters.yaml": "plant: {}\n"})
+    assert (tmp_path / "bag" / "parameters.yaml").read_text() == "plant: {}\n"
+    contents = [os.urandom(size) for size in (0, 1, 70_000, 3_000_000, *range(250))]
+    for time, content in enumerate(contents):
+        writer.add(0, time, content)
+        writer.send(wait_for_disk=time % 2 == 0)
+    writer.close()
+    assert writer.failure is None
+    with Bag(tmp_path / "bag") as bag:
+        assert [(time, bytes(data)) for _, time, data in bag.messages()] == [*enumerate(contents)]
+
+
+def test_a_recorder_does_not_wait_for_a_slow_disk(tmp_path: Path, monkeypatch: Any) -> None:
+    """Until too much is waiting: then recording ends, or in lock-step it waits."""
+    monkeypatch.setattr(background_writer, "LARGEST_BACKLOG", 2**20)
+    for wait in (False, True):
+        disk = threading.Event()
+        writer = BackgroundWriter(tmp_path / f"bag_{wait}", TOPICS, {})
+        writer._writing = writer._thread.submit(lambda disk=disk: disk.wait() and None)
+        writer.add(0, 0, bytes(2**20))
+        writer.send()
+        assert writer.failure is None
+        writer.add(0, 1, b"1")
+        threading.Timer(0.1, disk.set).start() if wait else None
+        writer.send(wait_for_disk=wait)
+        disk.set()
+        writer.close()
+        assert wait or "the disk is too slow" in str(writer.failure)
+        assert times(writer.path) == ([0, 1] if wait else [])
+
+
+def test_a_bag_that_cannot_be_created(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("not a directory")
+    for path, reason in (
+        (tmp_path, "already exists"),
+        (tmp_path / "file" / "bag", "file: File exists"),
+    ):
+        with pytest.raises(ParameterError, match=reason) as error:
+            BackgroundWriter(path, TOPICS, {})
+        assert "\n" not in str(error.value)
 
 
 def mcap_file(file: Path) -> list[ChunkIndex]:
@@ -186,12 +235,10 @@ def test_recover_without_metadata(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
-def test_compressed_bags_are_read(tmp_path: Path, mode: CompressionMode) -> None:
-    """As rosbag2 compresses them, file by file or message by message."""
-    assert times(written_by_another(tmp_path / "bag", StoragePlugin.MCAP, mode)) == list(
-        range(0, 400, 10)
-    )
-    assert not list(Path(tempfile.gettempdir()).glob("furuta-bag-*/bag.mcap"))
+def test_bags_that_rosbag2_compressed_are_refused(tmp_path: Path, mode: CompressionMode) -> None:
+    bag = written_by_another(tmp_path / "bag", StoragePlugin.MCAP, mode)
+    with pytest.raises(ParameterError, match="is compressed: write it anew with"), Bag(bag):
+        pass
 
 
 @pytest.mark.parametrize("plugin", [None, StoragePlugin.SQLITE3, StoragePlugin.MCAP])
@@ -201,9 +248,9 @@ def test_messages_are_found_by_their_times(tmp_path: Path, plugin: StoragePlugin
     bag = written(bag, 400) if plugin is None else written_by_another(bag, plugin)
     with Bag(bag) as opened:
         topic = opened.connections[0]
-        messages = opened.find(topic, 100, 301)
-        assert messages.times.tolist() == [t for t in times(bag) if 100 <= t < 301][::2]
-        assert len(messages.data) == len(messages.times)
+        received, contents = opened.find(topic, 100, 301)
+        assert received.tolist() == [t for t in times(bag) if 100 <= t < 301][::2]
+        assert len(contents) == len(received)
     assert recover(bag, tmp_path / "recovered")["messages"] == len(times(bag))
 
 
@@ -211,7 +258,7 @@ def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
     """Also if only the metadata knows it."""
     bag = written(tmp_path / "bag")
     metadata = bag / "metadata.yaml"
-    metadata.write_text(metadata.read_text().replace('name: "/b"', 'name: "/c"'))
+    metadata.write_text(metadata.read_text().replace("name: /b", "name: /c"))
     with Bag(bag) as opened:
         counts = {topic.topic: topic.msgcount for topic in opened.connections}
     assert counts == {"/a": 500, "/b": 500, "/c": 0}
@@ -220,13 +267,15 @@ def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
 def test_more_messages_than_a_file_claims_do_not_fill_the_memory(
     tmp_path: Path, monkeypatch: Any
 ) -> None:
-    """They are counted on the way."""
+    """What a file claims counts too."""
     bag = written(tmp_path / "bag")
     monkeypatch.setattr("furuta_recordings.bags.bag.MOST_IN_MEMORY", 400)
     with Bag(bag) as opened:
-        claimed = [topic._replace(msgcount=1) for topic in opened.connections]
-        with pytest.raises(ParameterError, match="401 messages on /a, at most 400 fit"):
-            list(opened.messages_in_memory(claimed))
+        for claim, counted in ((1, 401), (900, 900)):
+            claimed = [topic._replace(msgcount=claim) for topic in opened.connections]
+            reason = f"{counted} messages on /a, at most 400 fit"
+            with pytest.raises(ParameterError, match=reason):
+                list(opened.messages_in_memory(claimed))
 
 
 @pytest.fixture(scope="module")
@@ -303,16 +352,6 @@ def test_other_files_are_not_bags(tmp_path: Path, content: bytes) -> None:
         pass
     with pytest.raises(ParameterError, match="no message that can be read"):
         recover(file, tmp_path / "recovered")
-
-
-def test_a_bag_too_long_for_memory_is_refused(tmp_path: Path, monkeypatch: Any) -> None:
-    """By the counts in its summary; the message names topic and limit."""
-    monkeypatch.setattr("furuta_recordings.bags.bag.MOST_IN_MEMORY", 10)
-    connection = SimpleNamespace(topic="/measurement", msgcount=11)
-    with pytest.raises(ParameterError, match="11 messages on /measurement, at most 10 fit"):
-        refuse_too_long(tmp_path, [connection])
-    connection.msgcount = 10
-    refuse_too_long(tmp_path, [connection])
 
 
 def test_rosbag2_finds_its_tables(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_model.parameters import values
 from furuta_model.state import THETA
-from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import ACTIVE_MODE, TOPICS
 from furuta_sim.settings.rigs import find_rig

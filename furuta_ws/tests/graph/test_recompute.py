@@ -66,6 +66,6 @@ def test_another_tuning_changes_estimate_and_command(bag: Path, tmp_path: Path) 
     assert result["estimate"]["identical"]
     assert not result["command"]["identical"]
     assert 0.05 < result["friction_estimate"]["largest_difference"] < 0.15
-    assert (recorded.outputs.command[:2000] == recomputed.command[:2000]).all()
+    assert (recorded.command[:2000] == recomputed.command[:2000]).all()
     draw_recomputation(recorded, recomputed, tmp_path / "recomputation.png")
     assert (tmp_path / "recomputation.png").stat().st_size > 10_000

@@ -11,13 +11,12 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from furuta.studies.recomputation import compare, recompute_bag
+from furuta.studies.recomputation import compare, new_starts, recompute_bag
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.spinning import spin_until
 from furuta_sim.settings.settings import load_settings
-from furuta_sim.simulation.recomputation import new_starts
 
 RESETS = int(os.environ.get("FURUTA_RESETS", "1"))
 METHODS = ("kalman", "lowpass")

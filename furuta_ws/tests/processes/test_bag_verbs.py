@@ -13,7 +13,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup.main import furuta as command_line
-from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
 from furuta_view.bag_samples import BagSamples
@@ -177,7 +177,7 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
         (["view", "--no-open", "--bag", empty], "not a readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
-        (["bag", "recompute", states], "nothing to recompute"),
+        (["bag", "recompute", states], "no message on measurement"),
     ):
         status, out, err = furuta(*arguments)
         assert (status, out) == (1, ""), arguments

@@ -17,7 +17,6 @@ APT = {
     "python3-catkin-pkg-modules",
     *(
         "python3-click",
-        "python3-dateutil",
         "python3-hypothesis",
         "python3-matplotlib",
         "python3-mypy",
@@ -61,7 +60,6 @@ TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
     "catkin_pkg": "catkin-pkg",
-    "dateutil": "python-dateutil",
     "serial": "pyserial",
     "yaml": "pyyaml",
     "dask": "distributed",

@@ -9,16 +9,13 @@ from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
-from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.message_types import definition_of, type_hash
-from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
-from furuta_recordings.bags.offered_qos import offered_qos
+from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
 from furuta_ros import topic_names
-from furuta_ros.loop_topics import several_publishers
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
 
@@ -26,8 +23,6 @@ from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
 RECEIVE_DEPTH = 100_000
 # Time [s] between two calls of :meth:`RecorderNode.collect` by whoever runs the recorder.
 COLLECT_EVERY = 0.005
-# How often two publishers of a topic may take turns before a recording ends; stray messages do so.
-MOST_TURNS = 20
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 ROSOUT = Topic(topic_names.ROSOUT, Log)
 # What is offered on these: rcl keeps a log message for 10 s for late subscribers.
@@ -46,16 +41,14 @@ class RecorderNode(Node):
     """Writes serialized messages to the bag ``path``.
 
     The node belongs to no executor. The middleware keeps received messages with their times until
-    :meth:`collect` passes them to a writer process. Recording therefore costs the control loop no
-    callback and no wait for a disk, and collected messages survive the end of this process.
+    :meth:`collect` passes them to the thread that writes the bag. Recording therefore costs the
+    control loop no callback and no wait for a disk.
 
     By default a message gets the time of its arrival. With ``stamped``, for lock-step, it gets the
-    newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for the
-    writer. If writing fails, for example on a full disk, recording ends with an error message, the
-    graph continues, and the bag keeps what was written. It also ends when two nodes publish one of
-    the loop's topics, because a bag does not tell their messages apart; a few stray messages are
-    recorded. ``kept`` and ``lost`` count the messages
-    that were passed on and those that the middleware dropped.
+    newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for a
+    slow disk. If writing fails, for example on a full disk, recording ends with an error message,
+    the graph continues, and the bag keeps what was written. ``kept`` and ``lost`` count the
+    messages that were passed on and those that the middleware dropped.
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
     records each change of a parameter (/parameter_events), what the nodes log (/rosout), and what
@@ -74,14 +67,14 @@ class RecorderNode(Node):
         self._newest_stamp = 0
         self.failure: str | None = None
         self.kept = self.lost = 0
-        chosen = self._topics = [*topics, PARAMETER_EVENTS, ROSOUT, ACTIVE_MODE]
+        chosen = [*topics, PARAMETER_EVENTS, ROSOUT, ACTIVE_MODE]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
         self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
         self._inputs = [
             self.create_subscription(topic.type, topic.name, _never_called, _qos(topic), raw=True)
             for topic in chosen
         ]
-        self._sequences = [_Sequence() for _ in chosen]
+        self._expected = [0 for _ in chosen]  # sequence numbers
 
     def _bag_topic(self, topic: Topic) -> BagTopic:
         name = _type_name(topic)
@@ -91,14 +84,14 @@ class RecorderNode(Node):
         return BagTopic(full_name, name, definition, qos, type_hash(name, definition))
 
     def collect(self) -> None:
-        """Pass all received messages to the writer process."""
+        """Pass all received messages to the writer."""
         if self.failure is not None:
             return
         indexes = range(len(self._inputs))
         received = [message for index in indexes for message in self._take(index)]
         for time, index, data in sorted(received):
             self._add(time, index, data)
-        self._writer.send(wait=self._stamped)
+        self._writer.send(wait_for_disk=self._stamped)
         self._report_failure()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
@@ -108,7 +101,7 @@ class RecorderNode(Node):
         with handle:
             while (taken := handle.take_message(message_type, True)) is not None:
                 data, info = taken
-                self._follow(subscription, index, info["publication_sequence_number"])
+                self._count_dropped(index, info["publication_sequence_number"])
                 yield info["received_timestamp"], index, data
 
     def _add(self, time: int, index: int, data: bytes) -> None:
@@ -121,31 +114,24 @@ class RecorderNode(Node):
         self._writer.add(index, self._newest_stamp if self._stamped else time, data)
         self.kept += 1
 
-    def _follow(self, subscription: Subscription, index: int, number: int) -> None:
-        """Report messages that the middleware dropped, and end if two publishers take turns.
+    def _count_dropped(self, index: int, number: int) -> None:
+        """Report messages that the middleware dropped before the one with this sequence number.
 
-        With several publishers the numbers do not tell what was dropped. A node that was killed
-        and restarted does not take turns with its predecessor.
+        With several publishers the numbers do not tell.
         """
-        sequence = self._sequences[index]
-        missing = sequence.missing(number)
-        if missing > 0 and subscription.get_publisher_count() == 1:
+        subscription, expected = self._inputs[index], self._expected[index]
+        if 0 < expected < number and subscription.get_publisher_count() == 1:
+            missing = number - expected
             self.lost += missing
             self.get_logger().warning(f"{missing} messages on {subscription.topic} were dropped")
-        single = self._topics[index] in TOPICS
-        if single and sequence.turns > MOST_TURNS and self.failure is None:
-            self.failure = several_publishers(self, self._topics[index])
-            self._report_end()
+        self._expected[index] = number + 1
 
     def _report_failure(self) -> None:
         if self.failure is None and self._writer.failure is not None:
             self.failure = self._writer.failure
-            self._report_end()
-
-    def _report_end(self) -> None:
-        self.get_logger().error(
-            f"recording ended: {self.failure}; the bag keeps what was written before"
-        )
+            self.get_logger().error(
+                f"recording ended: {self.failure}; the bag keeps what was written before"
+            )
 
     def close(self) -> None:
         """Collect what is left and finish the bag."""
@@ -157,26 +143,6 @@ class RecorderNode(Node):
         """Finish the bag with the node."""
         self.close()
         super().destroy_node()
-
-
-class _Sequence:
-    """Sequence numbers of the messages on one topic, which two publishers may send in turns."""
-
-    def __init__(self) -> None:
-        self._next = self._other = 0  # numbers that continue this sequence and the one before
-        self.turns = 0
-
-    def missing(self, number: int) -> int:
-        """Take note of a message; returns how many are missing before it, if all have one source.
-
-        ``turns`` counts how often the sequence before the last one was continued.
-        """
-        missing = number - self._next if self._next else 0
-        if missing != 0:
-            self.turns += number == self._other
-            self._other = self._next
-        self._next = number + 1
-        return missing
 
 
 # Creates the recorder of a run once ROS is started.

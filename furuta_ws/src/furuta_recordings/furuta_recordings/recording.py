@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta_model.parts.converter import Actuator, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 CHANNELS = ("arm angle", "arm speed", "pendulum angle", "pendulum speed")
@@ -71,6 +72,17 @@ class Recording(NamedTuple):
     def with_delayed_command(self, delay: float) -> Recording:
         """With the command ``delay`` [s] later."""
         return self._replace(command_time=self.command_time + delay)
+
+    def through_drive(self, actuator: Actuator, source: str) -> tuple[Recording, str]:
+        """With the command limited and quantised as the drive does; and a note on that.
+
+        ``source`` says where the drive is described.
+        """
+        command = np.array([drive(float(u), actuator) for u in self.command])
+        return self._replace(command=command), (
+            f"{self.name}: command rounded to the drive's {actuator.bits} bits of "
+            f"±{actuator.voltage_range:g} V (according to {source})"
+        )
 
     def commanded_at(self, time: np.ndarray) -> np.ndarray:
         """The command that holds at each time [V]."""

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.io import loadmat, savemat, whosmat
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.csv_columns import csv_columns
+from furuta_recordings.csv_columns import csv_columns
 
 try:
     import pyarrow as arrow

@@ -16,15 +16,6 @@ def publishers_of(node: Node, topic: Topic) -> list[TopicPublisher]:
     return [TopicPublisher(bytes(end.endpoint_gid), _node_name(end)) for end in endpoints]
 
 
-def several_publishers(node: Node, topic: Topic) -> str:
-    """Who publishes a topic that must have one publisher, in words."""
-    names = sorted(publisher.node for publisher in publishers_of(node, topic))
-    return (
-        f"{len(names)} nodes publish {topic.name}: {' and '.join(names)}; another graph needs "
-        "another namespace or ROS_DOMAIN_ID"
-    )
-
-
 def missing_from_loop(plant: Node) -> list[str]:
     """What the loop lacks besides ``plant``, one clause for each topic."""
     own = plant.resolve_topic_name(MEASUREMENT.name)

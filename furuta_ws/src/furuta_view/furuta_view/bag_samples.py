@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from furuta_model.parameters import ParameterError, values
-from furuta_recordings.bags.bag import Bag, Messages, last_part
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
-from furuta_recordings.readers.joint_states import joint_sample
+from furuta_recordings.bags.bag import Bag, last_part
+from furuta_recordings.bags.bag_files import parameter_file_of
+from furuta_recordings.readers.bag import joint_sample
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topic_names import COMMAND as COMMAND_TOPIC
 from furuta_ros.topic_names import (
@@ -58,8 +58,8 @@ class BagSamples:
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """The recorded parameters of all nodes, or the defaults if there are none."""
-        file = self.path / PARAMETERS_FILE
-        if not file.is_file():
+        file = parameter_file_of(self.path)
+        if file is None:
             return {}
         return {node: values(group) for node, group in parameters_of(read_file(file)).items()}
 
@@ -74,15 +74,14 @@ class BagSamples:
         """The samples (n, 8) of a block."""
         start = self._bag.start
         first, last = (start + round(k * BLOCK * NANOSECONDS) for k in (number, number + 1))
-        states = self._bag.find(self._state, first, last)
-        chosen = np.arange(0, len(states.times), len(states.times) // MOST + 1)
+        times, states = self._bag.find(self._state, first, last)
+        chosen = np.arange(0, len(times), len(times) // MOST + 1)
         samples = np.full((len(chosen), COLUMNS), nan)
         for row, index in zip(samples, chosen.tolist(), strict=True):
-            self._fill(row, states.data[index])
-        samples[:, TIME] = (states.times[chosen] - start) / NANOSECONDS
+            self._fill(row, states[index])
+        samples[:, TIME] = (times[chosen] - start) / NANOSECONDS
         for topic, column in self._floats:
-            numbers = self._bag.find(topic, first, last)
-            samples[:, column] = _newest_numbers(numbers, states.times[chosen])
+            samples[:, column] = _newest(*self._bag.find(topic, first, last), times[chosen])
         return samples
 
     def _fill(self, row: np.ndarray, data: bytes) -> None:
@@ -94,12 +93,12 @@ class BagSamples:
             row[FRICTION] = sample.effort
 
 
-def _newest_numbers(numbers: Messages, times: np.ndarray) -> np.ndarray:
+def _newest(received: np.ndarray, numbers: list[bytes], times: np.ndarray) -> np.ndarray:
     """At each of the times (n,) [ns] the newest number, or the first one; NaN if there is none."""
-    if not len(numbers.times):
+    if not numbers:
         return np.full(len(times), nan)
-    rows = np.maximum(np.searchsorted(numbers.times, times, side="right") - 1, 0)
-    return np.array([np.frombuffer(numbers.data[row], "<f8", 1, 4)[0] for row in rows])
+    rows = np.maximum(np.searchsorted(received, times, side="right") - 1, 0)
+    return np.array([np.frombuffer(numbers[row], "<f8", 1, 4)[0] for row in rows])
 
 
 def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:

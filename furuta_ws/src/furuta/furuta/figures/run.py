@@ -15,7 +15,7 @@ from furuta.figures.figure import (
 )
 from furuta.studies.phases import Phase
 from furuta_model.state import PHI, THETA
-from furuta_recordings.bags.recorded_run import RecordedRun
+from furuta_recordings.bags.recorded_loop import RecordedRun
 from furuta_sim.simulation.closed_loop import Record
 
 # Labels of the rows.

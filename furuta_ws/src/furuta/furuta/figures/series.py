@@ -17,10 +17,10 @@ from furuta.figures.figure import (
     saved_figure,
     style_time_series,
 )
-from furuta.studies.recomputation import RecordedLoop
+from furuta.studies.recomputation import Recomputed
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
-from furuta_sim.simulation.recomputation import Recomputed
+from furuta_recordings.bags.recorded_loop import RecordedLoop
 
 # Columns that a row shows where they exist: label and style. The truth has the colour of its
 # quantity.
@@ -75,7 +75,7 @@ def draw_recomputation(recorded: RecordedLoop, recomputed: Recomputed, path: Pat
     """Draw each series as recorded and as recomputed."""
 
     def lines(name: str, column: int | None = None) -> list[tuple[np.ndarray, dict[str, Any]]]:
-        both = (getattr(recorded.outputs, name), getattr(recomputed, name))
+        both = (getattr(recorded, name), getattr(recomputed, name))
         old, new = (values if column is None else values[:, column] for values in both)
         return [(old, {"lw": 1.4, "label": "recorded"}), (new, {"lw": 0.8, "label": "recomputed"})]
 

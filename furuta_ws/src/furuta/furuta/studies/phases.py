@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_recordings.bags.recorded_run import RecordedRun
+from furuta_recordings.bags.recorded_loop import RecordedRun
 from furuta_sim.simulation.oscillation import measure_oscillation
 
 # The phases: the three compensations of the paper, then LuGre with tuned parameters.

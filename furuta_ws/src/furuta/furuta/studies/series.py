@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from furuta.studies.bag_series import bag_series, recorded_series
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.recorded_loop import graph_topics, read_recorded_loop
 from furuta_recordings.readers import Mapping as Names
-from furuta_recordings.readers import read
+from furuta_recordings.readers import is_bag, read
+from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import (
     COLUMNS,
     COMMAND,
@@ -22,6 +24,7 @@ from furuta_recordings.series_columns import (
     known,
 )
 from furuta_recordings.table_files import SUFFIXES, read_columns
+from furuta_ros import topic_names
 from furuta_sim.simulation.closed_loop import Record
 
 
@@ -50,8 +53,8 @@ def load_series(path: Path, names: Names | None = None) -> Series:
     names = names or Names()
     if not path.exists():
         raise ParameterError(f"no file or bag {path}")
-    if path.is_dir() or path.suffix in (".mcap", ".db3"):
-        return bag_series(path, names)
+    if is_bag(path):
+        return _bag_series(path, names)
     columns = read_columns(path) if path.suffix.lower() in SUFFIXES else {}
     if TIME in columns and len(columns.keys() & COLUMNS.keys()) > 1:
         chosen = {name: columns[name] for name in COLUMNS if name in columns}
@@ -62,7 +65,7 @@ def load_series(path: Path, names: Names | None = None) -> Series:
         return _simulation_file(path, columns)
     if path.suffix.lower() in SUFFIXES and path.suffix.lower() != ".csv":
         raise ParameterError(f"{path} has no series that are known; it has {', '.join(columns)}")
-    return recorded_series(read(path, names)[0])
+    return _recorded_series(read(path, names)[0])
 
 
 def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
@@ -76,3 +79,30 @@ def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
         return {**simulated_series(record), TIME: time}
     except (KeyError, ValueError, IndexError, TypeError) as error:
         raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None
+
+
+def _bag_series(path: Path, names: Names) -> Series:
+    """The columns of a bag of the graph, or of another rig's if there are ``names``."""
+    with Bag(path) as bag:
+        of_graph = bool(graph_topics(path, bag))
+    if not of_graph or names != Names():
+        return _recorded_series(read(path, names)[0])
+    recorded = read_recorded_loop(path)
+    return known(
+        {
+            TIME: recorded.time,
+            **by_name(MEASURED, recorded.measurement),
+            **by_name(ESTIMATED, recorded.estimate),
+            FRICTION_ESTIMATE: recorded.at_measurements(topic_names.FRICTION_ESTIMATE),
+            COMMAND: recorded.at_measurements(topic_names.COMMAND),
+            **by_name(TRUE, recorded.truth),
+        }
+    )
+
+
+def _recorded_series(recording: Recording) -> Series:
+    """The columns of a recording of any rig; the command is the one that held at each sample."""
+    missing = np.full((len(recording.time), 1), np.nan)
+    measured = by_name(MEASURED, np.hstack([recording.measured, missing]))
+    command = recording.commanded_at(recording.time)
+    return known({TIME: recording.time, **measured, COMMAND: command})

@@ -14,7 +14,7 @@ from furuta_bringup.demo_run import run_demo, tune_graph
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
-from furuta_recordings.bags.recorded_run import read_recorded_run
+from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_ros.context import ros_context
 from furuta_sim.settings.settings import load_settings
 

@@ -12,9 +12,7 @@ from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError, build
 from furuta_model.sensors import Sensors
 from furuta_model.state import PHI, THETA
-from furuta_recordings.bags.bag_files import file_in
-from furuta_recordings.bags.limits import DamagedError
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.recording import Recording
 from furuta_ros.yaml_files import read_yaml
 
@@ -41,7 +39,8 @@ def base_rig(path: Path, recording: Recording) -> tuple[Rig, list[str]]:
 def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig | None, str]:
     """The rig of the parameters that are stored in our own bags."""
     try:
-        content = read_yaml(file_in(path, PARAMETERS_FILE), "parameter file")
+        parameters = parameter_file_of(path)
+        content = read_yaml(parameters, "parameter file") if parameters else {}
         sections = {node: section["ros__parameters"] for node, section in content.items()}
         file = sections["hardware_bridge"]["rig"]
         if file:
@@ -49,7 +48,7 @@ def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig | None, str]:
                 Path(file)
             ), f"sensors, line and limits of {file} (according to the bag)"
         return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"
-    except (DamagedError, ParameterError, KeyError, TypeError, AttributeError, OSError):
+    except (ParameterError, KeyError, TypeError, AttributeError, OSError):
         return None, ""
 
 

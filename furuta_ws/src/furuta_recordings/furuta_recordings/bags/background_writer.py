@@ -1,104 +1,94 @@
-"""Hands messages to a process of its own that writes them into a bag.
+"""Writes a bag in a thread of its own, so that a slow disk does not make the recorder wait."""
 
-A recorder writes bytes into a pipe and continues: neither a slow disk nor Python's interpreter
-lock makes it wait. The operating system keeps what is in the pipe. If the recorder is killed, the
-writer still writes the rest and finishes the bag.
-"""
-
-import fcntl
 import os
-import select
-import subprocess
-import sys
-from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
+from time import monotonic
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.metadata import BagTopic
-from furuta_recordings.bags.pipe_protocol import PIPE_CAPACITY, READY, header_frame, message_head
+from furuta_recordings.bags.writer import BagWriter, Row
 
-# Most bytes that may wait for space in the pipe; a disk that needs more is too slow.
+# Time [s] between two flushes to the disk.
+FLUSH_INTERVAL = 0.1
+# Most bytes that may wait for the disk; if more must, it is too slow.
 LARGEST_BACKLOG = 2**26
-WRITER = "furuta_recordings.bags.writer_process"
 
 
 class BackgroundWriter:
-    """The recorder's end of the pipe.
+    """Hands messages to the thread that writes them into the bag ``path``.
 
     The bag is on the disk after construction; raises :class:`ParameterError` if it cannot be
-    created. ``failure`` is the reason if writing ended early.
+    created. ``failure`` is the reason if writing ended early. sqlite3 releases Python's lock while
+    it writes.
     """
 
     def __init__(self, path: Path, topics: list[BagTopic], parameters: dict[str, str]) -> None:
         self.path = path
         self.failure: str | None = None
-        self._added: list[bytes] = [header_frame(topics, parameters)]
-        self._backlog: deque[memoryview] = deque()
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", WRITER, str(path)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C must not reach it: it ends with the pipe
-        )
-        assert self._process.stdin is not None
-        self._pipe = self._process.stdin.fileno()
-        with suppress(OSError):  # the user's quota for pipes may be exhausted
-            fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE_CAPACITY)
-        os.set_blocking(self._pipe, False)
-        self.send(wait=True)
-        self._wait_until_ready()
-
-    def _wait_until_ready(self) -> None:
-        answer = self._answer()
-        if answer != READY:
-            self._process.wait()
-            raise ParameterError(answer)
+        self._rows: list[Row] = []
+        self._bytes = 0
+        self._next_flush = 0.0
+        self._closed = False
+        try:
+            self._writer = BagWriter(path, topics, parameters)
+        except OSError as error:
+            raise ParameterError(self._reason(error)) from None
+        self._thread = ThreadPoolExecutor(1, initializer=_use_ordinary_scheduling)
+        self._writing: Future[None] = self._thread.submit(self._writer.write, [])
 
     def add(self, topic: int, time: int, data: bytes) -> None:
         """Take a message of one of the topics (index), received at ``time`` [ns]."""
-        self._added += (message_head(topic, time, data), data)
+        self._rows.append((topic, time, data))
+        self._bytes += len(data)
 
-    def send(self, wait: bool = False) -> None:
-        """Send what was added: as much as the pipe has space for or, with ``wait``, everything."""
-        if self._added:
-            self._backlog.append(memoryview(b"".join(self._added)))
-            self._added.clear()
-        while self._backlog and self.failure is None and self._write_some(wait):
-            pass
-        if sum(map(len, self._backlog)) > LARGEST_BACKLOG:
+    def send(self, wait_for_disk: bool = False) -> None:
+        """Begin to write what was added, if the last flush was long enough ago.
+
+        With ``wait_for_disk`` a backlog that is too large waits for the disk, otherwise it ends
+        the recording.
+        """
+        too_large = self._bytes > LARGEST_BACKLOG
+        if wait_for_disk and too_large:
+            wait([self._writing])
+        if self._writing.done():
+            if too_large or monotonic() >= self._next_flush:
+                self._flush()
+        elif too_large:
             self.failure = f"{self.path}: the disk is too slow for this recording"
-        if self.failure is not None:
-            self._backlog.clear()
 
-    def _write_some(self, wait: bool) -> bool:
-        """Write from the backlog into the pipe; False if the pipe is full and ``wait`` is not."""
-        try:
-            written = os.write(self._pipe, self._backlog[0])
-        except BlockingIOError:
-            if wait:
-                select.select([], [self._pipe], [])
-            return wait
-        except BrokenPipeError:
-            self.failure = self._answer()
-            return False
-        self._backlog[0] = self._backlog[0][written:]
-        if not self._backlog[0]:
-            self._backlog.popleft()
-        return True
+    def _flush(self) -> None:
+        self._check()
+        rows, self._rows, self._bytes = self._rows, [], 0
+        if self.failure is None and rows:
+            self._writing = self._thread.submit(self._writer.write, rows)
+            self._next_flush = monotonic() + FLUSH_INTERVAL
+
+    def _check(self) -> None:
+        """Wait for the flush that was begun; take note of its failure."""
+        error = self._writing.exception()
+        if error is not None and self.failure is None:
+            self.failure = self._reason(error)
 
     def close(self) -> None:
-        """Send what is left and wait until the bag is finished; may be called twice."""
-        assert self._process.stdin is not None
-        if self._process.stdin.closed:
+        """Write what is left and finish the bag; may be called twice."""
+        if self._closed:
             return
-        self.send(wait=True)
-        self._process.stdin.close()
-        if self._process.wait() and self.failure is None:
-            self.failure = self._answer()
+        self._closed = True
+        self._flush()
+        self._check()
+        self._writing = self._thread.submit(self._writer.close)
+        self._check()
+        self._thread.shutdown()
 
-    def _answer(self) -> str:
-        """The writer's next line; its last one is the reason why it ended."""
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline().decode().strip()
-        return line or f"{self.path}: the process that wrote it was killed"
+    def _reason(self, error: BaseException) -> str:
+        if isinstance(error, OSError):
+            return f"{error.filename or self.path}: {error.strerror}"
+        return f"{self.path}: {error}"
+
+
+def _use_ordinary_scheduling() -> None:
+    """Do not inherit the real-time priority of the control loop, and never preempt it."""
+    with suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))

@@ -1,36 +1,51 @@
-"""Limits within which bags are read, and the error at the place where reading must stop.
+"""Limits within which bags are read, and the decompressors that keep them.
 
-The libraries that read bags decompress without a limit, while a few kilobytes can stand for
-gigabytes. Bags of rosbag2 and of Foxglove's writers stay far below these limits.
+A few kilobytes can stand for gigabytes, and ``rosbags`` and ``mcap`` decompress without a bound.
+So the table of decompressors in ``rosbags`` gets that of this module. Bags of rosbag2 and of
+Foxglove's writers stay far below these limits.
 """
 
+from functools import partial
 from typing import Final
 
-# Largest chunk of an MCAP file, and largest message, after decompression [bytes].
+import zstandard
+from lz4.frame import LZ4FrameDecompressor
+from rosbags.rosbag2 import storage_mcap
+
+from furuta_model.parameters import ParameterError
+
+# Largest chunk of an MCAP file after decompression [bytes], and as a multiple of the compressed
+# size; small data may be larger [bytes]. Recordings of a rig shrink to a tenth.
 LARGEST_CHUNK: Final = 2**25
-# Largest decompressed size, as a multiple of the compressed one; small data may be larger [bytes].
-# Recordings of a rig shrink to a tenth.
 LARGEST_EXPANSION: Final = 100
 SMALL: Final = 2**16
 # Largest description of a message type [bytes], and most topics.
 LARGEST_DESCRIPTION: Final = 2**18
 MOST_TOPICS: Final = 10_000
-# Most problems that a recovery lists.
-MOST_PROBLEMS: Final = 100
 
 
-class DamagedError(Exception):
-    """A file or record cannot be read; the text is the reason."""
+def decompress_chunk(data: bytes, size: int, compression: str) -> bytes:
+    """The content of a chunk that claims a decompressed size of ``size`` [bytes].
+
+    Raises:
+        ParameterError: It holds something else, or claims more than it may hold.
+    """
+    if size > min(LARGEST_CHUNK, max(SMALL, LARGEST_EXPANSION * len(data))):
+        raise ParameterError(f"a chunk of {len(data)} bytes that claims to hold {size} bytes")
+    if compression == "zstd":
+        reader = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
+        content = bytes(reader.read(size + 1))
+    elif compression == "lz4":
+        content = LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+    elif not compression:
+        content = data
+    else:
+        raise ParameterError(f"a chunk with the unknown compression {compression!r}")
+    if len(content) != size:
+        raise ParameterError(f"a chunk that does not hold the {size} bytes that it claims")
+    return content
 
 
-def largest_expanded(compressed: int) -> int:
-    """Largest size [bytes] that data of ``compressed`` [bytes] may have after decompression."""
-    return max(SMALL, LARGEST_EXPANSION * compressed)
-
-
-def note(problems: list[str], problem: str) -> None:
-    """Add a problem to those noted so far, unless there are very many."""
-    if len(problems) == MOST_PROBLEMS:
-        problem = "further problems are not listed"
-    if len(problems) <= MOST_PROBLEMS:
-        problems.append(problem)
+storage_mcap.DECOMPRESSORS.update(
+    {name: partial(decompress_chunk, compression=name) for name in ("", "lz4", "zstd")}
+)

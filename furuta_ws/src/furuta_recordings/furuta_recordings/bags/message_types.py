@@ -8,7 +8,8 @@ from rosbags.interfaces.typing import Typesdict
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from furuta_recordings.bags.limits import LARGEST_CHUNK, LARGEST_DESCRIPTION, DamagedError
+from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.limits import LARGEST_CHUNK, LARGEST_DESCRIPTION
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 
@@ -28,27 +29,24 @@ def type_hash(type_name: str, definition: str) -> str:
 
 
 def typestore_of(type_name: str, definition: str) -> Typestore:
-    """The types in a definition.
+    """The types in a definition: of messages, or several files of IDL.
 
     Raises:
-        DamagedError: The definition is too long, or has an array that is.
+        ParameterError: The definition is too long, or has an array that is.
     """
     if len(definition) > LARGEST_DESCRIPTION:
-        raise DamagedError(f"{type_name} is defined by {len(definition)} characters")
-    is_idl = definition.startswith("=" * 80 + "\nIDL: ")
-    parsed = _types_from_idl(definition) if is_idl else get_types_from_msg(definition, type_name)
+        raise ParameterError(f"{type_name} is defined by {len(definition)} characters")
+    line = "=" * 80 + "\n"
+    parsed: Typesdict = {}
+    if definition.startswith(f"{line}IDL: "):
+        for file in definition.split(line)[1:]:
+            parsed |= get_types_from_idl(file.partition("\n")[2])
+    else:
+        parsed = get_types_from_msg(definition, type_name)
     for _, fields in parsed.values():
         for name, (kind, content) in fields:
             if kind == Nodetype.ARRAY and int(content[1]) > LARGEST_CHUNK:
-                raise DamagedError(f"{name} in {type_name} has {content[1]} elements")
+                raise ParameterError(f"{name} in {type_name} has {content[1]} elements")
     types = get_typestore(Stores.EMPTY)
     types.register(parsed)
-    return types
-
-
-def _types_from_idl(definition: str) -> Typesdict:
-    """Types from several files of IDL, each below a line with its name."""
-    types: Typesdict = {}
-    for file in definition.split("=" * 80 + "\n")[1:]:
-        types |= get_types_from_idl(file.partition("\n")[2])
     return types

@@ -7,22 +7,26 @@ however it ends, and sqlite3 restores a consistent file when it is opened next.
 import os
 import shutil
 import sqlite3
-from contextlib import closing
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from itertools import chain
 from pathlib import Path
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.metadata import (
-    DISTRIBUTION,
+    METADATA_FILE,
+    SECTION,
     VERSION,
-    BagFile,
     BagTopic,
-    information,
-    write_metadata,
+    as_yaml,
+    distribution,
+    metadata,
 )
 
 # The tables of rosbag2's sqlite3 storage in Jazzy.
 _SCHEMA_VERSION = 4
 _SCHEMA = """
+PRAGMA journal_mode = WAL;
 CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
 CREATE TABLE metadata(
     id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
@@ -38,101 +42,123 @@ CREATE TABLE messages(
     data BLOB NOT NULL);
 CREATE INDEX timestamp_idx ON messages(timestamp ASC);
 """
+# Messages that one statement writes. Python's lock is taken between two statements.
+TOGETHER = 100
 # Most bytes that wait for a flush.
 LARGEST_PENDING = 2**20
+
+# Topic (index), time of arrival [ns], content.
+Row = tuple[int, int, bytes]
 
 
 class BagWriter:
     """Writes messages into the bag ``path``, which must not exist yet.
 
     The bag is created under a temporary name and renamed when it is complete. ``parameters`` (file
-    name: text) are stored beside the data.
+    name: text) are stored beside the data. One thread at a time may use it.
 
     Raises:
         OSError: The disk does not take the data.
+        ParameterError: There is such a bag already.
     """
 
-    def __init__(self, path: Path, topics: list[BagTopic], parameters: dict[str, str]) -> None:
-        if path.exists():
+    def __init__(
+        self, path: Path, topics: Iterable[BagTopic], parameters: Mapping[str, str]
+    ) -> None:
+        if os.path.lexists(path):
             raise ParameterError(f"{path} already exists; name another directory for the bag")
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.path, self._topics = path, topics
-        self._name = f"{path.name}_0.db3"
-        self._counts = [0] * len(topics)
+        self.path, self._file = path, f"{path.name}_0.db3"
+        self._topics: list[BagTopic] = []
+        self._counts: list[int] = []
         self._start, self._end = 2**63 - 1, 0
-        self._rows: list[tuple[int, int, bytes]] = []
-        self.pending_bytes = 0
+        self._rows: list[Row] = []
+        self._pending_bytes = 0
         new = path.with_name(f".{path.name}.new")
         shutil.rmtree(new, ignore_errors=True)
         new.mkdir()
         for name, text in parameters.items():
             (new / name).write_text(text)
-        create_file(new / self._name, topics)
-        self._update_metadata(new)
+        self._database = sqlite3.connect(new / self._file)
+        with self._disk_errors(), closing(self._database):
+            self._database.executescript(_SCHEMA)
+            self._database.execute(
+                "INSERT INTO schema VALUES (?, ?)", (_SCHEMA_VERSION, distribution())
+            )
+            for topic in topics:
+                self.add_topic(topic)
+            self._describe(new)
         new.rename(path)
-        self._database = sqlite3.connect(path / self._name)
+        self._database = sqlite3.connect(path / self._file, check_same_thread=False)
         self._database.execute("PRAGMA synchronous = OFF")
         # Each flush also reaches the file itself, for readers that ignore the write-ahead log.
         self._database.execute("PRAGMA wal_autocheckpoint = 1")
 
+    def add_topic(self, topic: BagTopic) -> int:
+        """Add a topic; returns its index."""
+        if topic.type_name not in {known.type_name for known in self._topics}:
+            self._database.execute(
+                "INSERT INTO message_definitions"
+                "(topic_type, encoding, encoded_message_definition, type_description_hash) "
+                "VALUES (?, 'ros2msg', ?, ?)",
+                (topic.type_name, topic.definition, topic.type_hash),
+            )
+        self._topics.append(topic)
+        self._counts.append(0)
+        self._database.execute(
+            "INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?, ?)",
+            (len(self._topics), topic.name, topic.type_name, topic.qos, topic.type_hash),
+        )
+        return len(self._topics) - 1
+
     def add(self, topic: int, time: int, data: bytes) -> None:
         """Take a message of one of the topics (index), received at ``time`` [ns]."""
-        self._rows.append((topic + 1, time, data))
-        self._counts[topic] += 1
-        self._start, self._end = min(self._start, time), max(self._end, time)
-        self.pending_bytes += len(data)
-        if self.pending_bytes > LARGEST_PENDING:
+        self._rows.append((topic, time, data))
+        self._pending_bytes += len(data)
+        if self._pending_bytes > LARGEST_PENDING:
             self.flush()
 
     def flush(self) -> None:
-        """Write all messages taken so far, so that they survive the end of this process."""
-        try:
-            with self._database:
-                self._database.executemany(
-                    "INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)", self._rows
+        """Write all messages taken so far."""
+        rows, self._rows, self._pending_bytes = self._rows, [], 0
+        self.write(rows)
+
+    def write(self, rows: list[Row]) -> None:
+        """Write messages, so that they survive the end of this process."""
+        with self._disk_errors(), self._database:
+            for first in range(0, len(rows), TOGETHER):
+                group = rows[first : first + TOGETHER]
+                self._database.execute(
+                    "INSERT INTO messages(topic_id, timestamp, data) VALUES "
+                    + ",".join(["(? + 1, ?, ?)"] * len(group)),
+                    list(chain.from_iterable(group)),
                 )
-        except sqlite3.Error as error:
-            raise OSError(0, str(error), str(self.path)) from None
-        self._rows.clear()
-        self.pending_bytes = 0
-        self._update_metadata(self.path)
+        for topic, time, _ in rows:
+            self._counts[topic] += 1
+            self._start, self._end = min(self._start, time), max(self._end, time)
 
     def close(self) -> None:
         """Finish the bag: one file, without a journal beside it."""
-        try:
+        with self._disk_errors(), closing(self._database):
             self.flush()
+            self._describe(self.path)
             self._database.execute("PRAGMA journal_mode = DELETE")
-        finally:
-            self._database.close()
 
-    def _update_metadata(self, directory: Path) -> None:
-        file = BagFile(self._name, sum(self._counts), self._start, self._end)
-        write_metadata(directory, self._topics, self._counts, [file])
+    @contextmanager
+    def _disk_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.Error as error:
+            raise OSError(0, str(error), str(self.path)) from None
 
-
-def create_file(file: Path, topics: list[BagTopic]) -> None:
-    """Make a bag file without messages."""
-    distribution = os.environ.get("ROS_DISTRO") or DISTRIBUTION
-    described = information(topics, [0] * len(topics), [])
-    definitions = {topic.type_name: topic for topic in reversed(topics)}
-    with closing(sqlite3.connect(file)) as database, database:
-        database.execute("PRAGMA journal_mode = WAL")
-        database.executescript(_SCHEMA)
-        database.execute("INSERT INTO schema VALUES (?, ?)", (_SCHEMA_VERSION, distribution))
-        database.execute("INSERT INTO metadata VALUES (1, ?, ?)", (VERSION, described))
-        database.executemany(
-            "INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?, ?)",
-            (
-                (number, topic.name, topic.type_name, topic.qos, topic.type_hash)
-                for number, topic in enumerate(topics, 1)
-            ),
-        )
-        database.executemany(
-            "INSERT INTO message_definitions"
-            "(topic_type, encoding, encoded_message_definition, type_description_hash) "
-            "VALUES (?, 'ros2msg', ?, ?)",
-            (
-                (topic.type_name, topic.definition, topic.type_hash)
-                for topic in definitions.values()
-            ),
-        )
+    def _describe(self, directory: Path) -> None:
+        """Write the metadata, beside the data and into the file."""
+        times = (self._start, self._end) if any(self._counts) else (0, 0)
+        about = metadata(self._topics, self._counts, self._file, times)
+        new = directory / f"{METADATA_FILE}.new"
+        new.write_text(as_yaml({SECTION: about}))
+        new.rename(directory / METADATA_FILE)
+        with self._database:
+            self._database.execute(
+                "INSERT OR REPLACE INTO metadata VALUES (1, ?, ?)", (VERSION, as_yaml(about))
+            )

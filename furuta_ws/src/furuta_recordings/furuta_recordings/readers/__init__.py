@@ -9,7 +9,12 @@ from furuta_recordings.readers.simulation import read_simulation
 from furuta_recordings.readers.table import read_table
 from furuta_recordings.recording import Recording
 
-__all__ = ["Mapping", "read"]
+__all__ = ["Mapping", "is_bag", "read"]
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a path is that of a bag."""
+    return path.is_dir() or path.suffix in (".mcap", ".db3")
 
 
 def read(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
@@ -18,6 +23,4 @@ def read(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         raise ParameterError(f"no recording {path}")
     if path.suffix == ".npz":
         return read_simulation(path)
-    if path.is_dir() or path.suffix in (".mcap", ".db3"):
-        return read_bag(path, mapping)
-    return read_table(path, mapping)
+    return read_bag(path, mapping) if is_bag(path) else read_table(path, mapping)

@@ -1,23 +1,21 @@
-"""Reads recordings from bags of any origin."""
+"""Reads recordings from bags of any origin: joint states and a command."""
 
+from math import nan
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.converter import Actuator
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
-from furuta_recordings.bags.bag_files import file_in
-from furuta_recordings.bags.limits import DamagedError
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
-from furuta_recordings.readers.bag_topics import command_topic, states_topic
-from furuta_recordings.readers.drive import through_drive
-from furuta_recordings.readers.joint_states import JointSample, command_value, joint_sample
-from furuta_recordings.readers.mapping import NO_COMMAND, Mapping, joints_of
+from furuta_recordings.bags.bag_files import parameter_file_of
+from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.recording import Recording
-from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topic_names import MEASUREMENT
+from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 from furuta_ros.yaml_files import read_yaml
 
 
@@ -25,9 +23,9 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     """A recording from a bag of joint states and a command."""
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
-        states = states_topic(path, types, mapping)
+        states = _states_topic(path, types, mapping)
         driven = mapping.command != NO_COMMAND
-        command = command_topic(path, types, states, mapping) if driven else None
+        command = _command_topic(path, types, states, mapping) if driven else None
         content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, message in bag.messages_in_memory(chosen):
@@ -35,7 +33,84 @@ def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
     recording = content.recording(command_is_effort=driven and command is None)
-    return _with_recorded_drive(recording, path / PARAMETERS_FILE, content.notes)
+    return _with_recorded_drive(recording, path, content.notes)
+
+
+def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
+    """The topic of the joint states among the topics ``types`` (topic: type)."""
+    states = [topic for topic, type_name in types.items() if type_name == JOINT_STATE_TYPE]
+    if mapping.states:
+        matching = [topic for topic in states if topic.strip("/") == mapping.states.strip("/")]
+    else:
+        usual = (MEASUREMENT, JOINT_STATES)
+        matching = [topic for name in usual for topic in states if last_part(topic) == name]
+        matching = matching or (states if len(states) == 1 else [])
+    if not matching:
+        raise ParameterError(
+            f"{path}: needs a topic of type {JOINT_STATE_TYPE}, named with --states; it has "
+            + (", ".join(states) or f"none, only {_listed(types)}")
+        )
+    return matching[0]
+
+
+def _command_topic(path: Path, types: dict[str, str], states: str, mapping: Mapping) -> str | None:
+    """The topic of the command; None if it is the effort on the topic ``states``."""
+    if mapping.command == "effort":
+        return None
+    if mapping.command:
+        matching = [topic for topic in types if topic.strip("/") == mapping.command.strip("/")]
+    else:
+        others = [topic for topic in types if topic not in (states, PARAMETER_EVENTS, ROSOUT)]
+        matching = [topic for name in COMMANDS for topic in others if name in last_part(topic)]
+    if not matching:
+        raise ParameterError(
+            f"{path}: no command {mapping.command or ''}".rstrip()
+            + f"; name its topic with --command (effort: that of {states}); it has {_listed(types)}"
+        )
+    return matching[0]
+
+
+def _listed(types: dict[str, str]) -> str:
+    return ", ".join(f"{topic} ({name})" for topic, name in types.items()) or "no topics"
+
+
+class JointSample(NamedTuple):
+    """A message: time stamp [s], x = (φ, φ̇, θ, θ̇), the arm's effort; NaN where not given."""
+
+    stamp: float
+    state: tuple[float, ...]
+    effort: float
+
+
+def joint_sample(message: Any, arm: str, pendulum: str) -> JointSample:
+    """State of the joints named ``arm`` and ``pendulum`` in a JointState message."""
+    x, effort, names = [nan] * 4, nan, list(message.name)
+    for joint, angle, speed in ((arm, PHI, PHI_DOT), (pendulum, THETA, THETA_DOT)):
+        if joint in names:
+            index = names.index(joint)
+            x[angle] = _at(message.position, index)
+            x[speed] = _at(message.velocity, index)
+    if arm in names:
+        effort = _at(message.effort, names.index(arm))
+    return JointSample(stamp_nanoseconds(message) / NANOSECONDS, tuple(x), effort)
+
+
+def _at(series: Any, index: int) -> float:
+    return float(series[index]) if index < len(series) else nan
+
+
+def _command_value(path: Path, message: Any) -> float:
+    """The command in a message: its data, or the first element of an array."""
+    value = getattr(message, "data", None)
+    if value is None:
+        raise ParameterError(
+            f"{path}: a command needs a number in `data`, the type {message.__msgtype__} has none"
+        )
+    if isinstance(value, (int, float)):
+        return float(value)
+    if not len(value):
+        raise ParameterError(f"{path}: a command message has an empty array")
+    return float(value[0])
 
 
 class _Content:
@@ -52,7 +127,7 @@ class _Content:
     def add(self, is_state: bool, time: float, message: Any) -> None:
         """Add a message that arrived at ``time`` [s]."""
         if not is_state:
-            self._commands.append((time, command_value(self._path, message)))
+            self._commands.append((time, _command_value(self._path, message)))
             return
         if self._joints is None:
             self._joints, notes = joints_of(self._path, list(message.name), self._mapping)
@@ -77,15 +152,16 @@ class _Content:
 
 
 def _with_recorded_drive(
-    recording: Recording, file: Path, notes: list[str]
+    recording: Recording, bag: Path, notes: list[str]
 ) -> tuple[Recording, list[str]]:
     """The recording with the drive of the parameters stored in the bag, if there are any."""
     try:
-        content = read_yaml(file_in(file.parent, file.name), "parameter file")
+        file = parameter_file_of(bag)
+        content = read_yaml(file, "parameter file") if file else {}
         plant = content["plant"]["ros__parameters"]
         given = {name: plant[name] for name in ("actuator.voltage_range", "actuator.bits")}
         actuator = build(Actuator, given, "actuator.")
-    except (DamagedError, ParameterError, KeyError, TypeError):
+    except (ParameterError, KeyError, TypeError):  # no such file, or not of a simulated plant
         return recording, notes
-    recording, more = through_drive(recording, actuator, "the bag")
-    return recording, notes + more
+    recording, note = recording.through_drive(actuator, "the bag")
+    return recording, [*notes, note]

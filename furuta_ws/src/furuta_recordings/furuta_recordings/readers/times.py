@@ -5,9 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.column_names import TIME_UNITS, Column, column
-
-Columns = dict[str, np.ndarray]
+from furuta_recordings.readers.columns import TIME_UNITS, Columns, column, in_si
 
 # Names of a column with the time; `stamp` alone is one too.
 TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime")
@@ -21,37 +19,28 @@ LONGEST_INTERVAL = 0.5
 def clock_column(path: Path, columns: Columns, wanted: str | None) -> str:
     """The column with the time of every row: the one ``wanted``, or one with a usual name."""
     _join_seconds_and_nanoseconds(columns)
+    words = {name: column(name).words for name in columns}
     if wanted is not None:
-        words = column(wanted).words
-        found = [n for n in columns if n == wanted] or [
-            n for n in columns if column(n).words == words
-        ]
+        given = column(wanted).words
+        matching = [n for n in columns if n == wanted] or [n for n in columns if words[n] == given]
     else:
-        found = [n for n in columns if _is_time(column(n))] or [
-            n for n in columns if column(n).words[-1:] == ("stamp",)
-        ]
-    if not found:
+        matching = [n for n in columns if len(words[n]) == 1 and words[n][0] in TIME_WORDS]
+        matching = matching or [n for n in columns if words[n][-1:] == ("stamp",)]
+    if not matching:
         raise ParameterError(
             f"{path}: no column with the time"
             + (f" {wanted}" if wanted else f", such as {USUAL}; name it with --time")
             + f"; it has {', '.join(columns)}"
         )
-    return found[0]
-
-
-def _is_time(name: Column) -> bool:
-    return len(name.words) == 1 and name.words[0] in TIME_WORDS
+    return matching[0]
 
 
 def _join_seconds_and_nanoseconds(columns: Columns) -> None:
     """Add a column X/stamp for columns X/stamp/sec and X/stamp/nanosec, in place."""
     for name in list(columns):
-        if column(name).words[-2:] != ("stamp", "nanosec"):
-            continue
-        whole = name[: -len("nanosec") - 1]
-        parts = [n for n in columns if n.startswith(whole) and n[len(whole) + 1 :] == "sec"]
-        if parts:
-            columns[whole] = columns[parts[0]] + 1e-9 * columns[name]
+        seconds = name.removesuffix("nanosec") + "sec"
+        if column(name).words[-2:] == ("stamp", "nanosec") and seconds in columns:
+            columns[name[: -len("/nanosec")]] = columns[seconds] + 1e-9 * columns[name]
 
 
 def stamp_column(columns: Columns, angle: str) -> str | None:
@@ -70,14 +59,9 @@ def stamp_column(columns: Columns, angle: str) -> str | None:
 
 def seconds(path: Path, columns: Columns, name: str) -> np.ndarray:
     """The times in a column [s]; in the unit of its name or, since 1970, of their size."""
-    unit, times = column(name).unit, columns[name]
-    if unit:
-        if unit not in TIME_UNITS:
-            raise ParameterError(
-                f"{path}: the unit of column {name} is not one of {', '.join(TIME_UNITS)}; "
-                "rename the column"
-            )
-        return times * TIME_UNITS[unit]
+    if column(name).unit:
+        return in_si(path, columns, name, TIME_UNITS)
+    times = columns[name]
     known = times[np.isfinite(times)]
     if not len(known):
         raise ParameterError(f"{path}: no time in column {name}; name another one with --time")
