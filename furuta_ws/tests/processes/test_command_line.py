@@ -72,13 +72,15 @@ def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
     monkeypatch.setattr(demo, "PLAN", TuningPlan(MIN_SECONDS))
     out_dir = tmp_path / "demo"
-    status, out, err = furuta("demo", "--seconds", "8", "--out", out_dir, "--json")
+    status, out, err = furuta(
+        "demo", "--seconds", "8", "--set", "sample_time=0.002", "--out", out_dir, "--json"
+    )
     assert status == 0, err
     result = json.loads(out)
     assert result == json.loads((out_dir / "summary.json").read_text().replace("NaN", "null"))
     names = [run["compensation"] for run in result["runs"]]
     assert names == ["none", "coulomb", "lugre", "tuned"]
-    assert {run["samples"] for run in result["runs"]} == {8000}
+    assert {run["samples"] for run in result["runs"]} == {4000}
     none, *compensated = (run["phi_peak_to_peak_rad"] for run in result["runs"])
     assert 0.45 < none < 0.54
     assert max(compensated) < 0.25 * none

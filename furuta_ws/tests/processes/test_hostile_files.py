@@ -53,7 +53,7 @@ BAGS: dict[str, tuple[Make, str]] = {
 }
 # What is wrong with these is noticed only where their chunks are read.
 UNREAD = {"zstd_bomb", "zstd_liar", "lz4_bomb", "lz4_liar"}
-UNREAD |= {"long_record", "long_record_in_summary", "long_quality_of_service"}
+UNREAD |= {"long_record", "long_record_in_summary"}
 # These are read or copied without what makes them hostile.
 HARMLESS = {
     "info": {"claimed_array", "fixed_array", *UNREAD},
