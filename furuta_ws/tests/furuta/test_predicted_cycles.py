@@ -92,6 +92,7 @@ def test_stability_agrees_with_the_poles() -> None:
     assert verdicts.count(False) > 20
 
 
+@pytest.mark.long
 def test_no_cycle_is_missed() -> None:
     """The same cycles as in an independent scan of a closed form on two million cells."""
     rng = np.random.default_rng(7)

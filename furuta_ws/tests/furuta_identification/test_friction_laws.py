@@ -80,8 +80,8 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     [
         ({}, "coulomb"),
         ({"asymmetry": 0.2}, "asymmetric"),
-        ({"load": 0.15}, "load-dependent"),
-        ({"sigma0": 30.0, "sigma1": 0.5}, "lugre"),
+        pytest.param({"load": 0.15}, "load-dependent", marks=pytest.mark.long),
+        pytest.param({"sigma0": 30.0, "sigma1": 0.5}, "lugre", marks=pytest.mark.long),
     ],
 )
 def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:

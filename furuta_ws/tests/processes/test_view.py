@@ -108,6 +108,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert process.wait(60) == 0
 
 
+@pytest.mark.long
 def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> None:
     """With the emulated rig; the page says that it is armed, and why it stopped."""
     process, address = started(processes, "--", "--plant", "hardware", "--port", "mock")
