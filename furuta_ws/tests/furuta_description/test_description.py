@@ -12,7 +12,6 @@ import yaml
 from urdf_parser_py.urdf import URDF
 
 from furuta_description.display import display_nodes
-from furuta_description.lengths import Lengths, lengths
 from furuta_description.robot_description import robot_description, share
 from furuta_model.parameters import ParameterError
 from furuta_ros import topic_names
@@ -31,7 +30,8 @@ def rotation(axis: list[float], angle: float) -> np.ndarray:
 
 
 def parsed(rig: str) -> Any:
-    return URDF.from_xml_string(robot_description(lengths(find_rig(rig).model)))
+    model = find_rig(rig).model
+    return URDF.from_xml_string(robot_description(model.arm_length, model.pendulum_length))
 
 
 @pytest.mark.parametrize("rig", RIGS)
@@ -47,25 +47,26 @@ def test_joints_have_the_names_of_the_topics(rig: str) -> None:
 def test_lengths_are_those_of_the_data_sheet() -> None:
     """Qube-Servo 2: arm 85 mm; pendulum as Quanser gives mass, length and inertia."""
     mass, length, inertia = 0.024, 0.0645, 3.33e-5
-    arm, pendulum = lengths(find_rig("qube_servo_2").model)
-    assert arm == pytest.approx(0.085, rel=1e-12)
-    assert pendulum == pytest.approx((inertia + mass * length**2) / (mass * length), rel=1e-12)
+    model = find_rig("qube_servo_2").model
+    assert model.arm_length == pytest.approx(0.085, rel=1e-12)
+    expected = (inertia + mass * length**2) / (mass * length)
+    assert model.pendulum_length == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(("phi", "theta"), [(0.0, 0.0), (0.7, 0.2), (-2.0, 3.0)])
 def test_pendulum_stands_where_the_equations_have_it(phi: float, theta: float) -> None:
     """θ = 0 is upright; the centre is at (L cosφ − l sinθ sinφ, L sinφ + l sinθ cosφ, l cosθ)."""
-    of = Lengths(0.3, 0.4)
-    robot = URDF.from_xml_string(robot_description(of))
+    arm_length, length = 0.3, 0.4
+    robot = URDF.from_xml_string(robot_description(arm_length, length))
     arm, pendulum = (robot.joint_map[name] for name in topic_names.JOINTS)
     turned = rotation(arm.axis, phi)
     tip = turned @ (
-        np.array(pendulum.origin.xyz) + rotation(pendulum.axis, theta) @ [0.0, 0.0, of.pendulum]
+        np.array(pendulum.origin.xyz) + rotation(pendulum.axis, theta) @ [0.0, 0.0, length]
     )
     expected = [
-        of.arm * cos(phi) - of.pendulum * sin(theta) * sin(phi),
-        of.arm * sin(phi) + of.pendulum * sin(theta) * cos(phi),
-        of.pendulum * cos(theta),
+        arm_length * cos(phi) - length * sin(theta) * sin(phi),
+        arm_length * sin(phi) + length * sin(theta) * cos(phi),
+        length * cos(theta),
     ]
     assert tip == pytest.approx(expected, abs=1e-9)
 

@@ -8,14 +8,14 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from rclpy.node import Node
 
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import TuningPlan, TuningResult, observer_parameters
+from furuta.studies.tuning.plan import TuningPlan, TuningResult
 from furuta.studies.tuning.tuning import ProgressCallback, tune
-from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient
@@ -66,9 +66,12 @@ def _in_lockstep(settings: Settings) -> Settings:
 
 
 def run_demo(
-    settings: Settings, tuned: ObserverParameters, seconds: float, bag: Path
+    settings: Settings, tuned: dict[str, Any], seconds: float, bag: Path
 ) -> Iterator[Phase]:
-    """Run every compensation for ``seconds``, and record the graph into ``bag``."""
+    """Run every compensation for ``seconds``, and record the graph into ``bag``.
+
+    ``tuned`` are the parameters of the friction observer after the tuning.
+    """
     node = Node("furuta_demo")
     settings = _in_lockstep(settings)
     record = partial(RecorderNode, bag, stamped=True, parameters=settings_file(settings))
@@ -80,7 +83,7 @@ def run_demo(
             end = (number + 1) * seconds
             changes = {"compensation": compensation}
             if compensation == TUNED:
-                changes = observer_parameters(tuned)
+                changes = tuned
             client.set_all("friction_observer", changes)
             client.set("plant", run_until=end)
             graph.run_until(end)

@@ -11,7 +11,6 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from furuta_description.display import DisplayNode, display_nodes
-from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.launching import LOG_LEVELS, LaunchedNode, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
@@ -25,10 +24,7 @@ ARGUMENTS = {
     "rig": ("", "name or file of the rig, for every node; empty: the paper's rig"),
     "namespace": ("", "namespace of all nodes, to run several graphs side by side"),
     "without": ("", "nodes to leave out, separated by commas, to run your own instead"),
-    "compensation": (
-        "",
-        f"friction compensation: {', '.join(COMPENSATIONS)}; empty: that of the parameter files",
-    ),
+    "compensation": ("", "friction compensation, such as lugre; empty: as the parameter files say"),
     "record": ("", "directory for a bag of all topics, which must not exist; empty: no bag"),
     "log_level": ("info", f"lowest level that all nodes log: {', '.join(LOG_LEVELS)}"),
     "respawn": (

@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description, share
 from furuta_ros.topic_names import full_namespace
 from furuta_sim.settings.rigs import find_rig
@@ -27,7 +26,8 @@ def display_nodes(rig: str = "", namespace: str = "") -> list[DisplayNode]:
         ParameterError: There is no such rig, or the namespace is not valid.
     """
     where = full_namespace(namespace)
-    urdf = robot_description(lengths(find_rig(rig or DEFAULT_RIG).model))
+    model = find_rig(rig or DEFAULT_RIG).model
+    urdf = robot_description(model.arm_length, model.pendulum_length)
     layout = ["-d", str(share("config", "furuta.rviz"))]
     return [
         DisplayNode(

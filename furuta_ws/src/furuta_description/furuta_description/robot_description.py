@@ -4,7 +4,6 @@ from pathlib import Path
 
 import xacro
 
-from furuta_description.lengths import Lengths
 from furuta_ros.installed_files import share_directory
 
 PACKAGE = "furuta_description"
@@ -15,8 +14,8 @@ def share(folder: str, name: str) -> Path:
     return share_directory(PACKAGE) / folder / name
 
 
-def robot_description(of: Lengths) -> str:
-    """The URDF of a pendulum with these lengths."""
-    given = {"arm_length": f"{of.arm:.6g}", "pendulum_length": f"{of.pendulum:.6g}"}
+def robot_description(arm_length: float, pendulum_length: float) -> str:
+    """The URDF of a pendulum with these lengths [m]."""
+    given = {"arm_length": f"{arm_length:.6g}", "pendulum_length": f"{pendulum_length:.6g}"}
     document = xacro.process_file(str(share("urdf", "furuta.urdf.xacro")), mappings=given)
     return str(document.toxml())

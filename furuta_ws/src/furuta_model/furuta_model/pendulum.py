@@ -20,6 +20,7 @@ from furuta_model.elementary import sin_cos
 from furuta_model.parameters import About, ParameterError
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
+GRAVITY = 9.81  # [m/s²]
 # Angle [rad] up to which the series of :func:`rotate_slightly` are exact to rounding.
 LARGEST_ROTATION = 0.125
 
@@ -43,6 +44,19 @@ class FurutaPendulum(NamedTuple):
                 "alpha * beta must exceed gamma² (positive definite inertia), given "
                 f"alpha = {self.alpha:g}, beta = {self.beta:g}, gamma = {self.gamma:g}"
             )
+
+    @property
+    def arm_length(self) -> float:
+        """L [m] from the axis to the pendulum's joint: gγ/δ, since γ = mLl and δ = mgl."""
+        return GRAVITY * self.gamma / self.delta
+
+    @property
+    def pendulum_length(self) -> float:
+        """gβ/δ [m], from the joint to the centre of oscillation.
+
+        A simple pendulum of this length moves alike.
+        """
+        return GRAVITY * self.beta / self.delta
 
     @property
     def determinant(self) -> float:

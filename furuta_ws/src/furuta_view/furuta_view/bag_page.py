@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description
 from furuta_view.bag_samples import BagSamples, at_times
 from furuta_view.charts import SECONDS, Charts
@@ -43,7 +42,8 @@ class BagPage:
         ]
         self._parameters = [bag.parameters() for bag in bags]
         for scene, values in zip(self._scenes, self._parameters, strict=True):
-            scene.show(robot_description(lengths(model_of(values))))
+            model = model_of(values)
+            scene.show(robot_description(model.arm_length, model.pendulum_length))
         self._charts.cycle = exact_cycle(self._parameters[0])
         self._drawn = -1.0
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from furuta_description.lengths import lengths
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.settings.nodes import ESTIMATOR, HARDWARE_BRIDGE, PLANT
@@ -136,7 +135,7 @@ class LivePage:
         model = model_of(values)
         if model != self._drawn_model:
             self._drawn_model = model
-            self._scene.show(robot_description(lengths(model)))
+            self._scene.show(robot_description(model.arm_length, model.pendulum_length))
         if relevant(values) != self._cycle_of:
             self._cycle_of = relevant(values)
             self._link.computation.submit("cycle", self._compute_cycle)

@@ -77,8 +77,9 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     console = Console(stderr=True, quiet=quiet)
     with ros_context():
         with console.status("tuning"):
-            tuned = tune_graph(settings, PLAN, lambda message, seconds: None)
-        running = run_demo(settings, tuned.after.observer, seconds, bag)
+            result = tune_graph(settings, PLAN, lambda message, seconds: None)
+        tuned = observer_parameters(result.after.observer)
+        running = run_demo(settings, tuned, seconds, bag)
         phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
         recorded = read_recorded_run(bag)
@@ -86,7 +87,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
         draw_demo(recorded, phases, figure)
     return {
         "runs": evaluate(phases, recorded),
-        "tuned_parameters": observer_parameters(tuned.after.observer),
+        "tuned_parameters": tuned,
         "figure": str(figure),
         "bag": str(bag),
     }
