@@ -135,36 +135,3 @@ def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str
         status, _, err = furuta(*view, *loop, "--out", picture)
         assert (status, err) == (0, "")
         assert picture.read_bytes().startswith(PNG)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        ("linearize --nyquist --feedback nan 1 1 1", "four finite numbers"),
-        ("linearize --passivity --feedback 1 1 1 nan", "four finite numbers"),
-        ("linearize --figure-4 --feedback 1 1 1 1", "cannot be combined"),
-        ("linearize --set gamma=1", "alpha * beta must exceed gamma²"),
-        ("linearize --passivity --set observer_gain=1e9", "observer_gain must be"),
-        ("linearize --out x.png", "--out needs --nyquist"),
-        ("limit-cycle --predict --feedback 1 inf 1 1", "four finite numbers"),
-        ("limit-cycle --feedback 0 7 60 20 --out x.png", "no limit cycle"),
-        ("limit-cycle --feedback 0 0 0 0", "does not stabilise"),
-        ("limit-cycle --feedback 1 1 1 nan", "must be finite"),
-        ("limit-cycle --set sigma0=-1", "sigma0 must be"),
-        ("limit-cycle --set gamma=1", "must exceed gamma²"),
-        ("limit-cycle --release 0", "--release must not be 0"),
-        ("limit-cycle --over viscous", "NAME=LOW:HIGH"),
-        ("limit-cycle --over viscous=1:0", "LOW < HIGH"),
-        ("limit-cycle --over viscosity=0:1", "did you mean viscous"),
-        ("limit-cycle --over omega1=1:2 --over omega1=1:2", "two different parameters"),
-        ("limit-cycle --over omega1=-2:-1 --over zeta1=0:1", "omega1 must be"),
-        ("limit-cycle --over omega1=1:2:1 --over zeta1=0:1", "COUNT must be"),
-        ("limit-cycle --over omega1=1:2 --predict", "not with --predict"),
-    ],
-)
-def test_bad_input_is_one_line(furuta: Any, arguments: str, reason: str) -> None:
-    status, out, err = furuta(*arguments.split())
-    assert status in (1, 2)
-    assert out == ""
-    assert reason in err
-    assert len(err.strip().splitlines()) == 1

@@ -5,8 +5,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from furuta_recordings.table_files import parquet
 
 PNG = b"\x89PNG"
@@ -67,26 +65,3 @@ def test_tuned_candidates_are_compared(furuta: Any, tmp_path: Path) -> None:
     assert "friction_observer.sigma0" in out
     assert out.split()[-2:] == ["recommended", "a"]
     assert picture.read_bytes().startswith(PNG)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["--truths", "--rigs", "5"], "--rigs has no effect on the named rigs"),
-        (["--candidate", "a=alpha0=0.1:0.3"], "needs --tune-budget"),
-        (["--candidate", "a=plant.seed=1"], "only the plant"),
-        (["--set", "plant.sample_time=0.002"], "sample_time"),
-        (["--out", "mine.csv"], "already exists"),
-    ],
-)
-def test_bad_comparisons_are_rejected(
-    furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: list[str], reason: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("mine.csv").write_text("mine")
-    status, out, err = furuta("compare", *arguments)
-    assert (status, out) == (1, "")
-    assert err.startswith("error: ")
-    assert reason in err
-    assert err.count("\n") == 1
-    assert Path("mine.csv").read_text() == "mine"

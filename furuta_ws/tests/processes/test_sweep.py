@@ -110,25 +110,3 @@ def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> 
         _, err = process.communicate(timeout=TIMEOUT)
         assert process.returncode == 0, err
     assert out.read_bytes() == whole
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["nothing=1:2"], "no parameter nothing"),
-        (["alpha0=0.1:0.2", "--out", "a.txt"], ".csv"),
-        (["alpha0=0.1:0.2", "--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler"),
-        (["sigma1=1e9,2e9"], "no run is possible"),
-    ],
-)
-def test_bad_sweeps_are_rejected(
-    furuta: Any, tmp_path: Path, arguments: list[str], reason: str
-) -> None:
-    if "--out" not in arguments:
-        arguments = [*arguments, "--out", str(tmp_path / "a.csv")]
-    status, out, err = furuta("sweep", *arguments)
-    assert status == (2 if "a.txt" in arguments else 1)
-    assert out == ""
-    assert err.startswith("error: ")
-    assert reason in err
-    assert "Traceback" not in err
