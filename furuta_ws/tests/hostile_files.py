@@ -92,14 +92,6 @@ def linked_file(path: Path) -> Path:
     return path
 
 
-def linked_metadata(path: Path) -> Path:
-    outside = sound_bag(path.parent / SECRET) / "metadata.yaml"
-    file = sound_bag(path) / "metadata.yaml"
-    file.unlink()
-    file.symlink_to(outside)
-    return path
-
-
 def escaped_name(path: Path) -> Path:
     """sqlite3 takes the file's name for an address, in which %2f is a slash."""
     outside = sqlite_bag(path.parent / SECRET) / f"{SECRET}.db3"
@@ -118,20 +110,6 @@ def pipe_as_data(path: Path) -> Path:
     return path
 
 
-def pipe_as_metadata(path: Path) -> Path:
-    file = sound_bag(path) / "metadata.yaml"
-    file.unlink()
-    os.mkfifo(file)
-    return path
-
-
-def device_as_data(path: Path) -> Path:
-    file = sound_bag(path) / f"{path.name}_0.db3"
-    file.unlink()
-    file.symlink_to("/dev/zero")
-    return path
-
-
 # -- YAML --------------------------------------------------------------------------------------
 
 
@@ -145,13 +123,9 @@ def billion_laughs(levels: int = 12) -> str:
 YAML = {
     "billion_laughs": billion_laughs(),
     "deep": "[" * 100_000,
-    "deep_mappings": "{a: " * 50_000,
     "itself": "a: &a [*a]\n",
     "large": "# " + "x" * 2**22,
-    "many": "a: [" + "1," * 300_000 + "]\n",
     "number": "plant: {ros__parameters: {seed: " + ":".join(["1"] * 100_000) + "}}\n",
-    "hexadecimal": "plant: {ros__parameters: {seed: 0x" + "f" * 900 + "}}\n",
-    "no_such_date": "plant: {ros__parameters: {seed: 2020-99-99}}\n",
     "python": "!!python/object/apply:os.system ['touch secret']\n",
     "names": "? " + "n" * 900_000 + "\n: {" + ", ".join(f"a{k}: 1" for k in range(9000)) + "}\n",
 }
@@ -233,20 +207,6 @@ def bomb(compression: str, size: int, claimed: int | None = None) -> Callable[[P
 
 def long_record() -> bytes:
     return MAGIC + record(1, text("ros2") + text("x")) + RECORD_HEAD.pack(5, BILLION) + bytes(100)
-
-
-def long_record_in_summary() -> bytes:
-    data = MAGIC + record(1, text("ros2") + text("x"))
-    summary = RECORD_HEAD.pack(3, 2**62) + bytes(100)
-    return data + summary + record(2, struct.pack("<QQI", len(data), 0, 0)) + MAGIC
-
-
-def long_quality_of_service() -> bytes:
-    qos = text("offered_qos_profiles") + text("[" + "1, " * 2**20 + "]")
-    data = MAGIC + record(1, text("ros2") + text("x"))
-    channel = struct.pack("<HH", 1, 0) + text("/command") + text("cdr") + text(qos)
-    summary = record(4, channel)
-    return data + summary + record(2, struct.pack("<QQI", len(data), 0, 0)) + MAGIC
 
 
 def claimed_array(path: Path) -> Path:

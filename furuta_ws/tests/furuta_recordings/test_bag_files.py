@@ -83,7 +83,6 @@ def written_by_another(
 
 
 def test_a_bag_is_readable_after_every_flush(tmp_path: Path) -> None:
-    """Before and after it is closed; closing leaves one file, which rosbags reads alone."""
     writer = BagWriter(tmp_path / "bag", TOPICS, {"parameters.yaml": "plant: {}\n"})
     assert times(writer.path) == []
     for k in range(5):
@@ -103,7 +102,7 @@ def test_a_bag_is_readable_after_every_flush(tmp_path: Path) -> None:
         assert {c.topic: c.msgcount for c in bag.connections} == {"/a": 26, "/b": 25}
 
 
-@pytest.mark.parametrize("flushes", [1, 3, 10])
+@pytest.mark.parametrize("flushes", [1, 10])
 def test_sigkill_while_writing(tmp_path: Path, flushes: int) -> None:
     """A writer that writes without pause is killed: everything that was flushed is in the bag."""
     bag = tmp_path / "bag"
@@ -140,7 +139,6 @@ def test_a_full_disk_ends_a_recording(tmp_path: Path) -> None:
 
 
 def test_all_messages_are_written(tmp_path: Path) -> None:
-    """In order, whatever their sizes; the bag exists from the start."""
     writer = BackgroundWriter(tmp_path / "bag", TOPICS, {"parameters.yaml": "plant: {}\n"})
     assert (tmp_path / "bag" / "parameters.yaml").read_text() == "plant: {}\n"
     contents = [os.urandom(size) for size in (0, 1, 70_000, 3_000_000, *range(250))]
@@ -197,7 +195,7 @@ def mcap_file(file: Path) -> list[ChunkIndex]:
         return make_reader(stream).get_summary().chunk_indexes
 
 
-@pytest.mark.parametrize("part", [0.3, 0.6, 0.95])
+@pytest.mark.parametrize("part", [0.3, 0.95])
 def test_recover_truncated(tmp_path: Path, part: float) -> None:
     """A truncated MCAP file is refused; what stands before the cut is recovered."""
     file = tmp_path / "bag.mcap"
@@ -226,7 +224,6 @@ def test_a_damaged_chunk_is_left_out(tmp_path: Path) -> None:
 
 
 def test_recover_without_metadata(tmp_path: Path) -> None:
-    """A bag without metadata.yaml."""
     bag = written(tmp_path / "bag")
     (bag / "metadata.yaml").unlink()
     with pytest.raises(ParameterError, match="not a readable bag"), Bag(bag):
@@ -255,7 +252,6 @@ def test_messages_are_found_by_their_times(tmp_path: Path, plugin: StoragePlugin
 
 
 def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
-    """Also if only the metadata knows it."""
     bag = written(tmp_path / "bag")
     metadata = bag / "metadata.yaml"
     metadata.write_text(metadata.read_text().replace("name: /b", "name: /c"))
@@ -345,7 +341,6 @@ def error_of(do: Callable[[], Any]) -> str | None:
 
 @pytest.mark.parametrize("content", [b"", b"not a bag", b"\x89MCAP0\r\n" + b"\xff" * 100])
 def test_other_files_are_not_bags(tmp_path: Path, content: bytes) -> None:
-    """Empty and other files are refused in one line, by reading and by recovery."""
     file = tmp_path / "x.mcap"
     file.write_bytes(content)
     with pytest.raises(ParameterError, match="not a readable bag"), Bag(file):

@@ -17,28 +17,25 @@ from furuta_sim.settings.settings import load_settings
 
 
 @pytest.fixture
-def bag(ros: None, tmp_path: Path) -> Path:
-    return record(tmp_path)
-
-
-def record(tmp_path: Path) -> Path:
-    """Record two seconds without compensation, then one with LuGre."""
-    settings = load_settings(
-        [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
-    )
-    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
-    node = Node("node")
-    recorder = partial(
-        RecorderNode, tmp_path / "bag", stamped=True, parameters=settings_file(settings)
-    )
-    graph = SimulatedGraph(settings, [node], recorder)
-    client = ParameterClient(node, graph.executor)
-    client.set("plant", run_until=2.0)
-    graph.run_until(2.0)
-    client.set("friction_observer", compensation="lugre", alpha0=0.2)
-    client.set("plant", run_until=3.0)
-    graph.run_until(3.0)
-    graph.close()
+def bag(tmp_path: Path) -> Path:
+    """Two seconds without compensation, then one with LuGre, in a namespace."""
+    with ros_context(namespace="/left"):
+        settings = load_settings(
+            [], ["controller.omega1=8", "plant.seed=3", "controller.excitation.kind=sine"]
+        )
+        settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
+        node = Node("node")
+        recorder = partial(
+            RecorderNode, tmp_path / "bag", stamped=True, parameters=settings_file(settings)
+        )
+        graph = SimulatedGraph(settings, [node], recorder)
+        client = ParameterClient(node, graph.executor)
+        client.set("plant", run_until=2.0)
+        graph.run_until(2.0)
+        client.set("friction_observer", compensation="lugre", alpha0=0.2)
+        client.set("plant", run_until=3.0)
+        graph.run_until(3.0)
+        graph.close()
     return tmp_path / "bag"
 
 
@@ -48,15 +45,6 @@ def test_recomputation_equals_recording(bag: Path) -> None:
     assert result["samples"] == 3000
     assert result["identical"]
     assert result["command"]["compared"] == 3000
-
-
-def test_bit_identical_in_a_namespace(tmp_path: Path) -> None:
-    """Topics and changes of parameters are found under the namespace of the recorded graph."""
-    with ros_context(namespace="/left"):
-        bag = record(tmp_path)
-    result = compare(*recompute_bag(bag, (), ()))
-    assert result["command"]["compared"] == 3000
-    assert result["identical"]
 
 
 def test_another_tuning_changes_estimate_and_command(bag: Path, tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """Recording, replaying and identifying on the command line."""
 
-import csv
 import json
 from pathlib import Path
 from time import monotonic
@@ -120,23 +119,15 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     series = tmp_path / "run.npz"
     furuta("simulate", "--ideal-sensors", "--seconds", "8", "--out", series)
     table = tmp_path / "log.csv"
-    with np.load(series) as file, table.open("w", newline="") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(
-            [
-                "__time",
-                "/js/rotor/position",
-                "/js/rotor/velocity",
-                "/js/link/position",
-                "/js/link/velocity",
-                "/drive/data.0",
-            ]
-        )
-        for t, (phi, v, theta, w), u in zip(
-            file["time"], file["estimate"][:, :4], file["command"], strict=True
-        ):
-            writer.writerow([t, phi, v, np.pi - theta, -w, ""])
-            writer.writerow([t, "", "", "", "", u])
+    joints = [
+        f"/js/{joint}/{part}" for joint in ("rotor", "link") for part in ("position", "velocity")
+    ]
+    lines = [",".join(["__time", *joints, "/drive/data.0"])]
+    with np.load(series) as file:
+        states = file["estimate"][:, :4].tolist()
+        for t, (phi, v, theta, w), u in zip(file["time"], states, file["command"], strict=True):
+            lines += [f"{t},{phi},{v},{np.pi - theta},{-w},", f"{t},,,,,{u}"]
+    table.write_text("\n".join(lines) + "\n")
     file_out = tmp_path / "rig.yaml"
     status, out, err = furuta(
         "identify", table, "--arm", "rotor", "--pendulum", "link", "--command", "/drive",
@@ -157,7 +148,6 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
-    """Exit status 1, and one line says what is missing."""
     empty = tmp_path / "empty"
     empty.mkdir()
     words = tmp_path / "words.csv"
@@ -189,19 +179,14 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
     ("arguments", "option"),
     [
         (["identify", "log.csv", "--window", "0.01"], "--window"),
-        (["identify", "log.csv", "--window", "nan"], "--window"),
         (["identify", "log.csv", "--command-scale", "0"], "--command-scale"),
-        (["identify", "log.csv", "--command-scale", "inf"], "--command-scale"),
         (["identify", "log.csv", "--zero", "left"], "--zero"),
-        (["identify"], "PATH"),
         (["bag", "replay", "bag", "--rate", "-1"], "--rate"),
-        (["bag", "replay", "bag", "--rate", "nan"], "--rate"),
         (["bag", "replay", "bag", "--remap", "a:=b:=c"], "--remap"),
         (["bag", "replay", "bag", "--remap", "a="], "--remap"),
     ],
 )
 def test_wrong_usage(furuta: Any, arguments: list[str], option: str) -> None:
-    """Exit status 2, and the message names the option."""
     status, out, err = furuta(*arguments)
     assert (status, out) == (2, "")
     assert f"'{option}" in err

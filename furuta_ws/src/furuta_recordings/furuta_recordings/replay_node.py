@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.bag import Bag, last_part
 from furuta_ros.errors import UserError
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.time_stamps import NANOSECONDS
@@ -52,14 +52,25 @@ class ReplayNode(Node):
         # Monotonic time [s] and time of the bag [ns] at the first message.
         self._start: tuple[float, int] | None = None
         self._topic_publishers: dict[str, Publisher] = {}
+        names = {_absolute(old): new for old, new in options.remap}
         for topic, type_name in self._chosen_types().items():
-            self._create_publisher(topic, type_name)
+            message_class = _message_class(type_name)
+            if message_class is not None:
+                self._topic_publishers[topic] = self.create_publisher(
+                    message_class, names.get(_absolute(topic), topic), deep(QUEUE_DEPTH)
+                )
+            elif options.topics:
+                raise ParameterError(f"{topic}: the type {type_name} is not installed")
+            else:
+                self.get_logger().warning(f"left out {topic}: {type_name} is not installed")
         self._bag_clock = SimulatedClock(self, CLOCK_TOPIC) if options.clock else None
 
     def _chosen_types(self) -> dict[str, str]:
-        """Topics to replay with their types."""
+        """Topics to replay with their types; the replay's own clock replaces a recorded one."""
         with Bag(self._bag) as bag:
-            types = {c.topic: c.msgtype for c in bag.connections if not self._replaces(c.topic)}
+            types = {c.topic: c.msgtype for c in bag.connections}
+        if self._options.clock:
+            types = {topic: t for topic, t in types.items() if _absolute(topic) != CLOCK_TOPIC}
         wanted = {_absolute(topic) for topic in self._options.topics}
         unknown = wanted - {_absolute(topic) for topic in types}
         if unknown:
@@ -67,23 +78,6 @@ class ReplayNode(Node):
                 f"{self._bag} has no topic {', '.join(sorted(unknown))}; it has {', '.join(types)}"
             )
         return {topic: t for topic, t in types.items() if not wanted or _absolute(topic) in wanted}
-
-    def _replaces(self, topic: str) -> bool:
-        """Whether the replay's own clock replaces this recorded one: time has one publisher."""
-        return self._options.clock and _absolute(topic) == CLOCK_TOPIC
-
-    def _create_publisher(self, topic: str, type_name: str) -> None:
-        """Create a topic's publisher, if its type is installed."""
-        message_class = _message_class(type_name)
-        if message_class is None:
-            if self._options.topics:
-                raise ParameterError(f"{topic}: the type {type_name} is not installed")
-            self.get_logger().warning(f"left out {topic}: the type {type_name} is not installed")
-            return
-        names = {_absolute(old): new for old, new in self._options.remap}
-        self._topic_publishers[topic] = self.create_publisher(
-            message_class, names.get(_absolute(topic), topic), deep(QUEUE_DEPTH)
-        )
 
     def play(self, stop: Callable[[], bool]) -> None:
         """Publish everything, or until ``stop()``."""
@@ -115,10 +109,13 @@ class ReplayNode(Node):
         self.latest = max(self.latest, monotonic() - due)
 
     def _wait_for_subscribers(self, stop: Callable[[], bool]) -> None:
-        """Return when every topic of the loop has a subscriber."""
+        """Return when every topic has a subscriber, except those that only report."""
         deadline = monotonic() + SUBSCRIBER_TIMEOUT
-        every = self._topic_publishers.items()
-        publishers = [each for topic, each in every if _is_of_the_loop(topic)]
+        publishers = [
+            publisher
+            for topic, publisher in self._topic_publishers.items()
+            if topic not in (PARAMETER_EVENTS, ROSOUT) and last_part(topic) != ACTIVE_MODE
+        ]
         while not stop():
             missing = [p.topic_name for p in publishers if not p.get_subscription_count()]
             if not missing:
@@ -128,12 +125,6 @@ class ReplayNode(Node):
                     f"no subscriber on {', '.join(missing)} (waited {SUBSCRIBER_TIMEOUT:g} s)"
                 )
             sleep(0.02)
-
-
-def _is_of_the_loop(topic: str) -> bool:
-    """Whether a topic is neither one of ROS itself nor one that only reports."""
-    reports = topic.rpartition("/")[2] == ACTIVE_MODE
-    return topic not in (PARAMETER_EVENTS, ROSOUT) and not reports
 
 
 def _absolute(topic: str) -> str:

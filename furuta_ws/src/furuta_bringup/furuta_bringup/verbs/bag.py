@@ -11,7 +11,7 @@ from furuta_bringup.options import json_option, model_options, names_options
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
 
@@ -29,19 +29,18 @@ def command() -> None:
 def info(bag: Path, as_json: bool) -> None:
     """Show what BAG contains: topics, types, messages, times."""
     with Bag(bag) as content:
-        result = _info(content)
-    parameters = bag / PARAMETERS_FILE
-    result["parameters"] = str(parameters) if parameters.is_file() else None
+        result: dict[str, Any] = {
+            "messages": content.message_count,
+            "start_s": content.start / NANOSECONDS if content.message_count else None,
+            "duration_s": content.seconds,
+            "topics": {
+                topic: {"type": kind, "messages": count}
+                for topic, kind, count in content.connections
+            },
+        }
+    parameters = parameter_file_of(bag)
+    result["parameters"] = str(parameters) if parameters else None
     show(result, as_json)
-
-
-def _info(bag: Bag) -> dict[str, Any]:
-    return {
-        "messages": bag.message_count,
-        "start_s": bag.start / NANOSECONDS if bag.message_count else None,
-        "duration_s": bag.seconds if bag.message_count else 0.0,
-        "topics": {c.topic: {"type": c.msgtype, "messages": c.msgcount} for c in bag.connections},
-    }
 
 
 @command.command()
@@ -81,19 +80,15 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
     show(recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered")), as_json)
 
 
-class Remapping(click.ParamType):
-    """A pair of topics FROM:=TO."""
-
-    name = "remapping"
-
-    def convert(
-        self, value: str, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, str]:
-        """The two topics."""
-        old, separator, new = value.partition(":=")
-        if not (old and separator and new) or ":=" in new:
-            self.fail(f"{value!r} is not FROM:=TO", param, ctx)
-        return old, new
+def _remappings(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[tuple[str, str], ...]:
+    """Pairs of topics, from texts FROM:=TO."""
+    pairs = [tuple(value.split(":=")) for value in values]
+    for value, pair in zip(values, pairs, strict=True):
+        if len(pair) != 2 or not all(pair):
+            raise click.BadParameter(f"{value!r} is not FROM:=TO", ctx, param)
+    return tuple((old, new) for old, new in pairs)
 
 
 @command.command()
@@ -109,7 +104,7 @@ class Remapping(click.ParamType):
 @click.option(
     "--remap",
     multiple=True,
-    type=Remapping(),
+    callback=_remappings,
     metavar="FROM:=TO",
     help="Publish a topic under another name; repeatable.",
 )
