@@ -156,7 +156,6 @@ def test_limit_cycle_is_the_simulated_one(
 
     Without compensation all windows of 5 s agree, also with the C firmware. With LuGre compensation
     the motion is below one count of the encoder and varies by half between windows.
-    benchmarks/hardware.py runs longer.
     """
     if options:  # make test installs the compiler of the C firmware
         pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
