@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta_identification.identify import identify
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
@@ -38,13 +37,6 @@ def identify_files(
             findings += remarks
     fitted = [model.predict(recording) for recording in model.recordings]
     return Identified(model, fitted, held_out, findings)
-
-
-def free_swing_of_files(paths: tuple[Path, ...], names: Mapping, options: Options) -> FreeSwing:
-    """Fit the pendulum's own motion to the recordings at ``paths``."""
-    recordings, findings = _read_all(paths, names)
-    swing = identify_free_swing(recordings, options)
-    return swing._replace(findings=[*findings, *swing.findings])
 
 
 def _read_all(paths: tuple[Path, ...], names: Mapping) -> tuple[list[Recording], list[str]]:

@@ -5,18 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from furuta_identification.fitting.free_swing import FreeSwing
-
-
-def free_swing_lines(swing: FreeSwing) -> Iterator[str]:
-    """The pendulum's own motion."""
-    for name, value in swing.values.items():
-        yield f"{name:26} {value:12.6g}  ± {swing.standard_errors[name]:.2g}"
-    for name, fit in swing.fit.items():
-        yield f"fit {name}: pendulum angle {fit:.1f} %"
-    for finding in swing.findings:
-        yield f"found: {finding}"
-
 
 def report_lines(result: dict[str, Any]) -> Iterator[str]:
     """The report of a model (:func:`furuta_identification.result.report.full_report`)."""
