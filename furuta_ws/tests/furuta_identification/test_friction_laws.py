@@ -11,9 +11,8 @@ from furuta_identification.fitting.friction_laws import (
     simplest_adequate_law,
 )
 from furuta_identification.model import Model
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.rig_model import move
-from furuta_identification.shooting.unknowns import BODY
+from furuta_identification.shooting.prediction import move
+from furuta_identification.shooting.unknowns import BODY, ParameterValues
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
@@ -52,7 +51,6 @@ def swung(arm: ParameterValues) -> Recording:
 def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
     """Results of Coulomb's law and others for an arm that a model without them describes."""
     start = truth.changed(["asymmetry", "load", "alpha1"], (0.0, 0.0, 0.0))
-    none: Any = None
     model = Model(
         start,
         FITTED,
@@ -60,7 +58,6 @@ def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
         np.eye(len(FITTED)),
         np.inf,
         10.0 * NOISE,
-        none,
         [swung(truth)],
         [],
     )
@@ -95,6 +92,6 @@ def test_an_arm_that_never_reverses_tells_no_law() -> None:
     one = swung(paper_arm())
     turning = one._replace(measured=np.abs(one.measured))
     none: Any = None
-    model = Model(paper_arm(), [], none, none, np.inf, NOISE, none, [turning], [])
+    model = Model(paper_arm(), [], none, none, np.inf, NOISE, [turning], [])
     with pytest.raises(ParameterError, match="need reversals of the arm"):
         compare_laws(model)

@@ -10,14 +10,17 @@ from furuta_identification.preparation.prepare import prepare_all
 from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
-from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import excerpts_of, split_into_runs
+
+# Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
+MOST_SAMPLES = 30_000
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
     """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
-    runs, findings = _runs(recordings, options.most_samples)
+    runs, findings = _runs(recordings)
     options.report("finding units and orientation")
     ready = prepare_all(runs, options)
     findings += ready.findings
@@ -34,10 +37,10 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     start = starting_values(regression, lag, ceiling)
     if all(is_balanced(recording) for recording in prepared):
         # In such slow motion the regression hardly distinguishes a delay from an inertia.
-        model, delay = fit_balanced(prepared, start, regression, findings, options), 0.0
+        model, delay = fit_balanced(prepared, start, findings, options), 0.0
     else:
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
-        model = fit_swinging(delayed, start, regression, findings, options)
+        model = fit_swinging(delayed, start, findings, options)
     return model._replace(
         command_negated=negated,
         command_delay=delay,
@@ -46,7 +49,7 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     )
 
 
-def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recording], list[str]]:
+def _runs(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
     """Excerpts of all runs of all recordings, and what was found."""
     runs, findings = [], []
     for recording in recordings:
@@ -55,7 +58,7 @@ def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recordin
         findings += remarks
     chosen = []
     for number, run in enumerate(runs):
-        excerpts, remarks = excerpts_of(run._replace(number=number), most_samples // len(runs))
+        excerpts, remarks = excerpts_of(run._replace(number=number), MOST_SAMPLES // len(runs))
         chosen += excerpts
         findings += remarks
     return chosen, findings

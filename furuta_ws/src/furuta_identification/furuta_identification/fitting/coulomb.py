@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 from furuta_identification.regression.speeds import turns_one_way
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import BY_NAME
+from furuta_identification.shooting.unknowns import BY_NAME, ParameterValues
 from furuta_recordings.recording import Recording
 
 # Assumed Coulomb friction as a part of the largest command, and its upper limit.

@@ -14,8 +14,7 @@ from furuta_identification.fitting.starting_fits import fit_growing_segments
 from furuta_identification.model import Model
 from furuta_identification.options import silent
 from furuta_identification.regression.speeds import turns_one_way
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import LUGRE, zero_name
+from furuta_identification.shooting.unknowns import LUGRE, ParameterValues, zero_name
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording, by_run

@@ -3,10 +3,9 @@
 import numpy as np
 
 from furuta_identification.shooting.optimisation import Optimum, optimise, residual_scale
-from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import is_zero
+from furuta_identification.shooting.unknowns import ParameterValues, is_zero
 from furuta_recordings.recording import Recording
 
 # Lengths of the segments [s], one fit after the other: the longer a segment, the better its start

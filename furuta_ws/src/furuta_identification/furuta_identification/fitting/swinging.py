@@ -7,7 +7,6 @@ from furuta_identification.fitting.starting_fits import fit_growing_segments, fi
 from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.regression.first_estimate import MomentumFit
 from furuta_identification.shooting.optimisation import (
     FINE,
     Optimum,
@@ -15,13 +14,13 @@ from furuta_identification.shooting.optimisation import (
     residual_scale,
     worst_pendulum_fit,
 )
-from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.unknowns import (
     BODY,
     FRICTION,
     LUGRE,
     TILT,
     TIMING,
+    ParameterValues,
     assumed_spread,
     wave_names,
     zero_name,
@@ -47,7 +46,6 @@ ROUNDS_OF_WAVES = 2
 def fit_swinging(
     recordings: list[Recording],
     start: ParameterValues,
-    regression: MomentumFit,
     findings: list[str],
     options: Options,
 ) -> Model:
@@ -69,7 +67,7 @@ def fit_swinging(
     if why:
         findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
-        return fit_swinging(recordings, start, regression, findings, options)
+        return fit_swinging(recordings, start, findings, options)
     options.report("computing standard errors")
     bristle = [name for name in LUGRE if name not in optimum.names]
     assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
@@ -79,9 +77,7 @@ def fit_swinging(
     orders = [order for order in optimum.values.wave_orders if order > 1]
     ripple = [f"torque ripple with {order} waves per turn" for order in orders]
     findings = [*findings, *setting.findings, *ripple]
-    return Model(
-        optimum.values, names, *certainty, window, optimum.scale, regression, recordings, findings
-    )
+    return Model(optimum.values, names, *certainty, window, optimum.scale, recordings, findings)
 
 
 def _against_free_runs(optimum: Optimum) -> str:

@@ -35,15 +35,13 @@ def _zeros(model: Model) -> list[float]:
 
 
 def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
-    """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
+    """Order, cosine and sine amplitude [V] of each wave of the torque."""
     waves = []
     for order in model.values.wave_orders:
         wave: dict[str, float | None] = {"order": order}
         for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
             known = name in model.names and name not in reasons
-            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
             wave[part] = model.values[name] if known else None
-            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
         waves.append(wave)
     return waves
 
@@ -110,8 +108,6 @@ def full_report(identified: Identified) -> dict[str, Any]:
     result["fit"] = {p.recording.name: _fits(p) for p in identified.fitted}
     result["held_out"] = {p.recording.name: _fits(p) for p in identified.held_out}
     result["verdict"] = verdict(identified.fitted)
-    regression = identified.model.regression._asdict()
-    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
     return result
 
 

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from furuta_identification.shooting.parameter_values import ParameterValues, bounds
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import prior
+from furuta_identification.shooting.unknowns import ParameterValues, bounds, prior
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 
