@@ -6,7 +6,7 @@ from random_rigs import DEGREE, EXAMPLE, RPM, Readings, example, record
 
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
-from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
+from furuta_identification.regression.equations import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.regression.first_estimate import first_estimate, momentum_fit
 from furuta_identification.regression.speeds import speed_lag, with_speeds
 from furuta_model.parameters import ParameterError

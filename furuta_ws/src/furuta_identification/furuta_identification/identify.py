@@ -7,7 +7,7 @@ from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare_all
-from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
+from furuta_identification.regression.equations import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
 from furuta_identification.shooting.unknowns import ParameterValues

@@ -4,10 +4,9 @@ import numpy as np
 
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.shooting.optimisation import FINE, Optimum, optimise
+from furuta_identification.shooting.optimisation import FINE, Optimum, noise_of, optimise
 from furuta_identification.shooting.unknowns import BODY, LUGRE, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
-from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_model.state import PHI, THETA
 from furuta_recordings.recording import Recording
 

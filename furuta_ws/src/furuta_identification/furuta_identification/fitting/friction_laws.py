@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.starting_fits import fit_growing_segments
+from furuta_identification.fitting.swinging import fit_growing_segments
 from furuta_identification.model import Model
 from furuta_identification.options import silent
 from furuta_identification.regression.speeds import turns_one_way

@@ -1,37 +1,42 @@
 """Fits a pendulum that swings from hanging: short segments first, then free runs."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from furuta_identification.fitting.coulomb import assume_if_one_way
-from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
 from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.model import Model
 from furuta_identification.options import Options
+from furuta_identification.regression.speeds import turns_one_way
 from furuta_identification.shooting.optimisation import (
     FINE,
     Optimum,
+    noise_of,
     optimise,
     residual_scale,
     worst_pendulum_fit,
 )
+from furuta_identification.shooting.segments import cut_into_segments
+from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
     BODY,
+    BY_NAME,
     FRICTION,
     LUGRE,
     TILT,
     TIMING,
     ParameterValues,
     assumed_spread,
+    is_zero,
     wave_names,
     zero_name,
 )
 from furuta_identification.uncertainty.covariance import (
     covariance_and_information,
     difference_covariance,
+    is_linear,
 )
 from furuta_identification.uncertainty.identifiability import identifiable
-from furuta_identification.uncertainty.jackknife import is_linear
-from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_recordings.recording import Recording, by_run
 
 # Smallest scale of the residuals [rad, rad/s] at first, while the model is still incomplete.
@@ -41,6 +46,12 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
+# Assumed Coulomb friction as a part of the largest command, and its upper limit.
+USUAL_PART = 0.03
+LARGEST_PART = 0.25
+# Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
+# must be.
+SEGMENT_LENGTHS = (0.5, 1.5, np.inf)
 
 
 def fit_swinging(
@@ -120,3 +131,75 @@ def _final_fit(optimum: Optimum) -> Optimum:
     bristle = [name for name in LUGRE if name not in optimum.names]
     names = [*optimum.names, *identifiable(optimum, bristle)]
     return optimum.refitted(names, optimum.values, FINE)
+
+
+class Setting(NamedTuple):
+    """Unknowns to fit, their starting values, and those ``assumed`` (name: spread)."""
+
+    names: list[str]
+    start: ParameterValues
+    assumed: dict[str, float]
+    findings: list[str]
+
+
+def assume_if_one_way(
+    recordings: list[Recording], names: list[str], start: ParameterValues
+) -> Setting:
+    """Assume a Coulomb level where the arm never changes direction in any recording."""
+    if not all(turns_one_way(recording) for recording in recordings):
+        return Setting(names, start, {}, [])
+    largest = max(recording.largest_command for recording in recordings)
+    usual = max(USUAL_PART * largest, BY_NAME["coulomb"].spread)
+    level = min(usual, LARGEST_PART * largest)
+    finding = (
+        "the arm turns in one direction only, where Coulomb friction has the same effect as a "
+        f"smaller command: assumed {level:.3g} ± {level:.3g} V"
+    )
+    rest = [name for name in names if name not in ("coulomb", "asymmetry")]
+    start = start.changed(["coulomb", "asymmetry"], [level, 0.0])
+    return Setting(rest, start, {"coulomb": level}, [finding])
+
+
+def fit_growing_segments(
+    excerpts: list[Recording],
+    names: list[str],
+    start: ParameterValues,
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """Fit one recording in ever longer segments of at most ``window`` [s].
+
+    After each fit its residuals weight the channels anew. The ``excerpts`` of a recording share its
+    zero.
+    """
+    for length in SEGMENT_LENGTHS:
+        optimum = optimise(excerpts, names, start, min(length, window), scale, robust=True)
+        start, scale = optimum.values, residual_scale(optimum)
+    return optimum
+
+
+def fit_together(
+    recordings: list[Recording],
+    names: list[str],
+    own_fits: list[Optimum],
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """The common fit of all recordings, started from the fit of one that suits all best.
+
+    Each recording alone leads near the common optimum. A common fit from a worse start can end in
+    a local optimum. Each recording has its own zero.
+    """
+    if len(own_fits) == 1:
+        return own_fits[0]
+    zeros = [fit.values["zero"] for fit in own_fits]
+    zero_names = [name for name in names if is_zero(name)]
+    starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
+
+    def common_misfit(start: ParameterValues) -> float:
+        parts = [cut_into_segments(r, window, scale, start) for r in recordings]
+        residuals = Shooting(parts, names, start).residuals(start.vector(names))
+        return float(np.sum(np.log1p(residuals**2)))
+
+    best = min(starts, key=common_misfit)
+    return optimise(recordings, names, best, window, scale, robust=True)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.autocorrelation import correlation_length
+from furuta_identification.regression.windows import correlation_length
 from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting

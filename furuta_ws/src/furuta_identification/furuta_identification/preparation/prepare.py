@@ -3,9 +3,13 @@
 from typing import NamedTuple
 
 from furuta_identification.options import AUTO_DIRECTION, Options
+from furuta_identification.preparation.angles import (
+    angle_unit,
+    in_unit,
+    oriented,
+    with_usable_speeds,
+)
 from furuta_identification.preparation.first_command import with_first_command
-from furuta_identification.preparation.orientation import oriented
-from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording

@@ -6,15 +6,20 @@ import numpy as np
 
 from furuta_identification.identify_files import Identified
 from furuta_identification.model import Model, Prediction
-from furuta_identification.result.verdict import verdict
+from furuta_identification.regression.windows import coloured_part
 from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+from furuta_recordings.recording import CHANNELS
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
+# Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
+SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
+# A joint's fit is that of the first of its channels that was measured.
+JOINTS = {"arm": ("arm speed", "arm angle"), "pendulum": ("pendulum angle",)}
 
 
 def reported_values(model: Model) -> dict[str, float]:
@@ -115,3 +120,33 @@ def _fits(prediction: Prediction) -> dict[str, float]:
     fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
     first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
     return {**fits, "pendulum_angle_first_3_s": first}
+
+
+def verdict(predictions: list[Prediction]) -> dict[str, Any]:
+    """``usable`` (yes, doubtful, no) with ``reasons``, and the ``coloured`` part of residuals [%].
+
+    White residuals have 5 % of their autocorrelations outside the band. More show what the model
+    lacks: the standard errors count for that, a noise model would not.
+    """
+    reasons, worst = [], 100.0
+    for prediction in predictions:
+        fits = prediction.fits()
+        for joint, channels in JOINTS.items():
+            known = [fits[name] for name in channels if not np.isnan(fits[name])]
+            if known and known[0] < DOUBTFUL_FIT:
+                reasons.append(f"{prediction.recording.name}: fit of the {joint} {known[0]:.0f} %")
+                worst = min(worst, known[0])
+    usable = "no" if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
+    return {
+        "usable": usable,
+        "reasons": reasons,
+        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
+    }
+
+
+def _colours(prediction: Prediction) -> dict[str, float]:
+    """Part [%] of the residuals' first autocorrelations outside the band of white noise."""
+    residuals = prediction.recording.measured - prediction.predicted
+    return {
+        name.replace(" ", "_"): coloured_part(residuals[:, k]) for k, name in enumerate(CHANNELS)
+    }
