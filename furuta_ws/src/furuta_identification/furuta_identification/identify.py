@@ -1,21 +1,54 @@
 """From recordings to a model: preparation, regression, then output error."""
 
+from pathlib import Path
+
 import numpy as np
 
 from furuta_identification.fitting.balanced import fit_balanced, is_balanced
 from furuta_identification.fitting.swinging import fit_swinging
-from furuta_identification.model import Model
+from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare_all
 from furuta_identification.regression.equations import fitted_ceiling, what_hides_a_ceiling
 from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
+from furuta_identification.result.validation import validate
 from furuta_identification.shooting.unknowns import ParameterValues
+from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import excerpts_of, split_into_runs
 
 # Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
 MOST_SAMPLES = 30_000
+
+
+def identify_files(
+    paths: tuple[Path, ...], validation_paths: tuple[Path, ...], names: Mapping, options: Options
+) -> tuple[Model, list[Prediction], list[Prediction]]:
+    """A model of the recordings at ``paths``; its predictions of them and of held-out ones."""
+    recordings, findings = _read_all(paths, names)
+    model = identify(recordings, options)
+    held_out = []
+    others, remarks = _read_all(validation_paths, names)
+    findings += remarks
+    for recording in others:
+        for run in split_into_runs(recording)[0]:
+            prediction, remarks = validate(model, run, options)
+            held_out.append(prediction)
+            findings += remarks
+    fitted = [model.predict(recording) for recording in model.recordings]
+    return model._replace(findings=findings + model.findings), fitted, held_out
+
+
+def _read_all(paths: tuple[Path, ...], names: Mapping) -> tuple[list[Recording], list[str]]:
+    """The recordings, each with a unique name, and how their content was interpreted."""
+    recordings, findings = [], []
+    for path in paths:
+        recording, remarks = read(path, names)
+        ambiguous = sum(other.name == path.name for other in paths) > 1
+        recordings.append(recording._replace(name=str(path)) if ambiguous else recording)
+        findings += remarks
+    return recordings, findings
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:

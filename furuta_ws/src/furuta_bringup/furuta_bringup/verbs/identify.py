@@ -12,10 +12,9 @@ from furuta_bringup.number_types import FiniteRange, NonZero
 from furuta_bringup.options import json_option, names_options
 from furuta_bringup.printing import print_json
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify_files import identify_files
+from furuta_identification.identify import identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_identification.result.report import full_report
-from furuta_identification.result.report_text import report_lines
+from furuta_identification.result.report import full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_sim.settings.rigs import find_rig
@@ -151,21 +150,21 @@ def command(
     with console.status("reading") as status:
         # Without a terminal there is no line to update: a line for each stage.
         options = options._replace(report=status.update if console.is_terminal else console.print)
-        identified = identify_files(paths, validation_paths, names, options)
-        compared = compare_laws(identified.model, options.report) if laws else []
-    result = full_report(identified)
+        model, fitted, held_out = identify_files(paths, validation_paths, names, options)
+        compared = compare_laws(model, options.report) if laws else []
+    result = full_report(model, fitted, held_out)
     if laws:
         result["friction_laws"] = [law._asdict() for law in compared]
         result["simplest_adequate_law"] = simplest_adequate_law(compared).law
     if out is not None:
         from furuta.figures.residual import draw_residuals
 
-        draw_residuals(identified.fitted, identified.held_out, out)
+        draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
     if write is not None:
         from furuta_identification.result.identified_rig import write_rig
 
-        result["findings"] += write_rig(identified.model, write, given, paths[0])
+        result["findings"] += write_rig(model, write, given, paths[0])
         result["rig_file"] = str(write)
     if as_json:
         print_json(result)
