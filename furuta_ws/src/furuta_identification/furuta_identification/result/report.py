@@ -156,12 +156,7 @@ def _colours(prediction: Prediction) -> dict[str, float]:
 
 def report_lines(result: dict[str, Any]) -> Iterator[str]:
     """The lines that ``furuta identify`` prints of a :func:`full_report`."""
-    errors = result["standard_errors"]
-    for group in (result, result["lugre"], result["setup"]):
-        for name, value in group.items():
-            if isinstance(value, float) and name in errors:
-                error = f"  ± {errors[name]:.2g}" if errors[name] else ""
-                yield f"{name:26} {value:12.6g}{error}"
+    yield from _value_lines(result)
     for name, reason in result["undetermined"].items():
         yield f"{name:26} not determined by the data: {reason}"
     for kind in ("fit", "held_out"):
@@ -182,6 +177,15 @@ def report_lines(result: dict[str, Any]) -> Iterator[str]:
     for name in ("figure", "rig_file"):
         if name in result:
             yield f"{name.replace('_', ' ')}: {result[name]}"
+
+
+def _value_lines(result: dict[str, Any]) -> Iterator[str]:
+    errors = result["standard_errors"]
+    for group in (result, result["lugre"], result["setup"]):
+        for name, value in group.items():
+            if isinstance(value, float) and name in errors:
+                error = f"  ± {errors[name]:.2g}" if errors[name] else ""
+                yield f"{name:26} {value:12.6g}{error}"
 
 
 def _law_lines(result: dict[str, Any]) -> Iterator[str]:
