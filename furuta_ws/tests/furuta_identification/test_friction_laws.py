@@ -50,7 +50,7 @@ def swung(arm: ParameterValues) -> Recording:
 
 def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
     """Results of Coulomb's law and others for an arm that a model without them describes."""
-    start = truth.changed(["asymmetry", "load", "alpha1"], (0.0, 0.0, 0.0))
+    start = truth.changed(["asymmetry", "alpha1"], (0.0, 0.0))
     model = Model(
         start,
         FITTED,
@@ -77,13 +77,12 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     [
         ({}, "coulomb"),
         ({"asymmetry": 0.2}, "asymmetric"),
-        ({"load": 0.15}, "load-dependent"),
         ({"sigma0": 30.0, "sigma1": 0.5}, "lugre"),
     ],
 )
 def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:
     """More parameters alone are not supported."""
-    results = compared(paper_arm(**friction), "asymmetric", "load-dependent", "lugre")
+    results = compared(paper_arm(**friction), "asymmetric", "lugre")
     assert simplest_adequate_law(results).law == law
 
 

@@ -9,7 +9,7 @@ from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare_all
-from furuta_identification.regression.equations import fitted_ceiling, what_hides_a_ceiling
+from furuta_identification.regression.equations import fitted_ceiling, has_one_level
 from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
 from furuta_identification.result.validation import validate
@@ -65,8 +65,11 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     if np.isfinite(ceiling):
         limited = [recording.with_ceiling(ceiling) for recording in prepared]
         regression = first_estimate(limited, lag).regression
-    else:
-        findings += what_hides_a_ceiling(prepared)
+    elif has_one_level(prepared):
+        findings.append(
+            "the command has one level only, so a drive that reaches less cannot be noticed: all "
+            "values in volts would be too large in proportion (state its limit with --ceiling)"
+        )
     start = starting_values(regression, lag, ceiling)
     if all(is_balanced(recording) for recording in prepared):
         # In such slow motion the regression hardly distinguishes a delay from an inertia.

@@ -157,13 +157,3 @@ def has_one_level(recordings: list[Recording]) -> bool:
     sizes = np.abs(np.concatenate([r.command for r in recordings]))
     largest = float(np.max(sizes))
     return bool(np.all((sizes == 0.0) | (sizes > (1.0 - SAME_LEVEL) * largest)))
-
-
-def what_hides_a_ceiling(recordings: list[Recording]) -> list[str]:
-    """A finding if no ceiling could be found in these recordings."""
-    if not has_one_level(recordings):
-        return []
-    return [
-        "the command has one level only, so a drive that reaches less cannot be noticed: all "
-        "values in volts would be too large in proportion (state its limit with --ceiling)"
-    ]

@@ -1,10 +1,9 @@
 """The model that is fitted, and its simulation along a recording.
 
 Body, LuGre friction, tilt, waves of the torque and integrator are those of the simulated rig
-(:mod:`furuta_model.parts.motion`). Two things differ. The Coulomb friction of the pendulum's joint
+(:mod:`furuta_model.parts.motion`). One thing differs: the Coulomb friction of the pendulum's joint
 is f tanh(θ̇/w₀), because a joint that truly sticks forgets its speed, and with it how the motion
-depends on the parameters. And the arm's Coulomb level may grow with the motor's torque, as in a
-gear: α₀ + l|u|.
+depends on the parameters.
 """
 
 from math import ceil, exp
@@ -15,7 +14,7 @@ import numpy as np
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos, tanh
 from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
-from furuta_model.friction.parameters import Friction, with_levels
+from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
 from furuta_model.parts.motion import PendulumFriction, mobilities
 from furuta_model.parts.pushes import Push, push_torques
@@ -41,9 +40,8 @@ ROUNDING = 1e-3
 class RigModel(NamedTuple):
     """Parameters of the model.
 
-    ``waves`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque. ``load``:
-    increase of the Coulomb level with the motor's torque [V/V]. ``delay`` [s] of the command,
-    ``lag`` [s] of the measured speeds, ``ceiling`` of the drive [V].
+    ``waves`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque; ``delay``
+    [s] of the command, ``lag`` [s] of the measured speeds, ``ceiling`` of the drive [V].
     """
 
     body: FurutaPendulum
@@ -51,7 +49,6 @@ class RigModel(NamedTuple):
     pendulum_friction: PendulumFriction
     tilt: Tilt
     waves: np.ndarray
-    load: float
     delay: float
     lag: float
     ceiling: float
@@ -102,9 +99,7 @@ _advance = integrator(_stage)
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    p = rig.friction
-    loaded = with_levels(p, p.alpha0 + rig.load * abs(u), p.alpha1, p.asymmetry)
-    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, loaded))
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction))
 
 
 def longest_step(rig: RigModel) -> float:

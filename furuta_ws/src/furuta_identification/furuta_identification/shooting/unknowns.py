@@ -70,7 +70,6 @@ UNKNOWNS = (
     _positive("stribeck_velocity", "rad/s", math.log(_BRISTLE.stribeck_velocity), 1.0),
     _positive("sigma0", "V/rad", math.log(_BRISTLE.sigma0), 1.0),
     _positive("sigma1", "V s/rad", math.log(_BRISTLE.sigma1), 1.0),
-    Unknown("load", "V/V", 0.0, 0.9, 0.0, 0.1),
 )
 BY_NAME = {about.name: about for about in UNKNOWNS}
 _WAVE = re.compile(r"wave(\d+)_(cos|sin)")
@@ -216,7 +215,6 @@ class ParameterValues:
             PendulumFriction(self["pendulum_viscous"], self["pendulum_coulomb"]),
             Tilt(self["tilt_x"], self["tilt_y"]),
             self.waves,
-            self["load"],
             self["delay"],
             self["lag"],
             self["ceiling"],
