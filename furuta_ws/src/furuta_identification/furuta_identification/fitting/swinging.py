@@ -1,7 +1,5 @@
 """Fits a pendulum that swings from hanging: short segments first, then free runs."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from furuta_identification.fitting.waves import significant_orders
@@ -46,7 +44,9 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
-# Assumed Coulomb friction as a part of the largest command, and its upper limit.
+# What no fit can find of an arm that turns in one direction only; the Coulomb friction that is then
+# assumed, as a part of the largest command, and its upper limit.
+DRY = ("coulomb", "asymmetry")
 USUAL_PART = 0.03
 LARGEST_PART = 0.25
 # Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
@@ -62,9 +62,12 @@ def fit_swinging(
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *TILT], start)
-    names = [*setting.names, *wave_names(1)]
-    start = setting.start.changed(wave_names(1), (0.0, 0.0))
+    names = [*BODY, *FRICTION, *TIMING, *TILT, *wave_names(1)]
+    start = start.changed(wave_names(1), (0.0, 0.0))
+    level = _assumed_level(recordings)
+    if level:
+        names = [name for name in names if name not in DRY]
+        start = start.changed(DRY, (level, 0.0))
     options.report("fitting each recording")
     own_fits = _own_fits(recordings, [*names, "zero"], start, window)
     options.report("fitting all together")
@@ -80,15 +83,31 @@ def fit_swinging(
         options = options._replace(window=SEGMENT)
         return fit_swinging(recordings, start, findings, options)
     options.report("computing standard errors")
-    bristle = [name for name in LUGRE if name not in optimum.names]
-    assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
+    assumed = {"coulomb": level} if level else {}
+    assumed |= {name: assumed_spread(name) for name in LUGRE if name not in optimum.names}
     covariance, information = covariance_and_information(optimum, assumed, swinging=True)
     covariance = covariance + difference_covariance(optimum, own_fits, assumed)
     names, certainty = [*optimum.names, *assumed], (covariance, information)
-    orders = [order for order in optimum.values.wave_orders if order > 1]
-    ripple = [f"torque ripple with {order} waves per turn" for order in orders]
-    findings = [*findings, *setting.findings, *ripple]
+    findings = [*findings, *_remarks(level, optimum.values.wave_orders)]
     return Model(optimum.values, names, *certainty, window, optimum.scale, recordings, findings)
+
+
+def _assumed_level(recordings: list[Recording]) -> float:
+    """Coulomb level [V] of an arm that turns in one direction only; 0 if a fit can find it."""
+    if not all(turns_one_way(recording) for recording in recordings):
+        return 0.0
+    largest = max(recording.largest_command for recording in recordings)
+    return min(max(USUAL_PART * largest, BY_NAME["coulomb"].spread), LARGEST_PART * largest)
+
+
+def _remarks(level: float, orders: list[int]) -> list[str]:
+    """What was found beyond the values."""
+    assumed = (
+        "the arm turns in one direction only, where Coulomb friction has the same effect as a "
+        f"smaller command: assumed {level:.3g} ± {level:.3g} V"
+    )
+    ripple = [f"torque ripple with {order} waves per turn" for order in orders if order > 1]
+    return [assumed, *ripple] if level else ripple
 
 
 def _against_free_runs(optimum: Optimum) -> str:
@@ -109,57 +128,6 @@ def _own_fits(
     return [fit_growing_segments(run, names, start, window, scale) for run in by_run(recordings)]
 
 
-def _common_fit(
-    recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
-) -> Optimum:
-    """A coarse fit of all recordings together."""
-    scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
-    optimum = fit_together(recordings, names, own_fits, window, scale)
-    scale = residual_scale(optimum)
-    return optimise(recordings, names, optimum.values, window, scale, robust=True)
-
-
-def _final_fit(optimum: Optimum) -> Optimum:
-    """The fit with torque ripple and bristle parameters as far as the data determine them."""
-    for _ in range(ROUNDS_OF_WAVES):
-        orders = significant_orders(optimum)
-        if not orders:
-            break
-        added = [name for order in orders for name in wave_names(order)]
-        start = optimum.values.changed(added, np.zeros(len(added)))
-        optimum = optimum.refitted([*optimum.names, *added], start)
-    bristle = [name for name in LUGRE if name not in optimum.names]
-    names = [*optimum.names, *identifiable(optimum, bristle)]
-    return optimum.refitted(names, optimum.values, FINE)
-
-
-class Setting(NamedTuple):
-    """Unknowns to fit, their starting values, and those ``assumed`` (name: spread)."""
-
-    names: list[str]
-    start: ParameterValues
-    assumed: dict[str, float]
-    findings: list[str]
-
-
-def assume_if_one_way(
-    recordings: list[Recording], names: list[str], start: ParameterValues
-) -> Setting:
-    """Assume a Coulomb level where the arm never changes direction in any recording."""
-    if not all(turns_one_way(recording) for recording in recordings):
-        return Setting(names, start, {}, [])
-    largest = max(recording.largest_command for recording in recordings)
-    usual = max(USUAL_PART * largest, BY_NAME["coulomb"].spread)
-    level = min(usual, LARGEST_PART * largest)
-    finding = (
-        "the arm turns in one direction only, where Coulomb friction has the same effect as a "
-        f"smaller command: assumed {level:.3g} ± {level:.3g} V"
-    )
-    rest = [name for name in names if name not in ("coulomb", "asymmetry")]
-    start = start.changed(["coulomb", "asymmetry"], [level, 0.0])
-    return Setting(rest, start, {"coulomb": level}, [finding])
-
-
 def fit_growing_segments(
     excerpts: list[Recording],
     names: list[str],
@@ -178,28 +146,41 @@ def fit_growing_segments(
     return optimum
 
 
-def fit_together(
-    recordings: list[Recording],
-    names: list[str],
-    own_fits: list[Optimum],
-    window: float,
-    scale: np.ndarray,
+def _common_fit(
+    recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
 ) -> Optimum:
-    """The common fit of all recordings, started from the fit of one that suits all best.
+    """A coarse fit of all recordings together, each with its own zero.
 
-    Each recording alone leads near the common optimum. A common fit from a worse start can end in
-    a local optimum. Each recording has its own zero.
+    Several are fitted from the fit of the one that suits all best: a common fit from a worse start
+    can end in a local optimum.
     """
-    if len(own_fits) == 1:
-        return own_fits[0]
-    zeros = [fit.values["zero"] for fit in own_fits]
-    zero_names = [name for name in names if is_zero(name)]
-    starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
+    optimum = own_fits[0]
+    scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
+    if len(own_fits) > 1:
+        zeros = [fit.values["zero"] for fit in own_fits]
+        zero_names = [name for name in names if is_zero(name)]
+        starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
 
-    def common_misfit(start: ParameterValues) -> float:
-        parts = [cut_into_segments(r, window, scale, start) for r in recordings]
-        residuals = Shooting(parts, names, start).residuals(start.vector(names))
-        return float(np.sum(np.log1p(residuals**2)))
+        def common_misfit(start: ParameterValues) -> float:
+            parts = [cut_into_segments(r, window, scale, start) for r in recordings]
+            residuals = Shooting(parts, names, start).residuals(start.vector(names))
+            return float(np.sum(np.log1p(residuals**2)))
 
-    best = min(starts, key=common_misfit)
-    return optimise(recordings, names, best, window, scale, robust=True)
+        start = min(starts, key=common_misfit)
+        optimum = optimise(recordings, names, start, window, scale, robust=True)
+    scale = residual_scale(optimum)
+    return optimise(recordings, names, optimum.values, window, scale, robust=True)
+
+
+def _final_fit(optimum: Optimum) -> Optimum:
+    """The fit with torque ripple and bristle parameters as far as the data determine them."""
+    for _ in range(ROUNDS_OF_WAVES):
+        orders = significant_orders(optimum)
+        if not orders:
+            break
+        added = [name for order in orders for name in wave_names(order)]
+        start = optimum.values.changed(added, np.zeros(len(added)))
+        optimum = optimum.refitted([*optimum.names, *added], start)
+    bristle = [name for name in LUGRE if name not in optimum.names]
+    names = [*optimum.names, *identifiable(optimum, bristle)]
+    return optimum.refitted(names, optimum.values, FINE)
