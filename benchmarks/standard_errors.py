@@ -18,9 +18,8 @@ from rigs_from_recordings import chosen_seeds
 
 from furuta_identification.identify import identify
 from furuta_identification.options import Options
-from furuta_identification.regression.ceiling import has_one_level
-from furuta_identification.result.report import summary
-from furuta_identification.result.verdict import verdict
+from furuta_identification.regression.equations import has_one_level
+from furuta_identification.result.report import summary, verdict
 from furuta_model.parameters import ParameterError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "tests"))

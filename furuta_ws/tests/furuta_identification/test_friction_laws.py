@@ -11,9 +11,8 @@ from furuta_identification.fitting.friction_laws import (
     simplest_adequate_law,
 )
 from furuta_identification.model import Model
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.rig_model import move
-from furuta_identification.shooting.unknowns import BODY
+from furuta_identification.shooting.prediction import move
+from furuta_identification.shooting.unknowns import BODY, ParameterValues
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
@@ -51,8 +50,7 @@ def swung(arm: ParameterValues) -> Recording:
 
 def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
     """Results of Coulomb's law and others for an arm that a model without them describes."""
-    start = truth.changed(["asymmetry", "load", "alpha1"], (0.0, 0.0, 0.0))
-    none: Any = None
+    start = truth.changed(["asymmetry", "alpha1"], (0.0, 0.0))
     model = Model(
         start,
         FITTED,
@@ -60,7 +58,6 @@ def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
         np.eye(len(FITTED)),
         np.inf,
         10.0 * NOISE,
-        none,
         [swung(truth)],
         [],
     )
@@ -80,13 +77,12 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     [
         ({}, "coulomb"),
         ({"asymmetry": 0.2}, "asymmetric"),
-        pytest.param({"load": 0.15}, "load-dependent", marks=pytest.mark.long),
         pytest.param({"sigma0": 30.0, "sigma1": 0.5}, "lugre", marks=pytest.mark.long),
     ],
 )
 def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:
     """More parameters alone are not supported."""
-    results = compared(paper_arm(**friction), "asymmetric", "load-dependent", "lugre")
+    results = compared(paper_arm(**friction), "asymmetric", "lugre")
     assert simplest_adequate_law(results).law == law
 
 
@@ -95,6 +91,6 @@ def test_an_arm_that_never_reverses_tells_no_law() -> None:
     one = swung(paper_arm())
     turning = one._replace(measured=np.abs(one.measured))
     none: Any = None
-    model = Model(paper_arm(), [], none, none, np.inf, NOISE, none, [turning], [])
+    model = Model(paper_arm(), [], none, none, np.inf, NOISE, [turning], [])
     with pytest.raises(ParameterError, match="need reversals of the arm"):
         compare_laws(model)

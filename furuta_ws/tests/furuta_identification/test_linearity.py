@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from furuta_identification.shooting.unknowns import BODY
-from furuta_identification.uncertainty.jackknife import is_linear
+from furuta_identification.uncertainty.covariance import is_linear
 
 ROWS = 400
 

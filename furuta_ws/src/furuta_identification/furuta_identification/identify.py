@@ -1,23 +1,59 @@
 """From recordings to a model: preparation, regression, then output error."""
 
+from pathlib import Path
+
 import numpy as np
 
 from furuta_identification.fitting.balanced import fit_balanced, is_balanced
 from furuta_identification.fitting.swinging import fit_swinging
-from furuta_identification.model import Model
+from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare_all
-from furuta_identification.regression.ceiling import fitted_ceiling, what_hides_a_ceiling
+from furuta_identification.regression.equations import fitted_ceiling, has_one_level
 from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
-from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.result.validation import validate
+from furuta_identification.shooting.unknowns import ParameterValues
+from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import excerpts_of, split_into_runs
+
+# Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
+MOST_SAMPLES = 30_000
+
+
+def identify_files(
+    paths: tuple[Path, ...], validation_paths: tuple[Path, ...], names: Mapping, options: Options
+) -> tuple[Model, list[Prediction], list[Prediction]]:
+    """A model of the recordings at ``paths``; its predictions of them and of held-out ones."""
+    recordings, findings = _read_all(paths, names)
+    model = identify(recordings, options)
+    held_out = []
+    others, remarks = _read_all(validation_paths, names)
+    findings += remarks
+    for recording in others:
+        for run in split_into_runs(recording)[0]:
+            prediction, remarks = validate(model, run, options)
+            held_out.append(prediction)
+            findings += remarks
+    fitted = [model.predict(recording) for recording in model.recordings]
+    return model._replace(findings=findings + model.findings), fitted, held_out
+
+
+def _read_all(paths: tuple[Path, ...], names: Mapping) -> tuple[list[Recording], list[str]]:
+    """The recordings, each with a unique name, and how their content was interpreted."""
+    recordings, findings = [], []
+    for path in paths:
+        recording, remarks = read(path, names)
+        ambiguous = sum(other.name == path.name for other in paths) > 1
+        recordings.append(recording._replace(name=str(path)) if ambiguous else recording)
+        findings += remarks
+    return recordings, findings
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
     """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
-    runs, findings = _runs(recordings, options.most_samples)
+    runs, findings = _runs(recordings)
     options.report("finding units and orientation")
     ready = prepare_all(runs, options)
     findings += ready.findings
@@ -29,15 +65,18 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     if np.isfinite(ceiling):
         limited = [recording.with_ceiling(ceiling) for recording in prepared]
         regression = first_estimate(limited, lag).regression
-    else:
-        findings += what_hides_a_ceiling(prepared)
+    elif has_one_level(prepared):
+        findings.append(
+            "the command has one level only, so a drive that reaches less cannot be noticed: all "
+            "values in volts would be too large in proportion (state its limit with --ceiling)"
+        )
     start = starting_values(regression, lag, ceiling)
     if all(is_balanced(recording) for recording in prepared):
         # In such slow motion the regression hardly distinguishes a delay from an inertia.
-        model, delay = fit_balanced(prepared, start, regression, findings, options), 0.0
+        model, delay = fit_balanced(prepared, start, findings, options), 0.0
     else:
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
-        model = fit_swinging(delayed, start, regression, findings, options)
+        model = fit_swinging(delayed, start, findings, options)
     return model._replace(
         command_negated=negated,
         command_delay=delay,
@@ -46,7 +85,7 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     )
 
 
-def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recording], list[str]]:
+def _runs(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
     """Excerpts of all runs of all recordings, and what was found."""
     runs, findings = [], []
     for recording in recordings:
@@ -55,7 +94,7 @@ def _runs(recordings: list[Recording], most_samples: int) -> tuple[list[Recordin
         findings += remarks
     chosen = []
     for number, run in enumerate(runs):
-        excerpts, remarks = excerpts_of(run._replace(number=number), most_samples // len(runs))
+        excerpts, remarks = excerpts_of(run._replace(number=number), MOST_SAMPLES // len(runs))
         chosen += excerpts
         findings += remarks
     return chosen, findings

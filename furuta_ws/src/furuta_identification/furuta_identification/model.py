@@ -4,11 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.first_estimate import MomentumFit
 from furuta_identification.shooting.optimisation import fit_percent
-from furuta_identification.shooting.parameter_values import ParameterValues
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
+from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_recordings.recording import CHANNELS, Recording
 
 
@@ -32,8 +31,7 @@ class Model(NamedTuple):
 
     ``names`` are the fitted unknowns, then those that had to be assumed; ``covariance`` is that of
     their vector, ``information`` the data's part of its inverse. ``window`` [s] is infinite for
-    free runs, ``scale`` (4,) the residual of each channel that counts as one, ``regression`` the
-    first estimate.
+    free runs, ``scale`` (4,) the residual of each channel that counts as one.
 
     ``command_negated`` is True if a positive command turns the arm in its negative direction.
     ``angles`` is the unit of the recorded angles, ``direction`` that of the pendulum's angle.
@@ -47,7 +45,6 @@ class Model(NamedTuple):
     information: np.ndarray
     window: float
     scale: np.ndarray
-    regression: MomentumFit
     recordings: list[Recording]
     findings: list[str]
     command_negated: bool = False

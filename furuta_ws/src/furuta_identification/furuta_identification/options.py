@@ -7,8 +7,6 @@ ZEROS = ("auto", "upright", "hanging")
 ANGLE_UNITS = ("auto", "rad", "deg")
 # The direction of the pendulum's angle is to be found.
 AUTO_DIRECTION = 0.0
-# Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
-MOST_SAMPLES = 30_000
 
 
 def silent(_stage: str) -> None:
@@ -22,9 +20,8 @@ class Options(NamedTuple):
     the hanging pendulum [rad]), ``window`` the length of the segments that are simulated [s] (None:
     automatic), ``angles`` the unit of the angles (auto, rad, deg), ``command_scale`` the voltage
     that a command of 1 stands for [V], ``direction`` that of the pendulum's angle (1, −1, 0: auto),
-    ``ceiling`` the highest voltage of the drive [V] (None: found, if the data show it),
-    ``most_samples`` how many are fitted in full: more are fitted in excerpts. ``report`` is
-    called with each stage of the fit.
+    ``ceiling`` the highest voltage of the drive [V] (None: found, if the data show it). ``report``
+    is called with each stage of the fit.
     """
 
     zero: str | float = "auto"
@@ -33,5 +30,4 @@ class Options(NamedTuple):
     command_scale: float = 1.0
     direction: float = AUTO_DIRECTION
     ceiling: float | None = None
-    most_samples: int = MOST_SAMPLES
     report: Callable[[str], None] = silent

@@ -1,6 +1,5 @@
 """``furuta identify``."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,11 @@ from furuta_bringup.number_types import FiniteRange, NonZero
 from furuta_bringup.options import json_option, names_options
 from furuta_bringup.printing import print_json
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify_files import free_swing_of_files, identify_files
+from furuta_identification.identify import identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_identification.result.report import full_report
-from furuta_identification.result.report_text import free_swing_lines, report_lines
+from furuta_identification.result.report import full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
-from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_sim.settings.rigs import find_rig
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
@@ -142,44 +139,34 @@ def command(
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason. With `--command none` the pendulum swings freely and the arm is held.
+    withheld, with the reason.
     """
     names = names._replace(time=time)
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
-    if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws:
-            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
-        swing = free_swing_of_files(paths, names, options)
-        _print(swing.as_json(), free_swing_lines(swing), as_json)
-        return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
     with console.status("reading") as status:
         # Without a terminal there is no line to update: a line for each stage.
         options = options._replace(report=status.update if console.is_terminal else console.print)
-        identified = identify_files(paths, validation_paths, names, options)
-        compared = compare_laws(identified.model, options.report) if laws else []
-    result = full_report(identified)
+        model, fitted, held_out = identify_files(paths, validation_paths, names, options)
+        compared = compare_laws(model, options.report) if laws else []
+    result = full_report(model, fitted, held_out)
     if laws:
         result["friction_laws"] = [law._asdict() for law in compared]
         result["simplest_adequate_law"] = simplest_adequate_law(compared).law
     if out is not None:
         from furuta.figures.residual import draw_residuals
 
-        draw_residuals(identified.fitted, identified.held_out, out)
+        draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
     if write is not None:
         from furuta_identification.result.identified_rig import write_rig
 
-        result["findings"] += write_rig(identified.model, write, given, paths[0])
+        result["findings"] += write_rig(model, write, given, paths[0])
         result["rig_file"] = str(write)
-    _print(result, report_lines(result), as_json)
-
-
-def _print(result: dict[str, Any], lines: Iterable[str], as_json: bool) -> None:
     if as_json:
         print_json(result)
     else:
-        print(*lines, sep="\n")
+        print(*report_lines(result), sep="\n")

@@ -4,12 +4,9 @@ import numpy as np
 
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.regression.first_estimate import MomentumFit
-from furuta_identification.shooting.optimisation import FINE, Optimum, optimise
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import BODY, LUGRE
+from furuta_identification.shooting.optimisation import FINE, Optimum, noise_of, optimise
+from furuta_identification.shooting.unknowns import BODY, LUGRE, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
-from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_model.state import PHI, THETA
 from furuta_recordings.recording import Recording
 
@@ -33,7 +30,6 @@ def is_balanced(recording: Recording) -> bool:
 def fit_balanced(
     recordings: list[Recording],
     start: ParameterValues,
-    regression: MomentumFit,
     findings: list[str],
     options: Options,
 ) -> Model:
@@ -55,7 +51,7 @@ def fit_balanced(
         values = values.changed(["delay"], [0.0])
     optimum = optimise(recordings, names, values, window, scale, False, FINE)
     certainty = covariance_and_information(optimum, {})
-    return Model(optimum.values, names, *certainty, window, scale, regression, recordings, findings)
+    return Model(optimum.values, names, *certainty, window, scale, recordings, findings)
 
 
 def _first_unknowns(

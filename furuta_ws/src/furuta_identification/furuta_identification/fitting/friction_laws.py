@@ -6,16 +6,16 @@ what it was not fitted to.
 
 import math
 from collections.abc import Callable, Iterable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.fitting.starting_fits import fit_growing_segments
+from furuta_identification.fitting.swinging import fit_growing_segments
 from furuta_identification.model import Model
 from furuta_identification.options import silent
 from furuta_identification.regression.speeds import turns_one_way
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.unknowns import LUGRE, zero_name
+from furuta_identification.shooting.unknowns import LUGRE, ParameterValues, zero_name
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording, by_run
@@ -24,30 +24,20 @@ BASE = "coulomb"
 _SIMPLE = ("viscous", "coulomb")
 
 
-class Law(NamedTuple):
-    """A law: the unknowns of its friction, and the law from whose optimum its fit starts.
-
-    That law is a special case: a fit cannot end worse than it started.
-    """
-
-    unknowns: tuple[str, ...]
-    contains: str = ""
-
-
-LAWS = {
-    "viscous": Law(("viscous",)),
-    BASE: Law(_SIMPLE),
-    "asymmetric": Law((*_SIMPLE, "asymmetry"), BASE),
-    "load-dependent": Law((*_SIMPLE, "load"), BASE),
-    "stribeck": Law((*_SIMPLE, "alpha1", "stribeck_velocity"), BASE),
-    "lugre": Law((*_SIMPLE, *LUGRE), "stribeck"),
+# The unknowns of each law's friction, and the law from whose optimum its fit starts. That law is a
+# special case: a fit cannot end worse than it started.
+LAWS: dict[str, tuple[tuple[str, ...], str]] = {
+    "viscous": (("viscous",), ""),
+    BASE: (_SIMPLE, ""),
+    "asymmetric": ((*_SIMPLE, "asymmetry"), BASE),
+    "stribeck": ((*_SIMPLE, "alpha1", "stribeck_velocity"), BASE),
+    "lugre": ((*_SIMPLE, *LUGRE), "stribeck"),
 }
 # Values of the arm's friction where a law does not have the unknown. The bristle of the paper's arm
 # stands for sticking in all laws but LuGre's.
 NEUTRAL = {
     "coulomb": 0.0,
     "asymmetry": 0.0,
-    "load": 0.0,
     "alpha1": 0.0,
     "stribeck_velocity": math.log(Friction().stribeck_velocity),
     "sigma0": math.log(Friction().sigma0),
@@ -101,12 +91,12 @@ def compare_laws(
     model = model._replace(window=min(model.window, LONGEST))
     errors: dict[str, dict[str, float]] = {law: {} for law in laws}
     for name, held_out in parts.items():
-        fits = _Fits(model, [r for other, part in parts.items() if other != name for r in part])
-        base = _error(model, fits.of(BASE), held_out)
+        fits = _fits(model, [r for other, part in parts.items() if other != name for r in part])
+        base = _error(model, fits(BASE), held_out)
         for law in laws:
             report(f"predicting {name} with the law {law}")
-            errors[law][name] = _error(model, fits.of(law), held_out) / base
-    return [LawResult(law, len(LAWS[law].unknowns), errors[law]) for law in laws]
+            errors[law][name] = _error(model, fits(law), held_out) / base
+    return [LawResult(law, len(LAWS[law][0]), errors[law]) for law in laws]
 
 
 def _parts(recordings: list[Recording]) -> dict[str, list[Recording]]:
@@ -125,33 +115,25 @@ def _parts(recordings: list[Recording]) -> dict[str, list[Recording]]:
     }
 
 
-class _Fits:
-    """The laws fitted to some of a model's recordings."""
+def _fits(model: Model, recordings: list[Recording]) -> Callable[[str], ParameterValues]:
+    """The values of each law, fitted to some of a model's recordings.
 
-    def __init__(self, model: Model, recordings: list[Recording]) -> None:
-        self._model, self._recordings = model, recordings
-        held_out = {r.number for r in model.recordings} - {r.number for r in recordings}
-        friction = {"viscous", *NEUTRAL, *(zero_name(number) for number in held_out)}
-        self._other = [name for name in model.fitted if name not in friction]
-        self._fitted: dict[str, ParameterValues] = {}
+    The fit of a law starts from the optimum of the law that it contains.
+    """
+    held_out = {r.number for r in model.recordings} - {r.number for r in recordings}
+    friction = {"viscous", *NEUTRAL, *(zero_name(number) for number in held_out)}
+    other = [name for name in model.fitted if name not in friction]
 
-    def of(self, law: str) -> ParameterValues:
-        """The values of a law, fitted from the optimum of the law that it contains."""
-        if law not in self._fitted:
-            contained = LAWS[law].contains
-            start = self.of(contained) if contained else self._model.values
-            self._fitted[law] = self._optimum(LAWS[law].unknowns, start)
-        return self._fitted[law]
-
-    def _optimum(self, unknowns: tuple[str, ...], start: ParameterValues) -> ParameterValues:
+    @cache
+    def fitted(law: str) -> ParameterValues:
+        unknowns, contained = LAWS[law]
+        start = fitted(contained) if contained else model.values
         neutral = {name: value for name, value in NEUTRAL.items() if name not in unknowns}
-        return fit_growing_segments(
-            self._recordings,
-            [*self._other, *unknowns],
-            start.changed(list(neutral), list(neutral.values())),
-            self._model.window,
-            self._model.scale,
-        ).values
+        start = start.changed(list(neutral), list(neutral.values()))
+        names = [*other, *unknowns]
+        return fit_growing_segments(recordings, names, start, model.window, model.scale).values
+
+    return fitted
 
 
 def _error(model: Model, values: ParameterValues, recordings: list[Recording]) -> float:

@@ -2,37 +2,39 @@
 
 import numpy as np
 
-from furuta_identification.fitting.coulomb import assume_if_one_way
-from furuta_identification.fitting.starting_fits import fit_growing_segments, fit_together
 from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.regression.first_estimate import MomentumFit
+from furuta_identification.regression.speeds import turns_one_way
 from furuta_identification.shooting.optimisation import (
     FINE,
     Optimum,
+    noise_of,
     optimise,
     residual_scale,
     worst_pendulum_fit,
 )
-from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.segments import cut_into_segments
+from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
     BODY,
+    BY_NAME,
     FRICTION,
     LUGRE,
     TILT,
     TIMING,
+    ParameterValues,
     assumed_spread,
+    is_zero,
     wave_names,
     zero_name,
 )
 from furuta_identification.uncertainty.covariance import (
     covariance_and_information,
     difference_covariance,
+    is_linear,
 )
 from furuta_identification.uncertainty.identifiability import identifiable
-from furuta_identification.uncertainty.jackknife import is_linear
-from furuta_identification.uncertainty.sensor_errors import noise_of
 from furuta_recordings.recording import Recording, by_run
 
 # Smallest scale of the residuals [rad, rad/s] at first, while the model is still incomplete.
@@ -42,20 +44,30 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
+# What no fit can find of an arm that turns in one direction only; the Coulomb friction that is then
+# assumed, as a part of the largest command, and its upper limit.
+DRY = ("coulomb", "asymmetry")
+USUAL_PART = 0.03
+LARGEST_PART = 0.25
+# Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
+# must be.
+SEGMENT_LENGTHS = (0.5, 1.5, np.inf)
 
 
 def fit_swinging(
     recordings: list[Recording],
     start: ParameterValues,
-    regression: MomentumFit,
     findings: list[str],
     options: Options,
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    setting = assume_if_one_way(recordings, [*BODY, *FRICTION, *TIMING, *TILT], start)
-    names = [*setting.names, *wave_names(1)]
-    start = setting.start.changed(wave_names(1), (0.0, 0.0))
+    names = [*BODY, *FRICTION, *TIMING, *TILT, *wave_names(1)]
+    start = start.changed(wave_names(1), (0.0, 0.0))
+    level = _assumed_level(recordings)
+    if level:
+        names = [name for name in names if name not in DRY]
+        start = start.changed(DRY, (level, 0.0))
     options.report("fitting each recording")
     own_fits = _own_fits(recordings, [*names, "zero"], start, window)
     options.report("fitting all together")
@@ -69,19 +81,33 @@ def fit_swinging(
     if why:
         findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
-        return fit_swinging(recordings, start, regression, findings, options)
+        return fit_swinging(recordings, start, findings, options)
     options.report("computing standard errors")
-    bristle = [name for name in LUGRE if name not in optimum.names]
-    assumed = {**setting.assumed, **{name: assumed_spread(name) for name in bristle}}
+    assumed = {"coulomb": level} if level else {}
+    assumed |= {name: assumed_spread(name) for name in LUGRE if name not in optimum.names}
     covariance, information = covariance_and_information(optimum, assumed, swinging=True)
     covariance = covariance + difference_covariance(optimum, own_fits, assumed)
     names, certainty = [*optimum.names, *assumed], (covariance, information)
-    orders = [order for order in optimum.values.wave_orders if order > 1]
-    ripple = [f"torque ripple with {order} waves per turn" for order in orders]
-    findings = [*findings, *setting.findings, *ripple]
-    return Model(
-        optimum.values, names, *certainty, window, optimum.scale, regression, recordings, findings
+    findings = [*findings, *_remarks(level, optimum.values.wave_orders)]
+    return Model(optimum.values, names, *certainty, window, optimum.scale, recordings, findings)
+
+
+def _assumed_level(recordings: list[Recording]) -> float:
+    """Coulomb level [V] of an arm that turns in one direction only; 0 if a fit can find it."""
+    if not all(turns_one_way(recording) for recording in recordings):
+        return 0.0
+    largest = max(recording.largest_command for recording in recordings)
+    return min(max(USUAL_PART * largest, BY_NAME["coulomb"].spread), LARGEST_PART * largest)
+
+
+def _remarks(level: float, orders: list[int]) -> list[str]:
+    """What was found beyond the values."""
+    assumed = (
+        "the arm turns in one direction only, where Coulomb friction has the same effect as a "
+        f"smaller command: assumed {level:.3g} ± {level:.3g} V"
     )
+    ripple = [f"torque ripple with {order} waves per turn" for order in orders if order > 1]
+    return [assumed, *ripple] if level else ripple
 
 
 def _against_free_runs(optimum: Optimum) -> str:
@@ -102,12 +128,46 @@ def _own_fits(
     return [fit_growing_segments(run, names, start, window, scale) for run in by_run(recordings)]
 
 
+def fit_growing_segments(
+    excerpts: list[Recording],
+    names: list[str],
+    start: ParameterValues,
+    window: float,
+    scale: np.ndarray,
+) -> Optimum:
+    """Fit one recording in ever longer segments of at most ``window`` [s].
+
+    After each fit its residuals weight the channels anew. The ``excerpts`` of a recording share its
+    zero.
+    """
+    for length in SEGMENT_LENGTHS:
+        optimum = optimise(excerpts, names, start, min(length, window), scale, robust=True)
+        start, scale = optimum.values, residual_scale(optimum)
+    return optimum
+
+
 def _common_fit(
     recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
 ) -> Optimum:
-    """A coarse fit of all recordings together."""
+    """A coarse fit of all recordings together, each with its own zero.
+
+    Several are fitted from the fit of the one that suits all best: a common fit from a worse start
+    can end in a local optimum.
+    """
+    optimum = own_fits[0]
     scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
-    optimum = fit_together(recordings, names, own_fits, window, scale)
+    if len(own_fits) > 1:
+        zeros = [fit.values["zero"] for fit in own_fits]
+        zero_names = [name for name in names if is_zero(name)]
+        starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
+
+        def common_misfit(start: ParameterValues) -> float:
+            parts = [cut_into_segments(r, window, scale, start) for r in recordings]
+            residuals = Shooting(parts, names, start).residuals(start.vector(names))
+            return float(np.sum(np.log1p(residuals**2)))
+
+        start = min(starts, key=common_misfit)
+        optimum = optimise(recordings, names, start, window, scale, robust=True)
     scale = residual_scale(optimum)
     return optimise(recordings, names, optimum.values, window, scale, robust=True)
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.autocorrelation import correlation_length
+from furuta_identification.regression.windows import correlation_length
 from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
@@ -33,6 +33,8 @@ FEWEST_TURNS = 0.25
 SEGMENT, PARTS = 0.5, 4
 # Parameters of a wave: two amplitudes and its order.
 PER_WAVE = 3
+Rows = slice | np.ndarray
+ALL = slice(None)
 
 
 class _Problem(NamedTuple):
@@ -89,7 +91,7 @@ def _selected(problem: _Problem) -> list[int]:
     error = criterion = np.inf
     candidates = range(problem.waves.shape[1] // 2)
     while len(chosen) <= MOST_WAVES:
-        sum_of_squares = _error(problem, chosen)
+        sum_of_squares = _error(problem, chosen, ALL, ALL)
         penalty = PER_WAVE * len(chosen) * np.log(problem.samples)
         now = problem.samples * np.log(sum_of_squares) + penalty
         held_out = _held_out_error(problem, chosen)
@@ -101,25 +103,17 @@ def _selected(problem: _Problem) -> list[int]:
     return chosen[:MOST_WAVES]
 
 
-def _columns(waves: np.ndarray, chosen: list[int]) -> np.ndarray:
-    return waves[:, [2 * k + part for k in chosen for part in (0, 1)]]
-
-
-def _error(problem: _Problem, chosen: list[int]) -> float:
-    """Sum of squares that the waves ``chosen`` leave."""
-    columns = _columns(problem.waves, chosen)
-    solution = np.linalg.lstsq(columns, problem.residuals, rcond=None)[0]
-    return float(np.sum((problem.residuals - columns @ solution) ** 2))
-
-
 def _held_out_error(problem: _Problem, chosen: list[int]) -> float:
     """Sum of squares of every fold with amplitudes from the other folds."""
-    columns, total = _columns(problem.waves, chosen), 0.0
-    for fold in np.unique(problem.folds):
-        here = problem.folds == fold
-        solution = np.linalg.lstsq(columns[~here], problem.residuals[~here], rcond=None)[0]
-        total += float(np.sum((problem.residuals[here] - columns[here] @ solution) ** 2))
-    return total
+    folds = [problem.folds == fold for fold in np.unique(problem.folds)]
+    return sum(_error(problem, chosen, ~here, here) for here in folds)
+
+
+def _error(problem: _Problem, chosen: list[int], fitted: Rows, predicted: Rows) -> float:
+    """Sum of squares that waves leave in some rows, with amplitudes from the ``fitted`` rows."""
+    columns = problem.waves[:, [2 * k + part for k in chosen for part in (0, 1)]]
+    solution = np.linalg.lstsq(columns[fitted], problem.residuals[fitted], rcond=None)[0]
+    return float(np.sum((problem.residuals[predicted] - columns[predicted] @ solution) ** 2))
 
 
 def _effective_count(shooting: Shooting, residuals: np.ndarray) -> float:

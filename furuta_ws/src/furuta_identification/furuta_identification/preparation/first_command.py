@@ -36,34 +36,29 @@ def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
     if onset is not None and onset <= recording.time[SHORTEST_MOTION]:
         return _started_in_motion(recording)
     first = recording.command_time[0]
-    period = _period(recording)
+    intervals = np.diff(recording.command_time)
+    period = float(np.median(intervals)) if len(intervals) else np.inf
     early = STEP_INTERVAL if period > STEP_INTERVAL else EARLY
     if onset is None or onset >= first - early or recording.command[0] == 0.0:
         return recording, []
-    start, reason = _start(onset, first, period)
+    start = _start(onset, first, period)
     value = _likeliest_value(recording, start)
     if value is None:
         return recording, []
     return _with_command(recording, start, value), [
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
         f"({recording.command[0]:g} V) is at {first:.3f} s; assumed {value:g} V from {start:.3f} s "
-        f"on, {reason}"
+        "on"
     ]
 
 
-def _period(recording: Recording) -> float:
-    """The median time between two commands [s]."""
-    intervals = np.diff(recording.command_time)
-    return float(np.median(intervals)) if len(intervals) else np.inf
-
-
-def _start(onset: float, first: float, period: float) -> tuple[float, str]:
-    """Time of the missing command [s], in words too: a whole number of intervals earlier."""
+def _start(onset: float, first: float, period: float) -> float:
+    """Time of the missing command [s]: a whole number of intervals earlier, or the ``onset``."""
     if STEP_INTERVAL < period < np.inf:
         candidate = first - period * max(1, round((first - onset) / period))
         if abs(candidate - onset) < STEP_INTERVAL:
-            return candidate, f"one interval of {period:.3f} s earlier"
-    return onset, "when the arm starts to move"
+            return candidate
+    return onset
 
 
 def _with_command(recording: Recording, time: float, value: float) -> Recording:
@@ -101,11 +96,10 @@ def _started_in_motion(recording: Recording) -> tuple[Recording, list[str]]:
             f"{recording.name}: {len(rest.time)} samples after the first command, at least "
             f"{FEWEST_SAMPLES} needed"
         )
-    completed = _with_command(rest, first - HELD_BEFORE, float(recording.command[0]))
-    finding = "in motion at the start: the state there is fitted too"
-    if first > recording.time[0] + EARLY:
-        finding += f", from the first command at {first:.3f} s on"
-    return completed, [finding]
+    return _with_command(rest, first - HELD_BEFORE, float(recording.command[0])), [
+        "in motion at the start: the state there is fitted too, from the first command at "
+        f"{first:.3f} s on"
+    ]
 
 
 def _onset(recording: Recording) -> float | None:

@@ -3,10 +3,13 @@
 from typing import NamedTuple
 
 from furuta_identification.options import AUTO_DIRECTION, Options
+from furuta_identification.preparation.angles import (
+    angle_unit,
+    in_unit,
+    oriented,
+    with_usable_speeds,
+)
 from furuta_identification.preparation.first_command import with_first_command
-from furuta_identification.preparation.orientation import oriented
-from furuta_identification.preparation.units import angle_unit, in_unit, with_usable_speeds
-from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording
 
@@ -41,44 +44,14 @@ def prepare_all(
             recording._replace(command=options.command_scale * recording.command)
         )
         ready.append(usable)
-        findings += named(recording, remarks)
+        findings += [f"{recording.name}: {remark}" for remark in remarks]
     angles, remarks = angle_unit(ready, options.angles)
     findings += remarks
     moving = []
     for recording in ready:
-        usable, about_speeds = with_usable_speeds(in_unit(recording, angles))
+        usable, remarks = with_usable_speeds(in_unit(recording, angles))
         usable, about_command = with_first_command(usable)
         moving.append(usable)
-        findings += named(recording, [*about_speeds, *about_command])
-    turned, direction, remarks = _oriented(moving, options, usual)
+        findings += [f"{recording.name}: {remark}" for remark in remarks + about_command]
+    turned, direction, remarks = oriented(moving, options, usual)
     return Prepared(turned, angles, direction, [*findings, *remarks])
-
-
-def named(recording: Recording, remarks: list[str]) -> list[str]:
-    """Remarks with the name of their recording."""
-    return [f"{recording.name}: {remark}" for remark in remarks]
-
-
-def _oriented(
-    recordings: list[Recording], options: Options, usual: float
-) -> tuple[list[Recording], float, list[str]]:
-    """Every recording with θ = 0 upright; those that do not tell their direction come last.
-
-    Also returns the last direction and what was found.
-    """
-    turned: dict[int, Recording] = {}
-    findings: list[str] = []
-    for last_try in (False, True):
-        for number, recording in enumerate(recordings):
-            if number in turned:
-                continue
-            try:
-                turned[number], usual, remarks = oriented(
-                    recording, options.zero, options.direction, usual
-                )
-            except ParameterError:
-                if last_try or len(recordings) == 1:
-                    raise
-                continue
-            findings += named(recording, remarks)
-    return [turned[k] for k in range(len(recordings))], usual, findings

@@ -18,8 +18,14 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import nnls
 
-from furuta_identification.regression.linear_fit import LinearFit, regress
-from furuta_identification.regression.windows import FEWEST_WINDOWS, WINDOW, Windows
+from furuta_identification.regression.speeds import with_speeds
+from furuta_identification.regression.windows import (
+    FEWEST_WINDOWS,
+    WINDOW,
+    LinearFit,
+    Windows,
+    regress,
+)
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -27,6 +33,12 @@ from furuta_recordings.recording import Recording
 # window that may be so slow.
 SLOW = 0.05
 LARGEST_SLOW_PART = 0.05
+# Ceilings that are tried, as parts of the largest command.
+PARTS = np.linspace(0.3, 0.98, 35)
+# Logarithm of the likelihood ratio from which a ceiling is there.
+SURE = 10.0
+# Part of the largest command within which all others are of the same level.
+SAME_LEVEL = 0.05
 
 
 def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
@@ -123,3 +135,25 @@ def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray
     if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
         return np.zeros_like(forward), np.zeros_like(backward), moving
     return forward, backward, moving
+
+
+def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
+    """A first value of the ceiling [V], infinite where the arm's equation shows none."""
+    ready = [with_speeds(r.with_delayed_command(delay), lag) for r in recordings]
+    largest = max(r.largest_command for r in ready)
+    misfits, samples = ceiling_misfits(ready, [*(PARTS * largest), np.inf])
+    best = int(np.argmin(misfits))
+    if samples * np.log(misfits[-1] / misfits[best]) < SURE:
+        return float(np.inf)
+    return float(PARTS[best] * largest)
+
+
+def has_one_level(recordings: list[Recording]) -> bool:
+    """Whether all commands are of one size, such as a step: then no ceiling can be found.
+
+    A drive that reaches a part of the command only and a rig whose inertias and friction are larger
+    in proportion give the same motion.
+    """
+    sizes = np.abs(np.concatenate([r.command for r in recordings]))
+    largest = float(np.max(sizes))
+    return bool(np.all((sizes == 0.0) | (sizes > (1.0 - SAME_LEVEL) * largest)))

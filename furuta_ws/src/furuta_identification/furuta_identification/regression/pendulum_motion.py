@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.linear_fit import regress
 from furuta_identification.regression.speeds import REACH, with_speeds
-from furuta_identification.regression.windows import WINDOW, Windows
+from furuta_identification.regression.windows import WINDOW, Windows, regress
 from furuta_model.state import PHI_DOT, THETA_DOT
 from furuta_recordings.recording import Recording
 

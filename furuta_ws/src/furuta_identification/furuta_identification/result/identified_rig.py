@@ -5,24 +5,34 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
-from furuta_hw.rigs.rig import Rig, SafetyLimits
-from furuta_hw.rigs.rig_file import rig_file_text
+from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
+from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
+from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.model import Model
-from furuta_identification.result.base_rig import base_rig
 from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
 from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pole_choice import quadratic_poles
+from furuta_model.sensors import Sensors
+from furuta_recordings.bags.bag_files import parameter_file_of
+from furuta_recordings.recording import Recording
+from furuta_ros.yaml_files import read_yaml
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75
 # Names in rig files of unknowns that are named differently in a fit.
 RIG_NAMES = {"coulomb": "alpha0"}
+# Counts per turn of an encoder that stands for ideal sensors.
+MOST_COUNTS = 200_000
+# Sample times are whole multiples of this [s].
+TIME_STEP = 1e-4
 
 
 def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
@@ -83,11 +93,9 @@ def _friction(model: Model) -> Friction:
 
 def _waves(model: Model) -> TorqueWaves:
     waves = model.values.waves
-    return (
-        TorqueWaves(*(tuple(map(float, column)) for column in waves.T))
-        if len(waves)
-        else TorqueWaves()
-    )
+    if not len(waves):
+        return TorqueWaves()
+    return TorqueWaves(*(tuple(map(float, column)) for column in waves.T))
 
 
 def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
@@ -97,19 +105,16 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     """
     fitted = [RIG_NAMES.get(name, name) for name in model.names]
     chosen = [index for index, name in enumerate(fitted) if name in known]
-    names = [fitted[index] for index in chosen]
-    covariance = model.covariance[np.ix_(chosen, chosen)]
-    others = [
-        (RIG_NAMES.get(name, name), assumed_spread(name))
+    spreads = {
+        RIG_NAMES.get(name, name): assumed_spread(name)
         for name, about in BY_NAME.items()
         if name not in model.names and isfinite(about.spread)
-    ]
-    friction = [(name, spread) for name, spread in others if name in Friction._fields]
-    size = len(names)
-    whole = np.zeros((size + len(friction), size + len(friction)))
-    whole[:size, :size] = covariance
-    whole[range(size, len(whole)), range(size, len(whole))] = [spread**2 for _, spread in friction]
-    return Uncertainty((*names, *(name for name, _ in friction)), whole)
+    }
+    friction = [name for name in spreads if name in Friction._fields]
+    covariance = block_diag(
+        model.covariance[np.ix_(chosen, chosen)], np.diag([spreads[n] ** 2 for n in friction])
+    )
+    return Uncertainty((*(fitted[index] for index in chosen), *friction), covariance)
 
 
 def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list[str]:
@@ -117,8 +122,11 @@ def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list
 
     Without one they are those of the recording at ``source``. Returns where they come from.
     """
-    base, findings = (given, []) if given is not None else base_rig(source, model.recordings[0])
-    rig, uncertainty = identified_rig(model, base)
+    findings = []
+    if given is None:
+        given, origin = _recorded_rig(source, model.recordings[0])
+        findings = [f"{model.recordings[0].name}: {origin}"]
+    rig, uncertainty = identified_rig(model, given)
     comments = [
         "Identified from recordings; load with --rig.",
         *findings,
@@ -126,3 +134,42 @@ def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list
     ]
     file.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
     return findings
+
+
+def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig, str]:
+    """Sensors, sample time and drive of the rig of a recording, and where they come from.
+
+    They are those of the parameters that are stored in our own bags, else the paper's.
+    """
+    try:
+        parameters = parameter_file_of(path)
+        content = read_yaml(parameters, "parameter file") if parameters else {}
+        sections = {node: section["ros__parameters"] for node, section in content.items()}
+        file = sections["hardware_bridge"]["rig"]
+        if not file:
+            return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"
+        return load_rig(Path(file)), f"sensors, line and limits of {file} (according to the bag)"
+    except (ParameterError, KeyError, TypeError, AttributeError, OSError):
+        time = max(TIME_STEP, round(round(recording.interval / TIME_STEP) * TIME_STEP, 9))
+        return Rig(line=RigLine(sample_time=time)), (
+            "sensors are not known: those of the paper's rig are written; name the rig's own with "
+            "--rig, or edit the file"
+        )
+
+
+def _rig_of_plant(plant: dict[str, Any]) -> Rig:
+    """A rig with the sensors and the drive of a simulated plant."""
+    sensors: Sensors = build(Sensors, plant, "sensors.")
+
+    def bits(given: float) -> int:
+        return min(max(int(given), 2), 16)
+
+    return Rig(
+        arm=ArmEncoder(int(sensors.encoder_counts) or MOST_COUNTS),
+        speed=SpeedSensor(range=sensors.tachometer_range, bits=bits(sensors.tachometer_bits)),
+        pendulum=PendulumSensor(
+            range=sensors.potentiometer_range, bits=bits(sensors.potentiometer_bits)
+        ),
+        drive=DriveConverter(plant["actuator.voltage_range"], bits(plant["actuator.bits"])),
+        line=RigLine(sample_time=plant["sample_time"]),
+    )

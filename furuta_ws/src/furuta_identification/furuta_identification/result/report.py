@@ -1,20 +1,25 @@
 """Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from furuta_identification.identify_files import Identified
 from furuta_identification.model import Model, Prediction
-from furuta_identification.result.verdict import verdict
+from furuta_identification.regression.windows import coloured_part
 from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+from furuta_recordings.recording import CHANNELS
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
+# Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
+SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
+# A joint's fit is that of the first of its channels that was measured.
+JOINTS = {"arm": ("arm speed", "arm angle"), "pendulum": ("pendulum angle",)}
 
 
 def reported_values(model: Model) -> dict[str, float]:
@@ -32,20 +37,6 @@ def reported_values(model: Model) -> dict[str, float]:
 def _zeros(model: Model) -> list[float]:
     """The pendulum's zero in each recording [rad]."""
     return [model.values.zero(recording.number) for recording in model.recordings]
-
-
-def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
-    """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
-    waves = []
-    for order in model.values.wave_orders:
-        wave: dict[str, float | None] = {"order": order}
-        for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
-            known = name in model.names and name not in reasons
-            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
-            wave[part] = model.values[name] if known else None
-            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
-        waves.append(wave)
-    return waves
 
 
 def _body_values(body: FurutaPendulum) -> dict[str, float]:
@@ -80,42 +71,131 @@ def standard_errors(model: Model) -> dict[str, float]:
 
 def summary(model: Model) -> dict[str, Any]:
     """Everything as one object; None where the data do not determine a value."""
-    values, errors, reasons = reported_values(model), standard_errors(model), undetermined(model)
+    reasons, errors = undetermined(model), standard_errors(model)
+    values: dict[str, float | None] = {**reported_values(model)}
+    values |= dict.fromkeys(reasons.keys() & values.keys())
+    if np.isinf(model.values["ceiling"]):
+        values["ceiling"] = None
 
-    def value(name: str) -> float | None:
-        return None if name in reasons else values[name]
+    def chosen(*names: str) -> dict[str, float | None]:
+        return {name: values[name] for name in names}
 
-    withheld = {name for name in values if name in reasons or errors[name] == 0.0}
     return {
-        **{name: value(name) for name in _body_values(model.values.body)},
-        **{name: value(name) for name in FRICTION},
-        "lugre": {"alpha0": value("coulomb"), **{name: value(name) for name in LUGRE}},
+        **chosen(*_body_values(model.values.body), *FRICTION),
+        "lugre": {"alpha0": values["coulomb"], **chosen(*LUGRE)},
         "setup": {
-            **{name: value(name) for name in ("delay", "lag", "zero", "tilt_x", "tilt_y")},
-            "ceiling": value("ceiling") if np.isfinite(values["ceiling"]) else None,
+            **chosen("delay", "lag", "zero", "tilt_x", "tilt_y", "ceiling"),
             "zeros": dict(zip([r.name for r in model.recordings], _zeros(model), strict=True)),
         },
         "waves": _waves(model, reasons),
-        "standard_errors": {n: None if n in withheld else errors[n] for n in errors},
+        "standard_errors": {n: None if n in reasons else e or None for n, e in errors.items()},
         "undetermined": reasons,
         "findings": model.findings,
         "window_s": None if np.isinf(model.window) else model.window,
     }
 
 
-def full_report(identified: Identified) -> dict[str, Any]:
-    """The :func:`summary` of a model with fits, verdict and what was found in the files."""
-    result = summary(identified.model)
-    result["findings"] = identified.findings + result["findings"]
-    result["fit"] = {p.recording.name: _fits(p) for p in identified.fitted}
-    result["held_out"] = {p.recording.name: _fits(p) for p in identified.held_out}
-    result["verdict"] = verdict(identified.fitted)
-    regression = identified.model.regression._asdict()
-    result["regression"] = {n: value for n, value in regression.items() if n != "alpha_error"}
-    return result
+def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
+    """Order, cosine and sine amplitude [V] of each wave of the torque."""
+    waves = []
+    for order in model.values.wave_orders:
+        wave: dict[str, float | None] = {"order": order}
+        for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
+            wave[part] = None if name in reasons else model.values[name]
+        waves.append(wave)
+    return waves
+
+
+def full_report(
+    model: Model, fitted: list[Prediction], held_out: list[Prediction]
+) -> dict[str, Any]:
+    """The :func:`summary` of a model with its fits and the verdict."""
+    return {
+        **summary(model),
+        "fit": {p.recording.name: _fits(p) for p in fitted},
+        "held_out": {p.recording.name: _fits(p) for p in held_out},
+        "verdict": verdict(fitted),
+    }
 
 
 def _fits(prediction: Prediction) -> dict[str, float]:
     fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
     first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
     return {**fits, "pendulum_angle_first_3_s": first}
+
+
+def verdict(predictions: list[Prediction]) -> dict[str, Any]:
+    """``usable`` (yes, doubtful, no) with ``reasons``, and the ``coloured`` part of residuals [%].
+
+    White residuals have 5 % of their autocorrelations outside the band. More show what the model
+    lacks: the standard errors count for that, a noise model would not.
+    """
+    reasons, worst = [], 100.0
+    for prediction in predictions:
+        fits = prediction.fits()
+        for joint, channels in JOINTS.items():
+            known = [fits[name] for name in channels if not np.isnan(fits[name])]
+            if known and known[0] < DOUBTFUL_FIT:
+                reasons.append(f"{prediction.recording.name}: fit of the {joint} {known[0]:.0f} %")
+                worst = min(worst, known[0])
+    usable = "no" if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
+    return {
+        "usable": usable,
+        "reasons": reasons,
+        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
+    }
+
+
+def _colours(prediction: Prediction) -> dict[str, float]:
+    """Part [%] of the residuals' first autocorrelations outside the band of white noise."""
+    residuals = prediction.recording.measured - prediction.predicted
+    return {
+        name.replace(" ", "_"): coloured_part(residuals[:, k]) for k, name in enumerate(CHANNELS)
+    }
+
+
+def report_lines(result: dict[str, Any]) -> Iterator[str]:
+    """The lines that ``furuta identify`` prints of a :func:`full_report`."""
+    yield from _value_lines(result)
+    for name, reason in result["undetermined"].items():
+        yield f"{name:26} not determined by the data: {reason}"
+    for kind in ("fit", "held_out"):
+        for recording, fits in result[kind].items():
+            yield f"{kind.replace('_', '-')} {recording}: {_percentages(fits, 1)}"
+    for wave in result["waves"]:
+        if wave["cos"] is not None and wave["sin"] is not None:
+            size = np.hypot(wave["cos"], wave["sin"])
+            yield f"torque wave, {wave['order']:2d} per turn {size:11.3g} V"
+    if "friction_laws" in result:
+        yield from _law_lines(result)
+    judged = result["verdict"]
+    for name, parts in judged["coloured_percent"].items():
+        yield f"coloured residuals (white: 5 %) {name}: {_percentages(parts, 0)}"
+    yield f"usable: {judged['usable']}" + "".join(f"; {why}" for why in judged["reasons"])
+    for finding in result["findings"]:
+        yield f"found: {finding}"
+    for name in ("figure", "rig_file"):
+        if name in result:
+            yield f"{name.replace('_', ' ')}: {result[name]}"
+
+
+def _value_lines(result: dict[str, Any]) -> Iterator[str]:
+    errors = result["standard_errors"]
+    for group in (result, result["lugre"], result["setup"]):
+        for name, value in group.items():
+            if isinstance(value, float) and name in errors:
+                error = f"  ± {errors[name]:.2g}" if errors[name] else ""
+                yield f"{name:26} {value:12.6g}{error}"
+
+
+def _law_lines(result: dict[str, Any]) -> Iterator[str]:
+    for law in result["friction_laws"]:
+        errors = ", ".join(f"{name} {error:.3f}" for name, error in law["errors"].items())
+        title = f"{law['law']} ({law['parameters']} parameters)"
+        yield f"law {title:31} held-out error over Coulomb's: {errors}"
+    yield f"law supported by the data: {result['simplest_adequate_law']}"
+
+
+def _percentages(values: dict[str, float], digits: int) -> str:
+    known = {name: value for name, value in values.items() if not np.isnan(value)}
+    return ", ".join(f"{n.replace('_', ' ')} {value:.{digits}f} %" for n, value in known.items())

@@ -9,8 +9,8 @@ from furuta_identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, is_ba
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare
-from furuta_identification.regression.autocorrelation import correlation_length
-from furuta_identification.regression.ceiling import PARTS, SURE
+from furuta_identification.regression.equations import PARTS, SURE
+from furuta_identification.regression.windows import correlation_length
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA

@@ -1,4 +1,4 @@
-"""Nonlinear least squares over the unknown parameters."""
+"""Nonlinear least squares over the unknowns, and how large residuals and sensors' errors are."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from furuta_identification.shooting.parameter_values import ParameterValues, bounds
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
-from furuta_identification.shooting.unknowns import prior
+from furuta_identification.shooting.unknowns import ParameterValues, bounds, prior
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 
@@ -23,6 +22,10 @@ FINE, COARSE = 1e-9, 1e-4
 INSIDE = 0.05
 # Consecutive samples that carry the information of one, where errors of the model dominate noise.
 CORRELATED_SAMPLES = 100.0
+# Samples needed to estimate a channel's noise.
+FEWEST_SAMPLES = 10
+# No sensor is better than this [rad, rad/s, rad, rad/s].
+SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)
 
 
 class Optimum(NamedTuple):
@@ -123,3 +126,28 @@ def worst_pendulum_fit(optimum: Optimum) -> float:
         fit_percent(part.recording.measured[:, THETA], predicted[:, THETA])
         for part, predicted in zip(optimum.shooting.parts, predictions, strict=True)
     )
+
+
+def quantisation_step(series: np.ndarray) -> float:
+    """The smallest change of a series (n,); 0 if it never changes."""
+    changes = np.abs(np.diff(series[np.isfinite(series)]))
+    smallest = float(np.min(changes[changes > 1e-12], initial=np.inf))
+    return smallest if np.isfinite(smallest) else 0.0
+
+
+def noise_of(recording: Recording) -> np.ndarray:
+    """Standard deviation of each channel's error (4,); 1 where nothing was measured.
+
+    It is that of noise by third differences and that of quantisation. Third differences of a smooth
+    motion are negligible; those of white noise have 20 times its variance.
+    """
+    size = np.ones(4)
+    for channel, column in enumerate(recording.measured.T):
+        series, smallest = column[np.isfinite(column)], SMALLEST_NOISE[channel]
+        if len(series) >= FEWEST_SAMPLES:
+            of_step = quantisation_step(series) ** 2 / 12.0
+            variance = float(np.mean(np.diff(series, n=3) ** 2) / 20.0) - of_step
+            size[channel] = np.sqrt(max(smallest, np.sqrt(max(0.0, variance))) ** 2 + of_step)
+        elif len(series):
+            size[channel] = smallest
+    return size

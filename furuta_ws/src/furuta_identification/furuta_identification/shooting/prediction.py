@@ -1,49 +1,130 @@
-"""Simulates the model along a recording, in segments that each start from a given state."""
+"""The model that is fitted, and its simulation along a recording.
+
+Body, LuGre friction, tilt, waves of the torque and integrator are those of the simulated rig
+(:mod:`furuta_model.parts.motion`). One thing differs: the Coulomb friction of the pendulum's joint
+is f tanh(θ̇/w₀), because a joint that truly sticks forgets its speed, and with it how the motion
+depends on the parameters.
+"""
 
 from math import ceil, exp
+from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.rig_model import (
-    RigModel,
-    longest_step,
-    move,
-    rig_accelerations,
-)
-from furuta_model.compiled import compiled
-from furuta_model.elementary import sin_cos
+from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import sin_cos, tanh
+from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
+from furuta_model.friction.parameters import Friction
+from furuta_model.integration import integrator, substeps_for
+from furuta_model.parts.motion import PendulumFriction, mobilities
+from furuta_model.parts.pushes import Push, push_torques
+from furuta_model.parts.tilt import Tilt, with_tilt
+from furuta_model.parts.torque_waves import wave_torque
+from furuta_model.pendulum import FurutaPendulum, accelerations_at
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
 
+# Pendulum speed w₀ [rad/s] over which its joint's Coulomb friction changes its sign.
+JOINT_SPEED = 0.05
+# Longest integration step [s]: a hundredth of the fastest motion of interest.
+LONGEST_STEP = 1e-3
+# Shortest step [s]: a model that needs a shorter one does not describe a real rig.
+SHORTEST_STEP = 3e-5
+LUGRE = LAWS.index("lugre")
 # Speed [rad/s] that no rig reaches: beyond it a simulation has diverged.
 DIVERGED = 1e4
 # Rounding error of differences between large times, as a part of a step.
 ROUNDING = 1e-3
 
 
+class RigModel(NamedTuple):
+    """Parameters of the model.
+
+    ``waves`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque; ``delay``
+    [s] of the command, ``lag`` [s] of the measured speeds, ``ceiling`` of the drive [V].
+    """
+
+    body: FurutaPendulum
+    friction: Friction
+    pendulum_friction: PendulumFriction
+    tilt: Tilt
+    waves: np.ndarray
+    delay: float
+    lag: float
+    ceiling: float
+
+
+@inlined
+def rig_accelerations(
+    phi: float, v: float, sine: float, cosine: float, w: float, torque: float, rig: RigModel
+) -> tuple[float, float]:
+    """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V], sine and cosine are those of θ."""
+    tilted = with_tilt(Push(0.0, 0.0, 0.0, 0.0), rig.tilt)
+    arm, joint = push_torques(phi, sine, cosine, rig.body.delta, tilted)
+    joint -= rig.pendulum_friction.damping * w
+    if rig.pendulum_friction.coulomb != 0.0:
+        joint -= rig.pendulum_friction.coulomb * tanh(w / JOINT_SPEED)
+    torque += arm + wave_torque(phi, rig.waves)
+    v_dot, w_dot = accelerations_at(v, sine, cosine, w, torque, rig.body)
+    # (1) has no torque on the joint; it acts through the inverse of the inertia matrix.
+    _, coupling, joint_mobility = mobilities(sine, cosine, rig.body)
+    return v_dot + coupling * joint, w_dot + joint_mobility * joint
+
+
+@inlined
+def _stage(
+    phi: float,
+    v: float,
+    theta: float,
+    sine: float,
+    cosine: float,
+    w: float,
+    start_speed: float,
+    u: float,
+    memory: float,
+    h: float,
+    rig: RigModel,
+    law: FrictionLaw,
+) -> tuple[float, float, float]:
+    """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    friction, end = bristle_force(v, memory, h, law)
+    torque = u - law.parameters.viscous * v - friction
+    v_dot, w_dot = rig_accelerations(phi, v, sine, cosine, w, torque, rig)
+    return v_dot, w_dot, end
+
+
+_advance = integrator(_stage)
+
+
+@compiled
+def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
+    """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction))
+
+
+def longest_step(rig: RigModel) -> float:
+    """Integration step [s] that resolves the vibration of a stuck arm on its bristle."""
+    resolved = 0.01 / substeps_for(0.01, rig.body, rig.friction)
+    return min(LONGEST_STEP, max(resolved, SHORTEST_STEP))
+
+
 def predict(
-    recording: Recording,
-    starts: np.ndarray,
-    initial: np.ndarray,
-    values: ParameterValues,
+    recording: Recording, starts: np.ndarray, initial: np.ndarray, rig: RigModel
 ) -> np.ndarray:
     """Outputs (n, 4) at the recording's times, from ``initial`` (s, 5) at each of ``starts`` (s,).
 
     The command, limited by the drive's ceiling, acts after a delay. Speeds pass a tracking loop
     with two equal poles, which makes them lag.
     """
-    model, ceiling = values.model, values["ceiling"]
     predicted = np.empty((len(recording.time), RIGID_STATES))
     _predict(
         recording.time,
-        recording.command_time + values["delay"],
-        np.clip(recording.command, -ceiling, ceiling),
+        recording.command_time + rig.delay,
+        np.clip(recording.command, -rig.ceiling, rig.ceiling),
         np.append(starts, len(recording.time)),
         initial,
-        model,
-        longest_step(model),
-        values["lag"],
+        rig,
+        longest_step(rig),
         predicted,
     )
     return predicted
@@ -56,11 +137,11 @@ def _predict(
     command: np.ndarray,
     bounds: np.ndarray,
     initial: np.ndarray,
-    model: RigModel,
+    rig: RigModel,
     step: float,
-    lag: float,
     predicted: np.ndarray,
 ) -> None:
+    lag = rig.lag
     x = np.empty(PLANT_STATES)
     upcoming = 0  # index of the next command
     for segment in range(len(bounds) - 1):
@@ -69,9 +150,9 @@ def _predict(
         while upcoming < len(command) and command_time[upcoming] <= time[first]:
             upcoming += 1
         u = command[upcoming - 1] if upcoming > 0 else 0.0
-        torque = u - model.friction.sigma0 * x[BRISTLE] - model.friction.viscous * x[PHI_DOT]
+        torque = u - rig.friction.sigma0 * x[BRISTLE] - rig.friction.viscous * x[PHI_DOT]
         sine, cosine = sin_cos(x[THETA])
-        rates = rig_accelerations(x[PHI], x[PHI_DOT], sine, cosine, x[THETA_DOT], torque, model)
+        rates = rig_accelerations(x[PHI], x[PHI_DOT], sine, cosine, x[THETA_DOT], torque, rig)
         # States of the tracking loop after a long time at these accelerations.
         arm1, arm2 = x[PHI_DOT] - 0.5 * lag * rates[0], x[PHI_DOT] - lag * rates[0]
         pendulum1, pendulum2 = x[THETA_DOT] - 0.5 * lag * rates[1], x[THETA_DOT] - lag * rates[1]
@@ -88,7 +169,7 @@ def _predict(
                 if then > now:
                     v, w = x[PHI_DOT], x[THETA_DOT]
                     steps = max(1, ceil((then - now) / step - ROUNDING))
-                    move(x, u, then - now, steps, model)
+                    move(x, u, then - now, steps, rig)
                     arm1, arm2 = _track(arm1, arm2, v, x[PHI_DOT], then - now, lag)
                     pendulum1, pendulum2 = _track(
                         pendulum1, pendulum2, w, x[THETA_DOT], then - now, lag

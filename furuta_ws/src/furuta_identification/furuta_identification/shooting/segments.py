@@ -1,11 +1,15 @@
-"""Cuts a recording into segments and estimates the state at the start of each."""
+"""Segments of a recording: the state at the start of each, and the algebra of these states.
+
+A residual vector (4n + 5s,) of a recording has the n samples of four channels, then the five
+initial states of s segments.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_identification.regression.speeds import with_speeds
-from furuta_identification.shooting.parameter_values import ParameterValues
+from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_model.compiled import compiled
 from furuta_model.friction.lugre import bristle_after, highest_level
 from furuta_model.friction.parameters import Friction
@@ -98,3 +102,39 @@ def bristle_along(time: np.ndarray, v: np.ndarray, friction: Friction) -> np.nda
         end, _ = bristle_after(mean, 0.0, z[k], time[k + 1] - time[k], friction)
         z[k + 1] = min(max(end, -limit), limit)
     return z
+
+
+def segment_rows(part: Segments) -> list[np.ndarray]:
+    """The rows of each segment in a residual vector."""
+    n = len(part.recording.time)
+    first = RIGID_STATES * np.append(part.starts, n)
+    own = RIGID_STATES * n + PLANT_STATES * np.arange(len(part.starts) + 1)
+    return [
+        np.append(np.arange(first[s], first[s + 1]), np.arange(own[s], own[s + 1]))
+        for s in range(len(part.starts))
+    ]
+
+
+def sums_of_squares(residuals: np.ndarray, part: Segments) -> np.ndarray:
+    """Sum of squares of each segment (s,)."""
+    outputs = RIGID_STATES * len(part.recording.time)
+    squares = residuals**2
+    sums: np.ndarray = np.add.reduceat(squares[:outputs], RIGID_STATES * part.starts)
+    return sums + squares[outputs:].reshape(len(part.starts), -1).sum(axis=1)
+
+
+def gauss_newton_steps(slopes: np.ndarray, residuals: np.ndarray, part: Segments) -> np.ndarray:
+    """Step (s, 5) of each initial state, given the slopes (4n + 5s, 5) in all of them."""
+    steps = np.zeros((len(part.starts), PLANT_STATES))
+    for step, rows in zip(steps, segment_rows(part), strict=True):
+        step[:] = np.linalg.lstsq(slopes[rows], residuals[rows], rcond=None)[0]
+    return steps
+
+
+def without_initial_states(columns: np.ndarray, slopes: np.ndarray, part: Segments) -> np.ndarray:
+    """``columns`` minus the part that a change of each segment's initial state can explain."""
+    result = columns.copy()
+    for rows in segment_rows(part):
+        basis, _ = np.linalg.qr(slopes[rows])
+        result[rows] -= basis @ (basis.T @ columns[rows])
+    return result

@@ -9,15 +9,14 @@ parameters.
 
 import numpy as np
 
-from furuta_identification.shooting.initial_states import (
+from furuta_identification.shooting.prediction import predict
+from furuta_identification.shooting.segments import (
+    Segments,
     gauss_newton_steps,
     sums_of_squares,
     without_initial_states,
 )
-from furuta_identification.shooting.parameter_values import ParameterValues
-from furuta_identification.shooting.prediction import predict
-from furuta_identification.shooting.segments import Segments
-from furuta_identification.shooting.unknowns import wave_names
+from furuta_identification.shooting.unknowns import ParameterValues, wave_names
 from furuta_model.state import PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
 # Gauss-Newton steps for the initial states after each change of the parameters, and for
@@ -90,7 +89,7 @@ class Shooting:
         upright = initial.copy()
         zero = values.zero(part.recording.number)
         upright[:, THETA] += zero
-        predicted = predict(part.recording, part.starts, upright, values)
+        predicted = predict(part.recording, part.starts, upright, values.model)
         predicted[:, THETA] -= zero
         return predicted
 
