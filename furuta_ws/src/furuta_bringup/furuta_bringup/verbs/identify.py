@@ -10,13 +10,14 @@ from rich.console import Console
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange, NonZero
 from furuta_bringup.options import json_option, names_options
-from furuta_bringup.printing import print_json
+from furuta_bringup.printing import print_json, show
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify import identify_files
+from furuta_identification.identify import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_identification.result.report import full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
+from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_sim.settings.rigs import find_rig
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
@@ -139,12 +140,18 @@ def command(
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason.
+    withheld, with the reason. With `--command none` the pendulum swings freely and the arm is held.
     """
     names = names._replace(time=time)
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
+    if names.command == NO_COMMAND:
+        if out or write or validation_paths or laws:
+            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
+        swing = free_swing_of_files(paths, names, options)
+        show(swing.as_json(), as_json)
+        return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
     with console.status("reading") as status:
