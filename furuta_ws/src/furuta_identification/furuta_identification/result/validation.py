@@ -1,7 +1,5 @@
 """Predicts a recording that a model was not fitted to."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.optimize import minimize_scalar
 
@@ -93,33 +91,25 @@ def _own_ceiling(model: Model, recording: Recording) -> float:
     largest = recording.largest_command
     if np.isfinite(model.values["ceiling"]) or largest < FARTHER * model.largest_command:
         return model.values["ceiling"]
-    residuals = _residuals_by_ceiling(model, recording)
-    candidates = [part * largest for part in PARTS if part * largest >= model.largest_command]
-    if not candidates:
-        return float(np.inf)
-    best = min(candidates, key=lambda ceiling: _size(residuals(ceiling)))
-    reach = (PARTS[1] - PARTS[0]) * largest
-    ceiling = minimize_scalar(
-        lambda ceiling: _size(residuals(ceiling)), bounds=(best - reach, best + reach)
-    ).x
-    after = residuals(ceiling)
-    samples = len(after) / correlation_length(after[:, PHI_DOT])
-    ratio = _size(residuals(np.inf)) / _size(after)
-    sure = samples * np.log(ratio) > SURE and ratio > SMALLEST_RATIO
-    return float(ceiling) if sure and ceiling < CLEARLY_LOWER * largest else float(np.inf)
-
-
-def _residuals_by_ceiling(model: Model, recording: Recording) -> Callable[[float], np.ndarray]:
-    """Weighted residuals (n, 4) of a free run as a function of the ceiling [V]."""
 
     def residuals(ceiling: float) -> np.ndarray:
+        """Weighted residuals (n, 4)."""
         values = model.values.changed(["ceiling"], [np.log(ceiling)])
         part = cut_into_segments(recording, model.window, model.scale, values)
         weighted = Shooting([part], [], values).residuals(np.zeros(0))
         return weighted[: RIGID_STATES * len(recording.time)].reshape(-1, RIGID_STATES)
 
-    return residuals
+    def size(ceiling: float) -> float:
+        return float(np.linalg.norm(residuals(ceiling)))
 
-
-def _size(residuals: np.ndarray) -> float:
-    return float(np.linalg.norm(residuals))
+    candidates = [part * largest for part in PARTS if part * largest >= model.largest_command]
+    if not candidates:
+        return float(np.inf)
+    best = min(candidates, key=size)
+    reach = (PARTS[1] - PARTS[0]) * largest
+    ceiling = minimize_scalar(size, bounds=(best - reach, best + reach)).x
+    arm = residuals(ceiling)[:, PHI_DOT]
+    samples = len(arm) / correlation_length(arm)
+    ratio = size(np.inf) / size(ceiling)
+    sure = samples * np.log(ratio) > SURE and ratio > SMALLEST_RATIO
+    return float(ceiling) if sure and ceiling < CLEARLY_LOWER * largest else float(np.inf)
