@@ -12,7 +12,7 @@ from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.model import Model
-from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
+from furuta_identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
@@ -107,7 +107,7 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     chosen = [index for index, name in enumerate(fitted) if name in known]
     spreads = {
         RIG_NAMES.get(name, name): assumed_spread(name)
-        for name, about in BY_NAME.items()
+        for name, about in UNKNOWNS.items()
         if name not in model.names and isfinite(about.spread)
     }
     friction = [name for name in spreads if name in Friction._fields]
