@@ -6,13 +6,12 @@ from random_rigs import EXAMPLE, Readings, example
 
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
-from furuta_identification.identify import identify
+from furuta_identification.identify import identify, validate
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.regression.windows import coloured_part
 from furuta_identification.result.identified_rig import identified_rig
 from furuta_identification.result.report import standard_errors, summary, verdict
-from furuta_identification.result.validation import validate
 from furuta_identification.shooting.optimisation import fit_percent
 from furuta_identification.shooting.unknowns import wave_names
 from furuta_identification.uncertainty.identifiability import undetermined
