@@ -105,25 +105,17 @@ def difference_covariance(
     if len(own_fits) == 1:
         return covariance
     for fit in own_fits:
-        excess = _excess(common, fit, names, assumed)
+        one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
+        own, _ = covariance_and_information(fit, assumed, swinging=True)
+        excess = np.zeros(len(names))
+        for k, (name, value) in enumerate(zip(fit.names, fit.vector, strict=True)):
+            if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
+                continue
+            difference = value - common.values.coordinates[name]
+            size = np.sqrt(max(0.0, difference**2 - own[k, k]))
+            excess[names.index(name)] = np.sign(difference) * size
         covariance += np.outer(excess, excess) / len(own_fits)
     return covariance
-
-
-def _excess(
-    common: Optimum, fit: Optimum, names: list[str], assumed: dict[str, float]
-) -> np.ndarray:
-    """The difference of each unknown beyond the standard error of the recording's own fit."""
-    one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
-    own, _ = covariance_and_information(fit, assumed, swinging=True)
-    excess = np.zeros(len(names))
-    for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):
-        if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
-            continue
-        difference = value - common.values.coordinates[name]
-        size = np.sqrt(max(0.0, difference**2 - own[k, k]))
-        excess[names.index(name)] = np.sign(difference) * size
-    return excess
 
 
 def block_covariance(
