@@ -38,7 +38,6 @@ def balanced(seconds: float, ideal: bool, excitation: ExcitationParameters = UND
 
 
 def test_coefficients_of_the_paper_from_ideal_sensors() -> None:
-    """a23, a43, b21, b41 and the Coulomb level within 0.1 %."""
     values = summary(balanced(5.0, ideal=True))
     assert {name: values[name] for name in PAPER} == pytest.approx(PAPER, rel=1e-3)
     assert values["coulomb"] == pytest.approx(0.21, rel=1e-3)
@@ -62,7 +61,6 @@ def test_coefficients_of_the_paper_from_the_closed_loop(undriven: Model) -> None
 
 
 def test_excitation_reduces_the_errors(undriven: Model) -> None:
-    """A driven recording of half the length has smaller errors, at most half for a23."""
     driven = balanced(10.0, False, ExcitationParameters("multisine", amplitude=1.0))
     before, after, values = standard_errors(undriven), standard_errors(driven), summary(driven)
     for name, truth in PAPER.items():

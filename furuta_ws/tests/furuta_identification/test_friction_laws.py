@@ -1,7 +1,5 @@
 """Comparison of friction laws: the data support no law that the arm does not have."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -48,24 +46,20 @@ def swung(arm: ParameterValues) -> Recording:
     return Recording("swung", time, measured, time, command)
 
 
+def model_of(values: ParameterValues, recording: Recording) -> Model:
+    """A model with these values, fitted to this recording as far as the laws can see."""
+    size = len(FITTED)
+    matrices = np.zeros((size, size)), np.eye(size)
+    return Model(values, FITTED, *matrices, np.inf, 10.0 * NOISE, [recording], [])
+
+
 def compared(truth: ParameterValues, *laws: str) -> list[LawResult]:
     """Results of Coulomb's law and others for an arm that a model without them describes."""
     start = truth.changed(["asymmetry", "alpha1"], (0.0, 0.0))
-    model = Model(
-        start,
-        FITTED,
-        np.zeros((len(FITTED), len(FITTED))),
-        np.eye(len(FITTED)),
-        np.inf,
-        10.0 * NOISE,
-        [swung(truth)],
-        [],
-    )
-    return compare_laws(model, laws=("coulomb", *laws))
+    return compare_laws(model_of(start, swung(truth)), laws=("coulomb", *laws))
 
 
 def test_without_dry_friction_nothing_is_predicted() -> None:
-    """The errors are ratios to Coulomb's law, for both halves."""
     coulomb, viscous = compared(paper_arm(), "viscous")
     assert coulomb.errors == {"first half": 1.0, "second half": 1.0}
     assert viscous.parameters == coulomb.parameters - 1
@@ -81,16 +75,12 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     ],
 )
 def test_the_law_of_the_arm_is_found(friction: dict[str, float], law: str) -> None:
-    """More parameters alone are not supported."""
     results = compared(paper_arm(**friction), "asymmetric", "lugre")
     assert simplest_adequate_law(results).law == law
 
 
 def test_an_arm_that_never_reverses_tells_no_law() -> None:
-    """One line says what is needed."""
     one = swung(paper_arm())
     turning = one._replace(measured=np.abs(one.measured))
-    none: Any = None
-    model = Model(paper_arm(), [], none, none, np.inf, NOISE, [turning], [])
     with pytest.raises(ParameterError, match="need reversals of the arm"):
-        compare_laws(model)
+        compare_laws(model_of(paper_arm(), turning))

@@ -17,12 +17,10 @@ from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of, split_in
 
 @pytest.fixture(scope="module")
 def usual() -> Recording:
-    """A recording of a swinging pendulum."""
     return example("sine", 2.0)
 
 
 def test_recordings_of_one_call_share_units() -> None:
-    """A small swing alone does not tell degrees from radians; beside a large one it does."""
     small = example("steps", 0.3, Readings(DEGREE, DEGREE))
     small = small._replace(measured=small.measured / np.ptp(small.measured[:, THETA]))
     with pytest.raises(ParameterError, match="--angles"):
@@ -33,7 +31,6 @@ def test_recordings_of_one_call_share_units() -> None:
 
 
 def test_orientation_is_detected(usual: Recording) -> None:
-    """For every zero and direction of the pendulum's angle the result is that of (1)."""
     upright = prepare(usual, Options())[0]
     for zero, direction in ((0.0, 1.0), (np.pi, -1.0), (np.pi, 1.0), (0.0, -1.0)):
         back, findings = prepare(upright.reoriented(zero, direction, 1.0), Options())
@@ -41,10 +38,6 @@ def test_orientation_is_detected(usual: Recording) -> None:
             np.sin(back.measured[:, THETA]), np.sin(upright.measured[:, THETA]), atol=1e-9
         )
         assert any("(detected)" in finding for finding in findings)
-
-
-def test_a_wrong_zero_is_refused(usual: Recording) -> None:
-    """The motion contradicts the user."""
     with pytest.raises(ParameterError, match="as if its zero were hanging"):
         prepare(usual, Options(zero="upright"))
 
@@ -101,7 +94,6 @@ def test_units_signs_and_clock_of_another_rig(usual: Recording) -> None:
 
 
 def test_a_speed_that_does_not_match_its_angle_is_ignored(usual: Recording) -> None:
-    """A speed that is not the slope of its angle in any unit becomes NaN."""
     odd = usual._replace(measured=usual.measured * [1, 2.0, 1, 1])
     ready, findings = prepare(odd, Options())
     assert np.all(np.isnan(ready.measured[:, 1]))
@@ -119,7 +111,6 @@ def test_times_since_1970_give_the_same_speeds(usual: Recording) -> None:
 
 
 def test_commands_that_cannot_be_volts_are_refused(usual: Recording) -> None:
-    """Millivolts need --command-scale."""
     odd = usual._replace(command=1000.0 * usual.command)
     with pytest.raises(ParameterError, match="--command-scale"):
         prepare(odd, Options())
@@ -128,7 +119,6 @@ def test_commands_that_cannot_be_volts_are_refused(usual: Recording) -> None:
 
 
 def test_incomplete_recordings_are_refused(usual: Recording) -> None:
-    """The message says what is missing."""
     without_command = usual._replace(command=np.zeros(0), command_time=np.zeros(0))
     with pytest.raises(ParameterError, match="no command in it"):
         prepare(without_command, Options())
@@ -138,7 +128,6 @@ def test_incomplete_recordings_are_refused(usual: Recording) -> None:
 
 
 def test_dropouts_are_interpolated_and_reported(usual: Recording) -> None:
-    """A gap, missing speeds and a missing angle."""
     keep = np.abs(usual.time - 2.0) > 0.05
     measured = usual.measured.copy()
     measured[500:520, 1] = np.nan
@@ -151,14 +140,12 @@ def test_dropouts_are_interpolated_and_reported(usual: Recording) -> None:
 
 
 def test_a_log_that_starts_in_motion(usual: Recording) -> None:
-    """The first command is assumed to have held before, not 0 V."""
     ready, findings = prepare(usual.between(1.0, np.inf), Options())
     assert ready.commanded_at(ready.time[:1]) != 0.0
     assert any("in motion at the start" in finding for finding in findings)
 
 
 def test_several_runs_in_one_log_are_split(usual: Recording) -> None:
-    """Two runs in one file, the second with an earlier clock, and a run that is too short."""
     first, short = usual.between(0.0, 3.0), usual.between(0.0, 0.5)
     both = Recording(
         "both",
@@ -176,7 +163,6 @@ def test_several_runs_in_one_log_are_split(usual: Recording) -> None:
 
 
 def test_long_recordings_are_fitted_in_excerpts() -> None:
-    """Excerpts with the commands that hold in them; without parts in which the arm rests."""
     time = np.arange(100_000) * 5e-4
     measured = np.column_stack([np.sin(3.0 * time)] * 4)
     measured[time < 10.0] = 0.0
@@ -194,7 +180,6 @@ def test_long_recordings_are_fitted_in_excerpts() -> None:
 
 @pytest.mark.parametrize(("amplitude", "expected"), [(4.5, 3.0), (2.5, np.inf)])
 def test_the_ceiling_shows_in_larger_commands(amplitude: float, expected: float) -> None:
-    """Within 5 %, and none where the drive does not reach it."""
     ready, _ = prepare(example("chirp", amplitude), Options())
     ceiling = fitted_ceiling([ready], speed_lag(ready), 0.003)
     assert ceiling == pytest.approx(expected, rel=0.05)

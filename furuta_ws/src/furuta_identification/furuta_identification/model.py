@@ -57,11 +57,6 @@ class Model(NamedTuple):
         """Names of the unknowns that were fitted, without those that had to be assumed."""
         return [name for name, row in zip(self.names, self.information, strict=True) if row.any()]
 
-    @property
-    def largest_command(self) -> float:
-        """The largest command of the fitted recordings [V]."""
-        return max(recording.largest_command for recording in self.recordings)
-
     def predict(self, recording: Recording) -> Prediction:
         """Simulate along a prepared recording, as the model was fitted: freely or in segments.
 

@@ -1,7 +1,6 @@
 """``furuta identify``."""
 
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -23,22 +22,16 @@ from furuta_sim.settings.rigs import find_rig
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
 
 
-class Zero(click.ParamType):
+def _zero(context: click.Context, param: click.Parameter, value: str) -> str | float:
     """A position by name, or an angle in degrees, which becomes radians."""
-
-    name = "zero"
-
-    def convert(self, value: Any, param: Any, context: Any) -> str | float:
-        """The name, or the angle [rad]."""
-        if value in ZEROS or isinstance(value, float):
-            return value  # type: ignore[no-any-return]
-        try:
-            angle = float(value)
-        except ValueError:
-            angle = np.nan
-        if not np.isfinite(angle):
-            self.fail(f"'{value}' is not one of {', '.join(ZEROS)} or an angle in degrees", param)
-        return float(np.radians(angle))
+    try:
+        angle = np.radians(float(value))
+    except ValueError:
+        angle = np.nan
+    if value not in ZEROS and not np.isfinite(angle):
+        known = ", ".join(ZEROS)
+        raise click.BadParameter(f"'{value}' is not one of {known} or an angle in degrees")
+    return value if value in ZEROS else float(angle)
 
 
 @click.command()
@@ -49,7 +42,7 @@ class Zero(click.ParamType):
 @click.option("--time", help="Column of a table's time.")
 @click.option(
     "--zero",
-    type=Zero(),
+    callback=_zero,
     default="auto",
     show_default=True,
     help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "

@@ -4,7 +4,7 @@ import numpy as np
 
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.shooting.optimisation import FINE, Optimum, noise_of, optimise
+from furuta_identification.shooting.optimisation import FINE, noise_of, optimise
 from furuta_identification.shooting.unknowns import BODY, LUGRE, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_model.state import PHI, THETA
@@ -44,7 +44,8 @@ def fit_balanced(
     names.append("delay")
     optimum = optimise(recordings, names, values, window, scale, False)
     values = optimum.values
-    if _delay_is_negligible(optimum, recordings[0].interval):
+    error = np.sqrt(covariance_and_information(optimum, {})[0][-1, -1])
+    if abs(values["delay"]) < max(DELAY_ERRORS * error, DELAY_SAMPLES * recordings[0].interval):
         milliseconds = values["delay"] * 1e3
         findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
         names.remove("delay")
@@ -66,11 +67,3 @@ def _first_unknowns(
     if all(np.ptp(r.measured[:, PHI]) > SMALLEST_TRAVEL for r in recordings):
         names += ["tilt_x", "tilt_y"]
     return names, start
-
-
-def _delay_is_negligible(optimum: Optimum, interval: float) -> bool:
-    """Whether the delay, the last unknown, is within its error or the sampling ``interval`` [s]."""
-    covariance, _ = covariance_and_information(optimum, {})
-    error = np.sqrt(covariance[-1, -1])
-    smallest = max(DELAY_ERRORS * error, DELAY_SAMPLES * interval)
-    return bool(abs(optimum.values["delay"]) < smallest)

@@ -18,11 +18,10 @@ from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
     BODY,
-    BY_NAME,
     FRICTION,
     LUGRE,
-    TILT,
-    TIMING,
+    SETUP,
+    UNKNOWNS,
     ParameterValues,
     assumed_spread,
     is_zero,
@@ -62,7 +61,7 @@ def fit_swinging(
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    names = [*BODY, *FRICTION, *TIMING, *TILT, *wave_names(1)]
+    names = [*BODY, *FRICTION, *SETUP, *wave_names(1)]
     start = start.changed(wave_names(1), (0.0, 0.0))
     level = _assumed_level(recordings)
     if level:
@@ -97,7 +96,7 @@ def _assumed_level(recordings: list[Recording]) -> float:
     if not all(turns_one_way(recording) for recording in recordings):
         return 0.0
     largest = max(recording.largest_command for recording in recordings)
-    return min(max(USUAL_PART * largest, BY_NAME["coulomb"].spread), LARGEST_PART * largest)
+    return min(max(USUAL_PART * largest, UNKNOWNS["coulomb"].spread), LARGEST_PART * largest)
 
 
 def _remarks(level: float, orders: list[int]) -> list[str]:

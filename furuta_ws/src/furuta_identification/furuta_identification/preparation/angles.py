@@ -4,7 +4,7 @@ import numpy as np
 
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_identification.regression.pendulum_motion import PendulumMotion, pendulum_motion
-from furuta_identification.regression.speeds import slope_factor
+from furuta_identification.regression.speeds import speed_as_slope
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
@@ -70,9 +70,10 @@ def with_usable_speeds(recording: Recording) -> tuple[Recording, list[str]]:
     """The recording with speeds in rad/s; speeds that do not match the angles become NaN."""
     measured, findings = recording.measured.copy(), []
     for angle, speed, name in ((PHI, PHI_DOT, "arm"), (THETA, THETA_DOT, "pendulum")):
-        factor = slope_factor(recording, angle, speed)
-        if factor is None:
+        fit = speed_as_slope(recording, angle, speed)
+        if fit is None:
             continue
+        factor, _ = fit
         unit, size = min(SPEED_UNITS.items(), key=lambda unit: abs(abs(factor) / unit[1] - 1.0))
         if abs(abs(factor) / size - 1.0) > LARGEST_UNIT_ERROR:
             measured[:, speed] = np.nan

@@ -89,15 +89,5 @@ def momentum_fit(recording: Recording) -> MomentumFit:
     coulomb = forward + backward if one_way else 0.5 * (forward + backward)
     asymmetry = 0.0 if one_way or coulomb == 0.0 else 0.5 * (forward - backward) / coulomb
     beta, gamma, joint_viscous, joint_coulomb = pendulum[:4] * delta
-    return MomentumFit(
-        alpha=alpha,
-        beta=beta,
-        gamma=gamma,
-        delta=delta,
-        viscous=viscous,
-        coulomb=coulomb,
-        coulomb_asymmetry=asymmetry,
-        pendulum_viscous=joint_viscous,
-        pendulum_coulomb=joint_coulomb,
-        alpha_error=arm.errors[0],
-    )
+    body, of_arm = (alpha, beta, gamma, delta), (viscous, coulomb, asymmetry)
+    return MomentumFit(*body, *of_arm, joint_viscous, joint_coulomb, arm.errors[0])

@@ -63,17 +63,13 @@ def pendulum_motion(recording: Recording) -> PendulumMotion:
     """The regression for the angles of a recording in rad, with the best of all zeros."""
     angles = recording._replace(measured=recording.measured.copy())
     angles.measured[:, [PHI_DOT, THETA_DOT]] = np.nan
-    fastest = _fastest(with_speeds(angles, 0.0))
+    speeds = with_speeds(angles, 0.0).measured[:, [PHI_DOT, THETA_DOT]]
+    # Root mean square of the faster joint's speed [rad/s].
+    fastest = max(float(np.sqrt(np.max(np.mean(speeds**2, axis=0)))), SLOWEST)
     moving = with_speeds(angles, 0.0, float(np.clip(LARGEST_STEP / fastest, 0.0, REACH)))
     length = float(np.clip(LARGEST_TURN / fastest, SHORTEST_WINDOW, WINDOW))
     windows = Windows(recording.time, length)
     return min((_from_zero(moving, windows, z) for z in FIRST_ZEROS), key=lambda m: m.misfit)
-
-
-def _fastest(recording: Recording) -> float:
-    """Root mean square of the faster joint's speed [rad/s]."""
-    speeds = recording.measured[:, [PHI_DOT, THETA_DOT]]
-    return max(float(np.sqrt(np.max(np.mean(speeds**2, axis=0)))), SLOWEST)
 
 
 def _from_zero(recording: Recording, windows: Windows, zero: float) -> PendulumMotion:
@@ -104,17 +100,12 @@ def _regression(
         -windows.mean(w),
         -windows.mean(np.sign(w)),
     )
-    weights = _weights(v, w, windows)
-    x, y = weights[:, None] * np.array(columns).T, weights * y
-    fit = regress(x, y)
+    # Errors of the model's fast terms grow with the square of the speed.
+    energy = windows.mean(v * v + w * w) / windows.mean(np.ones(len(v)))
+    weights = 1.0 / (1.0 + energy / FAST**2)
+    fit = regress(weights[:, None] * np.array(columns).T, weights * y)
     gravity, across, coupling = fit.coefficients[:3]
     motion = PendulumMotion(
         zero, coupling, fit.errors[2], gravity, fit.errors[0], fit.misfit, fit.samples
     )
     return float(np.arctan2(across, gravity)), motion.upright()
-
-
-def _weights(v: np.ndarray, w: np.ndarray, windows: Windows) -> np.ndarray:
-    """Weight of each window: errors of the model's fast terms grow with the square of the speed."""
-    energy: np.ndarray = windows.mean(v * v + w * w) / windows.mean(np.ones(len(v)))
-    return 1.0 / (1.0 + energy / FAST**2)

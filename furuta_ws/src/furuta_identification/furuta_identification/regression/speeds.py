@@ -14,25 +14,19 @@ MOVING_PART = 0.1
 
 def speed_lag(recording: Recording) -> float:
     """How far measured arm speeds lag behind measured angles [s]; 0 if either is missing."""
-    fit = _speed_as_slope(recording, PHI, PHI_DOT)
-    return 0.0 if fit is None else float(np.clip(fit[1] / (fit[0] or 1.0), 0.0, 0.05))
+    factor, lag = speed_as_slope(recording, PHI, PHI_DOT) or (1.0, 0.0)
+    return float(np.clip(lag / (factor or 1.0), 0.0, 0.05))
 
 
-def slope_factor(recording: Recording, angle: int, speed: int) -> float | None:
-    """The slope of the channel ``angle`` over the channel ``speed``; None without motion."""
-    fit = _speed_as_slope(recording, angle, speed)
-    return None if fit is None else float(fit[0])
-
-
-def _speed_as_slope(recording: Recording, angle: int, speed: int) -> np.ndarray | None:
+def speed_as_slope(recording: Recording, angle: int, speed: int) -> tuple[float, float] | None:
     """(k, l) of: slope of the angle = k·speed + l·slope of the speed; None without motion."""
     v, position = recording.measured[:, speed], recording.measured[:, angle]
     if not np.all(np.isfinite(v)) or np.ptp(position) == 0.0 or not np.any(v):
         return None
     windows = Windows(recording.time)
     columns = np.array([windows.mean(v), -windows.slope(v)]).T
-    factors: np.ndarray = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
-    return factors
+    k, lag = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
+    return float(k), float(lag)
 
 
 def with_speeds(recording: Recording, lag: float, reach: float = REACH) -> Recording:

@@ -8,11 +8,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
-from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
+from furuta_hw.rigs.rig import Rig, RigLine
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.model import Model
-from furuta_identification.shooting.unknowns import BY_NAME, LUGRE, assumed_spread
+from furuta_identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
@@ -39,7 +39,11 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
     """The rig ``base``, which has the sensors, the line and the limits, with the fitted model."""
     values, drive = model.values, base.drive
     friction = _friction(model)
-    limits = _limits_for_balancing(base, values["ceiling"])
+    angle = base.limits.pendulum_angle
+    limits = base.limits._replace(
+        voltage=min(base.limits.voltage, values["ceiling"]),
+        pendulum_angle=BALANCING_LIMIT if angle > pi / 2 else angle,
+    )
     rig = base._replace(
         model=values.body,
         friction=friction,
@@ -57,18 +61,6 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
         poles=quadratic_poles(values.body, friction.viscous, limits.voltage),
     )
     return rig, _uncertainty(model, (*NAMES, *wave_values(rig.waves)))
-
-
-def _limits_for_balancing(base: Rig, ceiling: float) -> SafetyLimits:
-    """The rig's limits within the drive's ``ceiling`` [V].
-
-    A pendulum that was allowed to hang must not fall unnoticed.
-    """
-    angle = base.limits.pendulum_angle
-    return base.limits._replace(
-        voltage=min(base.limits.voltage, ceiling),
-        pendulum_angle=BALANCING_LIMIT if angle > pi / 2 else angle,
-    )
 
 
 def _allowed(name: str, value: float) -> float:
@@ -107,7 +99,7 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     chosen = [index for index, name in enumerate(fitted) if name in known]
     spreads = {
         RIG_NAMES.get(name, name): assumed_spread(name)
-        for name, about in BY_NAME.items()
+        for name, about in UNKNOWNS.items()
         if name not in model.names and isfinite(about.spread)
     }
     friction = [name for name in spreads if name in Friction._fields]

@@ -96,12 +96,15 @@ def summary(model: Model) -> dict[str, Any]:
 
 
 def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None]]:
-    """Order, cosine and sine amplitude [V] of each wave of the torque."""
+    """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
     waves = []
     for order in model.values.wave_orders:
         wave: dict[str, float | None] = {"order": order}
         for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
-            wave[part] = None if name in reasons else model.values[name]
+            known = name in model.names and name not in reasons
+            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
+            wave[part] = model.values[name] if known else None
+            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
         waves.append(wave)
     return waves
 

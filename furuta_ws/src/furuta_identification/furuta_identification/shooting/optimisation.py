@@ -54,6 +54,11 @@ class Optimum(NamedTuple):
         """The residual of each channel that counts as one (4,)."""
         return self.shooting.parts[0].scale
 
+    @property
+    def predictions(self) -> list[tuple[Recording, np.ndarray]]:
+        """The recordings with what is predicted for them (n, 4)."""
+        return list(zip(self.recordings, self.shooting.predictions(self.vector), strict=True))
+
     def refitted(
         self, names: list[str], start: ParameterValues, tolerance: float = COARSE
     ) -> Optimum:
@@ -95,14 +100,7 @@ def optimise(
 
 def residual_scale(optimum: Optimum) -> np.ndarray:
     """Root mean square of each channel's residuals (4,), widened for their correlation in time."""
-    shooting = optimum.shooting
-    predictions = shooting.predictions(optimum.vector)
-    residuals = np.concatenate(
-        [
-            part.recording.measured - predicted
-            for part, predicted in zip(shooting.parts, predictions, strict=True)
-        ]
-    )
+    residuals = np.concatenate([r.measured - predicted for r, predicted in optimum.predictions])
     count = np.sum(np.isfinite(residuals), axis=0)
     size = np.sqrt(np.nansum(residuals**2, axis=0) / np.maximum(count, 1))
     size = np.where(count > 0, size, 1.0)
@@ -121,18 +119,10 @@ def fit_percent(measured: np.ndarray, predicted: np.ndarray) -> float:
 
 def worst_pendulum_fit(optimum: Optimum) -> float:
     """The smallest fit of the pendulum's angle [%] over the recordings."""
-    predictions = optimum.shooting.predictions(optimum.vector)
     return min(
-        fit_percent(part.recording.measured[:, THETA], predicted[:, THETA])
-        for part, predicted in zip(optimum.shooting.parts, predictions, strict=True)
+        fit_percent(r.measured[:, THETA], predicted[:, THETA])
+        for r, predicted in optimum.predictions
     )
-
-
-def quantisation_step(series: np.ndarray) -> float:
-    """The smallest change of a series (n,); 0 if it never changes."""
-    changes = np.abs(np.diff(series[np.isfinite(series)]))
-    smallest = float(np.min(changes[changes > 1e-12], initial=np.inf))
-    return smallest if np.isfinite(smallest) else 0.0
 
 
 def noise_of(recording: Recording) -> np.ndarray:
@@ -145,7 +135,9 @@ def noise_of(recording: Recording) -> np.ndarray:
     for channel, column in enumerate(recording.measured.T):
         series, smallest = column[np.isfinite(column)], SMALLEST_NOISE[channel]
         if len(series) >= FEWEST_SAMPLES:
-            of_step = quantisation_step(series) ** 2 / 12.0
+            changes = np.abs(np.diff(series))
+            smallest_change = float(np.min(changes[changes > 1e-12], initial=np.inf))
+            of_step = smallest_change**2 / 12.0 if np.isfinite(smallest_change) else 0.0
             variance = float(np.mean(np.diff(series, n=3) ** 2) / 20.0) - of_step
             size[channel] = np.sqrt(max(smallest, np.sqrt(max(0.0, variance))) ** 2 + of_step)
         elif len(series):

@@ -7,6 +7,7 @@ initial states of s segments.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.polynomial import polyfit
 
 from furuta_identification.regression.speeds import with_speeds
 from furuta_identification.shooting.unknowns import ParameterValues
@@ -76,20 +77,16 @@ def _initial_states(
     initial = np.zeros((len(starts), PLANT_STATES))
     initial[:, :RIGID_STATES] = speeds.measured[starts]
     for row, start in zip(initial, starts, strict=True):
-        _smooth_angles(row, recording, start)
+        # The angles are those of a parabola through the first samples.
+        end = np.searchsorted(recording.time, recording.time[start] + PARABOLA)
+        if end - start < PARABOLA_SAMPLES:
+            continue
+        t = recording.time[start:end] - recording.time[start]
+        for angle in (PHI, THETA):
+            row[angle] = polyfit(t, recording.measured[start:end, angle], 2)[0]
     bristle = bristle_along(recording.time, speeds.measured[:, PHI_DOT].copy(), values.friction)
     initial[:, BRISTLE] = bristle[starts]
     return initial
-
-
-def _smooth_angles(row: np.ndarray, recording: Recording, start: int) -> None:
-    """Set the angles in ``row`` from a parabola through the samples that follow ``start``."""
-    end = np.searchsorted(recording.time, recording.time[start] + PARABOLA)
-    if end - start < PARABOLA_SAMPLES:
-        return
-    t = recording.time[start:end] - recording.time[start]
-    for angle in (PHI, THETA):
-        row[angle] = np.polynomial.polynomial.polyfit(t, recording.measured[start:end, angle], 2)[0]
 
 
 @compiled

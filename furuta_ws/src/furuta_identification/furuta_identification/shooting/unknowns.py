@@ -1,4 +1,4 @@
-"""The unknown parameters of the model: units, ranges, priors.
+"""The unknown parameters of the model: units, ranges, priors, values.
 
 Inertias are fitted as logarithms of β, γ, δ and of α − γ²/β, so that every vector is a possible
 pendulum. Parameters that the data may not determine have a prior, a mean and a standard deviation.
@@ -31,54 +31,43 @@ LARGEST_LOG_CHANGE = 3.0
 
 
 class Unknown(NamedTuple):
-    """An unknown parameter: unit, allowed range, mean and standard deviation of its prior."""
+    """Allowed range of an unknown parameter, mean and standard deviation of its prior."""
 
-    name: str
-    unit: str
     low: float
     high: float
-    mean: float
-    spread: float
+    mean: float = 0.0
+    spread: float = math.inf
 
 
-_NO_PRIOR = (0.0, math.inf)
+_POSITIVE = Unknown(-20.0, 15.0)  # the logarithm
 _BRISTLE = Friction()
-
-
-def _positive(name: str, unit: str, mean: float = 0.0, spread: float = math.inf) -> Unknown:
-    """An unknown that is fitted as its logarithm."""
-    return Unknown(name, unit, -20.0, 15.0, mean, spread)
-
-
-UNKNOWNS = (
-    _positive("arm_inertia", "V s²/rad"),
-    _positive("beta", "V s²/rad"),
-    _positive("gamma", "V s²/rad"),
-    _positive("delta", "V/rad"),
-    Unknown("viscous", "V s/rad", 0.0, 100.0, *_NO_PRIOR),
-    Unknown("coulomb", "V", 0.0, 100.0, 0.0, 0.1),
-    Unknown("asymmetry", "", -0.95, 0.95, 0.0, 0.2),
-    Unknown("pendulum_viscous", "V s/rad", 0.0, 100.0, *_NO_PRIOR),
-    Unknown("pendulum_coulomb", "V", 0.0, 100.0, 0.0, 0.02),
-    Unknown("delay", "s", -0.05, 0.05, 0.0, 0.005),
-    Unknown("lag", "s", 0.0, 0.05, 0.0, 0.01),
-    Unknown("tilt_x", "rad", -0.3, 0.3, 0.0, 0.05),
-    Unknown("tilt_y", "rad", -0.3, 0.3, 0.0, 0.05),
-    Unknown("zero", "rad", -0.5, 0.5, 0.0, 0.1),
-    _positive("ceiling", "V"),
-    Unknown("alpha1", "V", 0.0, 100.0, 0.0, 0.02),
-    _positive("stribeck_velocity", "rad/s", math.log(_BRISTLE.stribeck_velocity), 1.0),
-    _positive("sigma0", "V/rad", math.log(_BRISTLE.sigma0), 1.0),
-    _positive("sigma1", "V s/rad", math.log(_BRISTLE.sigma1), 1.0),
-)
-BY_NAME = {about.name: about for about in UNKNOWNS}
+UNKNOWNS = {
+    "arm_inertia": _POSITIVE,  # V s²/rad, as β and γ
+    "beta": _POSITIVE,
+    "gamma": _POSITIVE,
+    "delta": _POSITIVE,  # V/rad
+    "viscous": Unknown(0.0, 100.0),  # V s/rad
+    "coulomb": Unknown(0.0, 100.0, 0.0, 0.1),  # V
+    "asymmetry": Unknown(-0.95, 0.95, 0.0, 0.2),
+    "pendulum_viscous": Unknown(0.0, 100.0),  # V s/rad
+    "pendulum_coulomb": Unknown(0.0, 100.0, 0.0, 0.02),  # V
+    "delay": Unknown(-0.05, 0.05, 0.0, 0.005),  # s
+    "lag": Unknown(0.0, 0.05, 0.0, 0.01),  # s
+    "tilt_x": Unknown(-0.3, 0.3, 0.0, 0.05),  # rad
+    "tilt_y": Unknown(-0.3, 0.3, 0.0, 0.05),  # rad
+    "zero": Unknown(-0.5, 0.5, 0.0, 0.1),  # rad
+    "ceiling": _POSITIVE,  # V
+    "alpha1": Unknown(0.0, 100.0, 0.0, 0.02),  # V
+    "stribeck_velocity": Unknown(-20.0, 15.0, math.log(_BRISTLE.stribeck_velocity), 1.0),  # rad/s
+    "sigma0": Unknown(-20.0, 15.0, math.log(_BRISTLE.sigma0), 1.0),  # V/rad
+    "sigma1": Unknown(-20.0, 15.0, math.log(_BRISTLE.sigma1), 1.0),  # V s/rad
+}
 _WAVE = re.compile(r"wave(\d+)_(cos|sin)")
 _ZERO = re.compile(r"zero\d+")
 
 BODY = ("arm_inertia", "beta", "gamma", "delta")
 FRICTION = ("viscous", "coulomb", "asymmetry", "pendulum_viscous", "pendulum_coulomb")
-TIMING = ("delay", "lag")
-TILT = ("tilt_x", "tilt_y")
+SETUP = ("delay", "lag", "tilt_x", "tilt_y")
 LUGRE = ("alpha1", "stribeck_velocity", "sigma0", "sigma1")
 # Largest standard deviation of the logarithm of a value that is assumed: a factor of 2. The priors
 # are weaker, because the data narrow them.
@@ -90,13 +79,13 @@ def unknown(name: str) -> Unknown:
     """The unknown of this name."""
     if (wave := _WAVE.fullmatch(name)) is not None:
         # An unbalanced arm (order 1) on a base that is nearly level has little torque.
-        return Unknown(name, "V", -10.0, 10.0, 0.0, 0.02 if wave[1] == "1" else 0.1)
-    return BY_NAME["zero"]._replace(name=name) if _ZERO.fullmatch(name) else BY_NAME[name]
+        return Unknown(-10.0, 10.0, 0.0, 0.02 if wave[1] == "1" else 0.1)
+    return UNKNOWNS["zero" if is_zero(name) else name]
 
 
 def assumed_spread(name: str) -> float:
     """Standard deviation of an unknown that is assumed at the mean of its prior."""
-    return min(BY_NAME[name].spread, LARGEST_ASSUMED)
+    return min(UNKNOWNS[name].spread, LARGEST_ASSUMED)
 
 
 def wave_names(order: int) -> tuple[str, str]:
@@ -143,7 +132,7 @@ class ParameterValues:
     @classmethod
     def of(cls, **given: float) -> ParameterValues:
         """From physical values; all others are at the mean of their prior, without a ceiling."""
-        coordinates = {about.name: about.mean for about in UNKNOWNS} | {"ceiling": math.inf}
+        coordinates = {name: about.mean for name, about in UNKNOWNS.items()} | {"ceiling": math.inf}
         for name, value in given.items():
             coordinates[name] = math.log(value) if name in LOGARITHMIC else value
         return cls(coordinates)

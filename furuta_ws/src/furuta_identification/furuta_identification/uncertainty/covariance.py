@@ -50,7 +50,14 @@ def covariance_and_information(
     covariance += block_covariance(shooting, slopes, residuals, information + of_prior)
     if swinging:
         covariance += _wave_covariance(shooting, vector, residuals, gain)
-    return _with_assumed(shooting, vector, assumed, covariance, information, gain)
+    size, more = len(vector), len(assumed)
+    covariance, information = np.pad(covariance, (0, more)), np.pad(information, (0, more))
+    for index, (name, spread) in enumerate(assumed.items(), start=size):
+        shift = np.zeros(size + more)
+        shift[:size] = -gain @ _slope_in(shooting, vector, name, spread) * spread
+        shift[index] = spread
+        covariance += np.outer(shift, shift)
+    return covariance, information
 
 
 def _wave_covariance(
@@ -61,7 +68,10 @@ def _wave_covariance(
     Waves that are part of the model do not count. The others together are at least as large as the
     residuals beyond the sensors' noise.
     """
-    excess = float(residuals @ residuals) - _noise(shooting)
+    excess = float(residuals @ residuals) - sum(
+        len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
+        for part in shooting.parts
+    )
     turns = max(np.ptp(part.recording.measured[:, PHI]) for part in shooting.parts)
     if excess <= 0.0 or turns == 0.0:
         return np.zeros((len(vector), len(vector)))
@@ -72,33 +82,6 @@ def _wave_covariance(
     size = max(usual, np.sqrt(excess / float(np.sum(waves**2))))
     shifts: np.ndarray = size * (gain @ waves)
     return shifts @ shifts.T
-
-
-def _noise(shooting: Shooting) -> float:
-    """The sum of squares that the sensors' noise explains."""
-    return sum(
-        len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
-        for part in shooting.parts
-    )
-
-
-def _with_assumed(
-    shooting: Shooting,
-    vector: np.ndarray,
-    assumed: dict[str, float],
-    covariance: np.ndarray,
-    information: np.ndarray,
-    gain: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Both matrices enlarged by the assumed values and by what their errors change."""
-    fitted = len(covariance)
-    covariance = np.pad(covariance, ((0, len(assumed)), (0, len(assumed))))
-    for index, (name, spread) in enumerate(assumed.items(), start=fitted):
-        shift = np.zeros(len(covariance))
-        shift[:fitted] = -gain @ _slope_in(shooting, vector, name, spread) * spread
-        shift[index] = spread
-        covariance += np.outer(shift, shift)
-    return covariance, np.pad(information, ((0, len(assumed)), (0, len(assumed))))
 
 
 def _slope_in(shooting: Shooting, vector: np.ndarray, name: str, spread: float) -> np.ndarray:
@@ -122,25 +105,17 @@ def difference_covariance(
     if len(own_fits) == 1:
         return covariance
     for fit in own_fits:
-        excess = _excess(common, fit, names, assumed)
+        one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
+        own, _ = covariance_and_information(fit, assumed, swinging=True)
+        excess = np.zeros(len(names))
+        for k, (name, value) in enumerate(zip(fit.names, fit.vector, strict=True)):
+            if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
+                continue
+            difference = value - common.values.coordinates[name]
+            size = np.sqrt(max(0.0, difference**2 - own[k, k]))
+            excess[names.index(name)] = np.sign(difference) * size
         covariance += np.outer(excess, excess) / len(own_fits)
     return covariance
-
-
-def _excess(
-    common: Optimum, fit: Optimum, names: list[str], assumed: dict[str, float]
-) -> np.ndarray:
-    """The difference of each unknown beyond the standard error of the recording's own fit."""
-    one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
-    own, _ = covariance_and_information(fit, assumed, swinging=True)
-    excess = np.zeros(len(names))
-    for k, (name, value) in enumerate(zip(fit.shooting.names, fit.vector, strict=True)):
-        if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
-            continue
-        difference = value - common.values.coordinates[name]
-        size = np.sqrt(max(0.0, difference**2 - own[k, k]))
-        excess[names.index(name)] = np.sign(difference) * size
-    return excess
 
 
 def block_covariance(

@@ -9,7 +9,6 @@ from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
     LOGARITHMIC,
     LUGRE,
-    Unknown,
     prior,
     prior_information,
     unknown,
@@ -60,36 +59,24 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
 
 def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
-    reasons = {}
-    for name in model.names:
-        reason = _reason(model, name)
-        if reason is not None:
-            reasons[name] = reason
-    for name in (*LUGRE, "asymmetry"):
-        if name not in model.names:
-            reasons[name] = REASONS[name]
-    return reasons
+    reasons = {name: _reason(model, index) for index, name in enumerate(model.names)}
+    missing = {n: REASONS[n] for n in (*LUGRE, "asymmetry") if n not in model.names}
+    return {name: reason for name, reason in (reasons | missing).items() if reason}
 
 
-def _reason(model: Model, name: str) -> str | None:
-    """Why the data do not determine a fitted or assumed unknown; None if they do."""
-    index = model.names.index(name)
-    if model.information[index, index] == 0.0 and name in REASONS:
-        return REASONS[name]
+def _reason(model: Model, index: int) -> str:
+    """Why the data do not determine a fitted or assumed unknown; empty if they do."""
+    name = model.names[index]
     if model.information[index, index] == 0.0:
-        return ASSUMED if all(turns_one_way(r) for r in model.recordings) else NO_EFFECT
-    about = unknown(name)
-    value = model.values.coordinates[name]
-    if _is_at_end(value, about):
+        one_way = all(turns_one_way(recording) for recording in model.recordings)
+        return REASONS.get(name, ASSUMED if one_way else NO_EFFECT)
+    about, value = unknown(name), model.values.coordinates[name]
+    margin = END * (about.high - about.low)
+    # A lower end of 0 is where nature ends too.
+    if value > about.high - margin or (about.low != 0.0 and value < about.low + margin):
         return AT_END.format(value)
     error, spread = float(np.sqrt(model.covariance[index, index])), about.spread
     like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
     if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
         return REASONS.get(name, NOT_SEPARABLE)
-    return None
-
-
-def _is_at_end(value: float, about: Unknown) -> bool:
-    """Whether a value is at the end of its range; a lower end of 0 is where nature ends too."""
-    margin = END * (about.high - about.low)
-    return value > about.high - margin or (about.low != 0.0 and value < about.low + margin)
+    return ""
