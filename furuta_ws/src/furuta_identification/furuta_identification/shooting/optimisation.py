@@ -125,6 +125,13 @@ def worst_pendulum_fit(optimum: Optimum) -> float:
     )
 
 
+def quantisation_step(series: np.ndarray) -> float:
+    """The smallest change of a series (n,); 0 if it never changes."""
+    changes = np.abs(np.diff(series[np.isfinite(series)]))
+    smallest = float(np.min(changes[changes > 1e-12], initial=np.inf))
+    return smallest if np.isfinite(smallest) else 0.0
+
+
 def noise_of(recording: Recording) -> np.ndarray:
     """Standard deviation of each channel's error (4,); 1 where nothing was measured.
 
@@ -135,9 +142,7 @@ def noise_of(recording: Recording) -> np.ndarray:
     for channel, column in enumerate(recording.measured.T):
         series, smallest = column[np.isfinite(column)], SMALLEST_NOISE[channel]
         if len(series) >= FEWEST_SAMPLES:
-            changes = np.abs(np.diff(series))
-            smallest_change = float(np.min(changes[changes > 1e-12], initial=np.inf))
-            of_step = smallest_change**2 / 12.0 if np.isfinite(smallest_change) else 0.0
+            of_step = quantisation_step(series) ** 2 / 12.0
             variance = float(np.mean(np.diff(series, n=3) ** 2) / 20.0) - of_step
             size[channel] = np.sqrt(max(smallest, np.sqrt(max(0.0, variance))) ** 2 + of_step)
         elif len(series):
