@@ -13,8 +13,6 @@ The pendulum's equation, divided by δ, gives the ratios β/δ and γ/δ and the
 arm's equation gives the rest in volts.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.optimize import nnls
 
@@ -76,26 +74,30 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
     return regress(x, _commanded(recording, windows)[moving])
 
 
-def ceiling_misfits(
-    recordings: list[Recording], ceilings: Sequence[float]
-) -> tuple[np.ndarray, float]:
-    """Unexplained part, 0 to 1, of all recordings' arm equations (k,); independent windows.
+def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
+    """A first value of the ceiling [V], infinite where the arm's equation shows none.
 
-    The drive limits commands to each of the ``ceilings`` [V]. All recordings share the
-    coefficients, none of which is negative.
+    All recordings share the coefficients, none of which is negative.
     """
     parts = []
     for recording in recordings:
-        windows = Windows(recording.time)
-        beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
-        parts.append((recording, windows, *_arm_columns(recording, windows, beta, gamma)))
+        ready = with_speeds(recording.with_delayed_command(delay), lag)
+        windows = Windows(ready.time)
+        beta, gamma = pendulum_equation(ready, windows).coefficients[:2]
+        parts.append((ready, windows, *_arm_columns(ready, windows, beta, gamma)))
     x = np.concatenate([columns for _, _, columns, _ in parts])
-    misfits = []
-    for ceiling in ceilings:
+
+    def misfit(ceiling: float) -> float:
         u = [_commanded(r.with_ceiling(ceiling), windows)[on] for r, windows, _, on in parts]
         both = np.concatenate(u)
-        misfits.append(nnls(x, both)[1] / np.linalg.norm(both))
-    return np.array(misfits), 0.5 * len(x)
+        return float(nnls(x, both)[1] / np.linalg.norm(both))
+
+    ceilings = PARTS * max(recording.largest_command for recording in recordings)
+    misfits = [misfit(ceiling) for ceiling in ceilings]
+    best = int(np.argmin(misfits))
+    # Windows overlap by half, so every other one counts.
+    sure = 0.5 * len(x) * np.log(misfit(np.inf) / misfits[best]) >= SURE
+    return float(ceilings[best]) if sure else float(np.inf)
 
 
 def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
@@ -135,17 +137,6 @@ def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray
     if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
         return np.zeros_like(forward), np.zeros_like(backward), moving
     return forward, backward, moving
-
-
-def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
-    """A first value of the ceiling [V], infinite where the arm's equation shows none."""
-    ready = [with_speeds(r.with_delayed_command(delay), lag) for r in recordings]
-    largest = max(r.largest_command for r in ready)
-    misfits, samples = ceiling_misfits(ready, [*(PARTS * largest), np.inf])
-    best = int(np.argmin(misfits))
-    if samples * np.log(misfits[-1] / misfits[best]) < SURE:
-        return float(np.inf)
-    return float(PARTS[best] * largest)
 
 
 def has_one_level(recordings: list[Recording]) -> bool:

@@ -11,8 +11,6 @@ each other. ψ, the angle between the measured zero and upright, follows from th
 sinθ and cosθ; the other terms depend on it too, so it is found by iteration.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -50,13 +48,6 @@ class PendulumMotion(NamedTuple):
     gravity_error: float
     misfit: float
     samples: float
-
-    def upright(self) -> PendulumMotion:
-        """The same motion with a zero for which gravity is positive."""
-        if self.gravity >= 0.0:
-            return self
-        zero = self.zero + (np.pi if self.zero <= 0.0 else -np.pi)
-        return self._replace(zero=zero, gravity=-self.gravity, coupling=-self.coupling)
 
 
 def pendulum_motion(recording: Recording) -> PendulumMotion:
@@ -105,7 +96,11 @@ def _regression(
     weights = 1.0 / (1.0 + energy / FAST**2)
     fit = regress(weights[:, None] * np.array(columns).T, weights * y)
     gravity, across, coupling = fit.coefficients[:3]
-    motion = PendulumMotion(
-        zero, coupling, fit.errors[2], gravity, fit.errors[0], fit.misfit, fit.samples
+    step = float(np.arctan2(across, gravity))
+    if gravity < 0.0:  # it is positive at the opposite zero
+        zero += np.pi if zero <= 0.0 else -np.pi
+        gravity, coupling = -gravity, -coupling
+    errors = fit.errors
+    return step, PendulumMotion(
+        zero, coupling, errors[2], gravity, errors[0], fit.misfit, fit.samples
     )
-    return float(np.arctan2(across, gravity)), motion.upright()

@@ -96,17 +96,12 @@ class Shooting:
     def _residuals(self, i: int, vector: np.ndarray, initial: np.ndarray) -> np.ndarray:
         """Weighted residuals (4n + 5s,) of one recording: outputs, then initial states."""
         part = self.parts[i]
-        residuals = self.weighted(i, part.recording.measured - self._predicted(i, vector, initial))
-        known = part.spread > 0.0
-        prior = np.where(known, (part.measured - initial) / np.where(known, part.spread, 1.0), 0.0)
-        residuals[-prior.size :] = prior.ravel()
-        return residuals
-
-    def weighted(self, i: int, error: np.ndarray) -> np.ndarray:
-        """Residuals (4n + 5s,) for an ``error`` (n, 4) of the outputs, zero for initial states."""
+        error = part.recording.measured - self._predicted(i, vector, initial)
         weights = self._weights[i]
         outputs = np.where(weights > 0.0, error, 0.0) * weights
-        return np.append(outputs.ravel(), np.zeros(self.parts[i].measured.size))
+        known = part.spread > 0.0
+        prior = np.where(known, (part.measured - initial) / np.where(known, part.spread, 1.0), 0.0)
+        return np.append(outputs.ravel(), prior.ravel())
 
     def _slopes_in_initial_states(self, i: int, vector: np.ndarray, base: np.ndarray) -> np.ndarray:
         """∂residuals/∂initial state (4n + 5s, 5): all segments change at once, independently."""
