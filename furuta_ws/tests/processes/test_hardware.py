@@ -26,7 +26,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, graph_nodes
 from furuta_sim.settings.settings import load_settings, loop
-from furuta_sim.simulation.closed_loop import simulate
+from furuta_sim.simulation.closed_loop import Simulation
 
 # Recovery takes several attempts on a loaded machine.
 PATIENCE = 240.0
@@ -37,6 +37,8 @@ PERIOD = 1_000_000
 # Longer than by default: a loaded machine stops processes for more than 50 ms at times.
 WATCHDOG = 0.2  # [s]
 AGES = {"command_age": 0.2, "measurement_age": 0.2, "estimate_age": 0.2}  # [s]
+# Simulated windows of the limit cycle, whose extremes bound that of the rig.
+WINDOWS = 800
 KILLED_NODES = ("hardware_bridge", "controller", "estimator", "friction_observer")
 
 
@@ -155,7 +157,8 @@ def test_limit_cycle_is_the_simulated_one(
     """The arm's peak-to-peak angle over 5 s is within those of the simulation, to 10 %.
 
     Without compensation all windows of 5 s agree, also with the C firmware. With LuGre compensation
-    the motion is below one count of the encoder and varies by half between windows.
+    the motion is irregular: only one window in a thousand exceeds twice the median, so the extremes
+    are those of many windows.
     """
     if options:  # make test installs the compiler of the C firmware
         pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
@@ -167,8 +170,9 @@ def test_limit_cycle_is_the_simulated_one(
     log = rig.log(tmp_path / "log.npz")
     assert bridge.guard.stops == 0
     got = np.ptp(log["phi"][log["armed"] > 0][5_000:10_000])
-    record = simulate(loop(load_settings([], [f"compensation={compensation}"])), 205.0)
-    expected = [np.ptp(window) for window in np.split(record.state[5_000:, 0], 40)]
+    simulation = Simulation(loop(load_settings([], [f"compensation={compensation}"])))
+    simulation.run(5.0)
+    expected = [np.ptp(simulation.run(5.0).state[:, 0]) for _ in range(WINDOWS)]
     assert 0.9 * min(expected) < got < 1.1 * max(expected)
 
 
