@@ -75,10 +75,9 @@ class Page:
         return " ".join(self.page.locator(selector).all_inner_texts())
 
     def row(self, label: str) -> Any:
-        """The row of controls with this label that comes first."""
-        return self.page.get_by_text(label, exact=True).first.locator(
-            "xpath=ancestor::*[.//input][1]"
-        )
+        """The row of controls with this label that comes first; a closed folder does not count."""
+        shown = self.page.get_by_text(label, exact=True).locator("visible=true")
+        return shown.first.locator("xpath=ancestor::*[.//input][1]")
 
     def _keep_error(self, message: Any) -> None:
         if message.type == "error":

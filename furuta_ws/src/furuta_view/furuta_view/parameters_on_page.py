@@ -124,8 +124,6 @@ class ParametersOnPage:
         self.values[node] = {parameter.name: parameter.value for parameter in described}
         order = float(ORDER.index(node) if node in ORDER else len(ORDER))
         enter = partial(self._enter, node)
-        with self._place:
-            self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
         for parameter in described:
             place = node, parameter.name
             if place in MAIN and place not in self._first:
@@ -133,6 +131,8 @@ class ParametersOnPage:
                     self._first[place] = Control(
                         self._gui, float(MAIN.index(place)), parameter, partial(enter, place[1])
                     )
+        with self._place:
+            self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
         self._changed()
 
     def _remove(self, node: str) -> None:
