@@ -5,10 +5,9 @@ from math import inf, isnan, nan
 
 import numpy as np
 import pytest
-from std_msgs.msg import Float64
 from testbench import joint_state
 
-from furuta_ros.messages import RefusedError, read_float, read_joints, read_measurement
+from furuta_ros.messages import RefusedError, checked_value, read_joints, read_measurement
 from furuta_ros.time_stamps import stamp_nanoseconds
 
 STATE = (0.1, -0.2, 0.3, -0.4)
@@ -103,4 +102,4 @@ def test_bad_effort_is_rejected(efforts: list[float]) -> None:
 def test_non_finite_number_is_rejected(value: float) -> None:
     """A command or friction estimate must be finite."""
     with pytest.raises(RefusedError, match="finite"):
-        read_float(Float64(data=value))
+        checked_value(value)

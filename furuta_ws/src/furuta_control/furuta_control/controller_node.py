@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String
+from std_msgs.msg import Bool, String
 
 from furuta_control.control import (
     ACTIVE_MODES,
@@ -22,9 +22,7 @@ from furuta_control.estimate_matching import Answer, EstimateMatching
 from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
-from furuta_model.state import SIGNALS
-from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import read_float, read_joints
+from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
@@ -38,6 +36,7 @@ from furuta_ros.topics import (
     LATCHED,
     QOS,
 )
+from furuta_ros.wire import ANEW, REPEATED, new_float64, read_value, take_joint_state
 
 
 class ControllerNode(SampleNode[ControllerParameters]):
@@ -62,54 +61,43 @@ class ControllerNode(SampleNode[ControllerParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = new_memory(ControllerMemory)
         self._memory_before = self._memory.copy()  # a step without its estimate
-        self._x = np.zeros(SIGNALS)
         self._matching = EstimateMatching(QOS.depth)
         self._friction_stamp = -1  # of the state when the newest estimate arrived
         self._applied = True  # whether commands are applied
-        self._command = Float64()
-        super().__init__("controller", ControllerParameters, overrides)
+        super().__init__("controller", ControllerParameters, new_float64(), overrides)
         self.watch_parameters(self.parameters_changed)
-        self._publisher = LoopPublisher(self, COMMAND)
-        self._active_mode = ""
+        self._active_mode = swing_up.OFF
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
-        self._report_mode(swing_up.OFF)
-        self.take_samples(JOINT_STATES)
-        self.subscribe_to(FRICTION_ESTIMATE, self._on_friction)
+        self._publish_mode()
+        self.take_samples(JOINT_STATES, COMMAND)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_friction, raw=True)
         self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
 
     def parameters_changed(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""
         self._design = block(design_controller(parameters))
-        _control(self._memory.copy(), self._x, 0.0, self._design)
+        self.compute_with(_take, self._memory)
+        _control(self._memory.copy(), self.received, 0.0, self._design, self.answer.copy())
 
     @property
     def missed_estimates(self) -> int:
         """Number of states that were answered without their estimates."""
         return self._matching.missed
 
-    def read(self, message: JointState) -> None:
+    def read(self, message: JointState, x: np.ndarray) -> None:
         """Read the state."""
-        read_joints(message, self._x, partly=True)
+        read_joints(message, x, partly=True)
 
-    def reset(self) -> None:
-        """Forget the motion."""
-        reset(self._memory[0])
-
-    def step(self, interval: int, continues: bool) -> None:
+    def taken(self, sample: int) -> None:
         """Answer the state if its friction estimate is there, or if it is late."""
-        self._do(self._matching.state(self.message_age.sent, not continues))
+        sent = self.message_age.sent
+        if sample == REPEATED:
+            self._do(self._matching.repetition(sent))
+        else:
+            self._do(self._matching.state(sent, sample == ANEW))
 
-    def repeat(self) -> None:
-        """Wait for the estimate to the repeated state."""
-        self._do(self._matching.repetition(self.message_age.sent))
-
-    def answer(self) -> None:
-        """Publish the command, unless it is too old."""
-        if self.message_age.answerable():
-            self._publisher.publish(self._command, self.stamp)
-
-    def _on_friction(self, message: Float64) -> None:
-        answer = self._matching.estimate(read_float(message), self.message_age.sent)
+    def _on_friction(self, data: bytes) -> None:
+        answer = self._matching.estimate(read_value(data), self.message_age.sent)
         if self._matching.refused_in_a_row == 0:
             self._friction_stamp = self.stamp
         elif self._matching.suspicious:
@@ -133,7 +121,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
             self._memory[:] = self._memory_before
             self._compute(self._matching.friction)
         elif answer is Answer.AGAIN:
-            self.answer()
+            self.publish_answer()
 
     def _compute_without_estimate(self) -> None:
         self.get_logger().warning(
@@ -148,25 +136,35 @@ class ControllerNode(SampleNode[ControllerParameters]):
     def _compute(self, friction: float) -> None:
         if not self._applied:
             forget_integrals(self._memory[0])
-        self._command.data, mode = _control(self._memory, self._x, friction, self._design)
-        self._report_mode(mode)
-        self.answer()
+        mode = _control(self._memory, self.received, friction, self._design, self.answer)
+        if mode != self._active_mode:
+            self._active_mode = mode
+            self._publish_mode()
+        self.publish_answer()
 
-    def _report_mode(self, mode: int) -> None:
-        """Publish what the controller does, if it is something else than before."""
-        name = ACTIVE_MODES[mode]
-        if name != self._active_mode:
-            self._active_mode = name
-            self._mode_publisher.publish(String(data=name))
+    def _publish_mode(self) -> None:
+        """Publish what the controller does."""
+        self._mode_publisher.publish(String(data=ACTIVE_MODES[self._active_mode]))
+
+
+@compiled
+def _take(
+    data: bytes, previous: int, x: np.ndarray, answer: np.ndarray, memory: np.ndarray
+) -> tuple[int, int, int]:
+    """Read a state; :func:`_control` computes with it."""
+    sample, stamp = take_joint_state(data, previous, True, x)
+    if sample == ANEW:
+        reset(memory[0])
+    return sample, stamp, 0
 
 
 @compiled
 def _control(
-    memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray
-) -> tuple[float, int]:
-    """Command u [V], and the index of the mode in force."""
-    u = control(memory[0], x, friction, design[0])
-    return u, active_mode(memory[0], design[0])
+    memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray, answer: np.ndarray
+) -> int:
+    """Write the command u [V]; return the index of the mode in force."""
+    answer[0].value = control(memory[0], x, friction, design[0])
+    return active_mode(memory[0], design[0])
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ Measurement and estimate are (5,): x, then the applied torque or the observed fr
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import floor, nan, pi
-from typing import Annotated, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
@@ -52,7 +52,7 @@ _improve_prediction = by_kind([method.predict for method in METHODS])
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
 # Result of :func:`unusable_readings` without an estimate.
-LOST = -1
+LOST: Final = 1 << SIGNALS
 
 
 class EstimatorParameters(NamedTuple):
@@ -234,6 +234,7 @@ def pass_skipped(
         estimate_state(memory, missing, p, estimate)
 
 
+@inlined
 def skipped_samples(interval: float, sample_time: float) -> int:
     """Number of samples left out in an ``interval`` between two measurements, in one unit."""
     return max(0, round(interval / sample_time) - 1)
@@ -241,7 +242,7 @@ def skipped_samples(interval: float, sample_time: float) -> int:
 
 @inlined
 def unusable_readings(memory: EstimatorMemory) -> int:
-    """Readings of the last sample that were replaced: a bit for each signal, -1 if lost."""
+    """Readings of the last sample that were replaced: a bit for each signal, or LOST."""
     if memory.running == NOT_RUNNING:
         return LOST
     bits = 0

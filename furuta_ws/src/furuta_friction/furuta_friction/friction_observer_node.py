@@ -7,7 +7,6 @@ from math import isnan
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
 
 from furuta_friction.compensation import (
     CompensationMemory,
@@ -17,20 +16,21 @@ from furuta_friction.compensation import (
     design_compensator,
     estimate_friction,
     reset,
-    switched_off,
 )
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
-from furuta_model.state import OBSERVED_FRICTION, SIGNALS, THETA_DOT
-from furuta_ros.loop_publisher import LoopPublisher
+from furuta_model.state import OBSERVED_FRICTION, THETA_DOT
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
+from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
 
 # Time between two checks of the adapted levels [s].
 LEVELS_PERIOD = 5.0
+# What there is to say about a sample.
+SWITCHED_OFF, NOT_OBSERVED = 1, 2
 
 
 class FrictionObserverNode(SampleNode[ObserverParameters]):
@@ -42,13 +42,10 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._memory = new_memory(CompensationMemory)
-        self._x = np.zeros(SIGNALS)
-        self._estimate = Float64()
         self._applied: ObserverParameters | None = None
-        super().__init__("friction_observer", ObserverParameters, overrides)
+        super().__init__("friction_observer", ObserverParameters, new_float64(), overrides)
         self.watch_parameters(self.parameters_changed)
-        self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
-        self.take_samples(JOINT_STATES)
+        self.take_samples(JOINT_STATES, FRICTION_ESTIMATE)
         self.steady_timer(LEVELS_PERIOD, self._check_levels)
 
     def parameters_changed(self, parameters: ObserverParameters) -> None:
@@ -59,29 +56,23 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
         if parameters != self._applied:
             allow(self._memory[0])
         self._applied = parameters
-        self._compensator = block(design_compensator(parameters))
-        _estimate(self._memory.copy(), self._x, self._compensator)
+        self.compute_with(_take, self._memory, block(design_compensator(parameters)))
 
-    def read(self, message: JointState) -> None:
+    def read(self, message: JointState, x: np.ndarray) -> None:
         """Read the state."""
-        read_joints(message, self._x, partly=True)
+        read_joints(message, x, partly=True)
 
-    def reset(self) -> None:
-        """Forget the motion."""
-        reset(self._memory[0])
-
-    def step(self, interval: int, continues: bool) -> None:
-        """Estimate the friction."""
-        self._check_observed_friction()
-        before = switched_off(self._memory)
-        self._estimate.data = _estimate(self._memory, self._x, self._compensator)
-        if switched_off(self._memory) and not before:
+    def report(self, condition: int, interval: int) -> None:
+        """Log that the guard has acted, or that the compensation lacks the observed friction."""
+        chosen = self.parameters.chosen
+        if condition == SWITCHED_OFF:
             self.get_logger().error(self.parameters.switch_off_reason)
-        self.answer()
-
-    def answer(self) -> None:
-        """Publish the estimate."""
-        self._publisher.publish(self._estimate, self.stamp)
+        elif condition == NOT_OBSERVED and chosen.needs_observed_friction:
+            self.get_logger().warning(
+                f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
+                "use an estimator that observes it (method kalman)",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
 
     def _check_levels(self) -> None:
         if beyond_adaptation(self._memory, self.parameters):
@@ -90,22 +81,27 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
                 "alpha0 and alpha1 say; the friction is not as the parameters describe it"
             )
 
-    def _check_observed_friction(self) -> None:
-        """Warn if the compensation needs the observed friction and does not get it."""
-        chosen = self.parameters.chosen
-        if not chosen.needs_observed_friction or isnan(self._x[THETA_DOT]):
-            return
-        if isnan(self._x[OBSERVED_FRICTION]):
-            self.get_logger().warning(
-                f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
-                "use an estimator that observes it (method kalman)",
-                throttle_duration_sec=WARNING_PERIOD,
-            )
-
 
 @compiled
-def _estimate(memory: np.ndarray, x: np.ndarray, compensator: np.ndarray) -> float:
-    return estimate_friction(memory[0], x, compensator[0])
+def _take(
+    data: bytes,
+    previous: int,
+    x: np.ndarray,
+    answer: np.ndarray,
+    memory: np.ndarray,
+    compensator: np.ndarray,
+) -> tuple[int, int, int]:
+    sample, stamp = take_joint_state(data, previous, True, x)
+    if sample <= REPEATED:
+        return sample, stamp, 0
+    if sample == ANEW:
+        reset(memory[0])
+    allowed = not memory[0].guard.tripped
+    answer[0].value = estimate_friction(memory[0], x, compensator[0])
+    if allowed and memory[0].guard.tripped:
+        return sample, stamp, SWITCHED_OFF
+    blind = isnan(x[OBSERVED_FRICTION]) and not isnan(x[THETA_DOT])
+    return sample, stamp, NOT_OBSERVED if blind else 0
 
 
 def main() -> None:

@@ -16,11 +16,16 @@ import numpy as np
 
 def block(group: Any) -> np.ndarray:
     """Pack a named tuple or a memory into a structured array (1,)."""
-    packed = np.zeros(1, _layout(group))
+    packed = records(_layout(group))
     packed[0] = _content(group)
+    return packed
+
+
+def records(layout: np.dtype) -> np.ndarray:
+    """Zeros of a structured type (1,), whose fields are attributes of ``[0]`` in compiled code."""
     config: Any = numba.config
     # Without compilation only a record array has its fields as attributes.
-    return packed.view(np.recarray) if config.DISABLE_JIT else packed
+    return np.zeros(1, layout).view(np.recarray if config.DISABLE_JIT else np.ndarray)
 
 
 def new_memory(kind: Any) -> np.ndarray:

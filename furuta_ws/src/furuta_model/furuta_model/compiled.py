@@ -101,7 +101,7 @@ def _digest(function: Callable[..., Any]) -> str:
         used = function.__globals__.get(name)
         if isinstance(used, ModuleType):
             for inner in names:
-                _add(content, inner, getattr(used, inner, None))
+                _add(content, inner, vars(used).get(inner))
         else:
             _add(content, name, used)
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):

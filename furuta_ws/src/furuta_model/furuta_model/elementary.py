@@ -86,13 +86,13 @@ def _double_in_python(bits: int) -> float:
 
 fma: Callable[[float, float, float], float] = make_intrinsic(_fma, exact_fma)
 _bits: Callable[[float], int] = make_intrinsic(_bits_of, _bits_in_python)
-_double: Callable[[int], float] = make_intrinsic(_double_of, _double_in_python)
+double_of_bits: Callable[[int], float] = make_intrinsic(_double_of, _double_in_python)
 
 
 @inlined
 def power_of_two(exponent: int) -> float:
     """2 to the power of an integer, −1022 … 1023."""
-    return _double((exponent + 1023) << 52)
+    return double_of_bits((exponent + 1023) << 52)
 
 
 @inlined

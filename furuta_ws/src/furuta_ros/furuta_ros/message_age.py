@@ -11,6 +11,7 @@ from furuta_ros.time_stamps import NANOSECONDS
 
 # Longest time from sending to answering a message [s].
 MAX_AGE = 0.05
+LIMIT = round(MAX_AGE * NANOSECONDS)
 
 
 class MessageAge:
@@ -36,7 +37,7 @@ class MessageAge:
 
     def answerable(self) -> bool:
         """Whether the message received last may still be answered."""
-        if self.age <= MAX_AGE or self._simulated():
+        if not self.sent or self._now() - self.sent <= LIMIT or self._simulated():
             return True
         self.expired += 1
         return False

@@ -11,7 +11,6 @@ from math import isnan, nan
 
 import numpy as np
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
 
 from furuta_model.parameters import shortened
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
@@ -23,9 +22,8 @@ class RefusedError(ValueError):
     """A message is invalid; the error says why."""
 
 
-def read_float(message: Float64) -> float:
-    """The message's value [V], which must be finite and possible."""
-    value: float = message.data
+def checked_value(value: float) -> float:
+    """A command or friction estimate [V], which must be finite and possible."""
     if not abs(value) <= LARGEST_VALUE:
         raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
     return value

@@ -72,10 +72,11 @@ class FurutaNode(Node, Generic[Group]):
         """A publisher on a topic of the graph."""
         return self.create_publisher(topic.type, topic.name, QOS)
 
-    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None]) -> None:
+    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None], raw: bool = False) -> None:
         """Call ``receive`` with each message from the one publisher of the topic.
 
-        A message that is too old or that ``receive`` refuses is counted and logged.
+        With ``raw`` it gets the serialised message, in bytes. A message that is too old or that
+        ``receive`` refuses is counted and logged.
         """
         one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
         self.accepted_publishers[topic.name] = one
@@ -95,7 +96,7 @@ class FurutaNode(Node, Generic[Group]):
                     throttle_duration_sec=WARNING_PERIOD,
                 )
 
-        self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS)
+        self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS, raw=raw)
         self.steady_timer(CHECK_PERIOD, one.check)
 
     def steady_timer(self, period: float, call: Callable[[], None]) -> Timer:

@@ -2,6 +2,8 @@
 
 from typing import Any, Final
 
+from furuta_model.compiled import inlined
+
 NANOSECONDS: Final = 1_000_000_000
 # Time between two samples [ns] from which the later one begins anew: longer than any sample time
 # and any pause of a loaded machine that the loop rides out.
@@ -14,6 +16,7 @@ def stamp_nanoseconds(message: Any) -> int:
     return int(stamp.sec * NANOSECONDS + stamp.nanosec)
 
 
+@inlined
 def starts_anew(previous: int, stamp: int) -> bool:
     """Whether the sample of ``stamp`` does not continue that of ``previous`` [ns].
 

@@ -5,18 +5,17 @@ from collections.abc import Sequence
 
 import numpy as np
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.parts.plant_memory import PlantMemory
-from furuta_model.state import RIGID_STATES, SIGNALS
+from furuta_model.state import SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import JointWriter, read_float
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
+from furuta_ros.wire import new_joint_state, read_value, write_joint_state
 from furuta_sim.lockstep import LockStep
 from furuta_sim.paced_node import PacedNode
 from furuta_sim.parameters import PlantNodeParameters
@@ -48,8 +47,7 @@ class PlantNode(PacedNode):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         self._measurement = np.zeros(SIGNALS)
-        self._measurement_writer = JointWriter()
-        self._truth_writer = JointWriter()
+        self._messages = new_joint_state(), new_joint_state()  # measurement and true state
         self._torque = 0.0
         self._resetting = False
         self._memory = new_memory(PlantMemory)
@@ -62,7 +60,7 @@ class PlantNode(PacedNode):
         self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
         self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
-        self.subscribe_to(COMMAND, self._on_command)
+        self.subscribe_to(COMMAND, self._on_command, raw=True)
 
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
         """Apply the new parameters between two samples."""
@@ -78,20 +76,25 @@ class PlantNode(PacedNode):
 
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
-        friction = _read(self._memory, self._noise(), self._block, self._measurement)
-        stamp = self.stamp
-        self._truth_writer.stamp(stamp)
-        self._truth_writer.fill(self.x[:RIGID_STATES], friction)
-        self._measurement_writer.stamp(stamp)
-        self._measurement_writer.fill(self._measurement, self._torque)
-        self._truth_publisher.publish_in_loop(self._truth_writer.message)
+        measurement, truth = self._messages
+        _read(
+            self._memory,
+            self._noise(),
+            self._block,
+            self._measurement,
+            self._torque,
+            self.stamp,
+            measurement,
+            truth,
+        )
+        self._truth_publisher.publish_in_loop(truth.tobytes())
         self._resetting = False
         self.repeat_measurement()
-        self._truth_publisher.publish_copy(self._truth_writer.message, stamp)
+        self._truth_publisher.publish_copy(truth.tobytes(), self.stamp)
 
     def repeat_measurement(self) -> None:
         """Publish the measurement of this sample, first or again."""
-        self._measurement_publisher.publish(self._measurement_writer.message)
+        self._measurement_publisher.publish(self._messages[0].tobytes())
 
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
@@ -99,8 +102,8 @@ class PlantNode(PacedNode):
             self._torque = _move(self._memory, command, self._block)
         self.sample += 1
 
-    def _on_command(self, message: Float64) -> None:
-        command = read_float(message)
+    def _on_command(self, data: bytes) -> None:
+        command = read_value(data)
         # A command during a reset belongs to a measurement from before it.
         self.held = self._resetting
         self.pacing.on_command(command)
@@ -117,17 +120,27 @@ class PlantNode(PacedNode):
     def _compile(self) -> None:
         """Load all compiled code before the first sample."""
         memory = initial_plant(self._rig)
-        _read(memory, np.zeros(NOISE_CHANNELS), self._block, self._measurement)
+        noise = np.zeros(NOISE_CHANNELS)
+        _read(memory, noise, self._block, self._measurement, 0.0, 0, *self._messages)
         _move(memory, 0.0, self._block)
 
 
 @compiled
 def _read(
-    memory: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray
-) -> float:
-    """Read the sensors and return the true friction [V]."""
+    memory: np.ndarray,
+    noise: np.ndarray,
+    plant: np.ndarray,
+    measurement: np.ndarray,
+    torque: float,
+    stamp: int,
+    measurement_message: np.ndarray,
+    truth_message: np.ndarray,
+) -> None:
+    """Read the sensors and write the messages of this sample."""
     read(memory[0], noise, plant[0], measurement)
-    return true_friction(memory[0], plant[0])
+    friction = true_friction(memory[0], plant[0])
+    write_joint_state(measurement_message[0], stamp, measurement, torque)
+    write_joint_state(truth_message[0], stamp, memory[0].x, friction)
 
 
 @compiled
