@@ -1,6 +1,7 @@
-"""Reference for the graph's speed: four nodes that pass the same messages and compute nothing.
+"""References for the graph's speed: four nodes that pass the same messages and compute nothing.
 
-Topics, types, quality of service, subscriptions and executor are the same as in the graph.
+Topics, types, quality of service, subscriptions and executor are the same as in the graph. The
+messages are typed, as a ROS developer writes it, or serialised, as in the graph.
 """
 
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Float64
 
 from furuta_ros.messages import JointWriter
@@ -26,30 +28,33 @@ from furuta_ros.topics import (
 class BareChain:
     """Plant, estimator, friction observer and controller without their computations."""
 
-    def __init__(self) -> None:
+    def __init__(self, serialised: bool = False) -> None:
         self.count = 0
         self.on_command: Callable[[], None] = self.publish_sample
-        self._measurement = JointWriter().message
-        self._truth = JointWriter().message
-        self._state = JointWriter().message
-        self._friction, self._command = Float64(), Float64()
+        self._serialised = serialised
+        self._measurement = self._message(JointWriter().message)
+        self._truth = self._message(JointWriter().message)
+        self._state = self._message(JointWriter().message)
+        self._friction, self._command = self._message(Float64()), self._message(Float64())
         names = ("bare_plant", "bare_estimator", "bare_observer", "bare_controller")
-        self.nodes = [Node(name, namespace="bare") for name in names]
+        namespace = "serialised" if serialised else "bare"
+        self.nodes = [Node(name, namespace=namespace) for name in names]
         plant, estimator, observer, controller = self.nodes
         self._measurement_publisher = _publisher(plant, MEASUREMENT)
         self._truth_publisher = _publisher(plant, GROUND_TRUTH)
         self._state_publisher = _publisher(estimator, JOINT_STATES)
         self._friction_publisher = _publisher(observer, FRICTION_ESTIMATE)
         self._command_publisher = _publisher(controller, COMMAND)
-        _subscribe(estimator, MEASUREMENT, lambda _: self._state_publisher.publish(self._state))
-        _subscribe(
+        subscribe = self._subscribe
+        subscribe(estimator, MEASUREMENT, lambda _: self._state_publisher.publish(self._state))
+        subscribe(
             observer, JOINT_STATES, lambda _: self._friction_publisher.publish(self._friction)
         )
-        _subscribe(controller, JOINT_STATES, lambda _: None)
-        _subscribe(
+        subscribe(controller, JOINT_STATES, lambda _: None)
+        subscribe(
             controller, FRICTION_ESTIMATE, lambda _: self._command_publisher.publish(self._command)
         )
-        _subscribe(plant, COMMAND, self._on_command)
+        subscribe(plant, COMMAND, self._on_command)
         self.executor = executor_of(self.nodes)
         freeze_startup_objects()
 
@@ -74,14 +79,16 @@ class BareChain:
         for node in self.nodes:
             node.destroy_node()
 
-    def _on_command(self, _: Float64) -> None:
+    def _message(self, message: Any) -> Any:
+        return bytes(serialize_message(message)) if self._serialised else message
+
+    def _subscribe(self, node: Node, topic: Topic, receive: Callable[[Any], None]) -> None:
+        node.create_subscription(topic.type, topic.name, receive, QOS, raw=self._serialised)
+
+    def _on_command(self, _: Any) -> None:
         self.count += 1
         self.on_command()
 
 
 def _publisher(node: Node, topic: Topic) -> Publisher:
     return node.create_publisher(topic.type, topic.name, QOS)
-
-
-def _subscribe(node: Node, topic: Topic, receive: Callable[[Any], None]) -> None:
-    node.create_subscription(topic.type, topic.name, receive, QOS)

@@ -6,7 +6,6 @@ Graph and chain are measured in alternation in one process.
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
-from statistics import median
 from time import monotonic, perf_counter, perf_counter_ns, sleep, thread_time
 from typing import Any
 
@@ -30,23 +29,30 @@ PAUSE = 0.05
 
 
 def lockstep() -> dict[str, float]:
-    """Samples per second of graph and bare chain, and the median of the ratios of all rounds."""
+    """Samples per second of graph and bare chains, and the median of the ratios of all rounds."""
     with _graph_and_bare_chain("lockstep") as (graph, bare):
+        raw = _bare_chain(serialised=True)
         bare.publish_sample()
+        raw.publish_sample()
 
-        def bare_rate() -> float:
-            return _rate(bare.executor, lambda: bare.count)
+        def rates() -> tuple[float, float, float]:
+            return (
+                _rate(graph.executor, lambda: graph.plant.sample),
+                _rate(bare.executor, lambda: bare.count),
+                _rate(raw.executor, lambda: raw.count),
+            )
 
-        def graph_rate() -> float:
-            return _rate(graph.executor, lambda: graph.plant.sample)
-
-        bare_rate(), graph_rate()  # warm-up
-        pairs = [(graph_rate(), bare_rate()) for _ in range(ROUNDS)]
+        rates()  # warm-up
+        rounds = np.array([rates() for _ in range(ROUNDS)])
         costs = _costs(graph)
+        raw.close()
+    ours, typed, serialised = rounds.T
     return costs | {
-        "lockstep_vs_bare_chain": median(ours / theirs for ours, theirs in pairs),
-        "lockstep_samples_per_s": median(ours for ours, _ in pairs),
-        "bare_chain_samples_per_s": median(theirs for _, theirs in pairs),
+        "lockstep_vs_bare_chain": float(np.median(ours / typed)),
+        "lockstep_vs_raw_chain": float(np.median(ours / serialised)),
+        "lockstep_samples_per_s": float(np.median(ours)),
+        "bare_chain_samples_per_s": float(np.median(typed)),
+        "raw_chain_samples_per_s": float(np.median(serialised)),
     }
 
 
@@ -171,8 +177,8 @@ def _graph_and_bare_chain(clock: str) -> Iterator[tuple[SimulatedGraph, BareChai
         bare.close()
 
 
-def _bare_chain() -> BareChain:
-    bare = BareChain()
+def _bare_chain(serialised: bool = False) -> BareChain:
+    bare = BareChain(serialised)
     while not bare.matched:
         sleep(0.01)
     return bare

@@ -5,6 +5,8 @@ FURUTA_MUTATIONS sets the number of mutated messages.
 
 import os
 import random
+import subprocess
+import sys
 from array import array
 from math import nan
 from struct import pack
@@ -234,3 +236,10 @@ def test_what_is_no_value_is_refused(data: bytes) -> None:
     """Too short, or in no known encoding."""
     with pytest.raises(RefusedError):
         read_value(data)
+
+
+def test_nothing_is_read_beyond_the_message() -> None:
+    """Without compilation such a read is an error."""
+    command = (sys.executable, "-m", "pytest", "-q", "-k", "not beyond", __file__)
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "FURUTA_MUTATIONS": "5000"}
+    subprocess.run(command, env=environment, check=True)

@@ -80,7 +80,7 @@ def _bits_in_python(x: float) -> int:
 
 
 def _double_in_python(bits: int) -> float:
-    (x,) = unpack("<d", pack("<Q", bits % 2**64))
+    (x,) = unpack("<d", pack("<Q", int(bits) % 2**64))
     return float(x)
 
 

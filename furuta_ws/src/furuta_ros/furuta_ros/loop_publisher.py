@@ -23,20 +23,25 @@ class LoopPublisher:
         self._publisher = node.create_publisher(topic.type, topic.name, QOS)
         self._copy = node.create_publisher(copy.type, copy.name, QOS)
         self._last = -PERIOD
+        self._observed = False
 
     def publish(self, message: Any, stamp: int) -> None:
         """Publish the message of the sample at ``stamp`` [ns]."""
-        self.publish_in_loop(message)
-        self.publish_copy(message, stamp)
-
-    def publish_in_loop(self, message: Any) -> None:
-        """Publish a message for the nodes of the loop only."""
         self._publisher.publish(message)
+        if not 0 <= stamp - self._last < PERIOD:
+            self._publish_copy(message, stamp)
 
-    def publish_copy(self, message: Any, stamp: int) -> None:
-        """Publish it on the copy, if the last one is old enough and there is a subscriber."""
-        if 0 <= stamp - self._last < PERIOD:
-            return
+    def publish_if_observed(self, message: Any, stamp: int) -> None:
+        """The same for a topic outside the loop: not without a subscriber."""
+        due = not 0 <= stamp - self._last < PERIOD
+        if due:
+            self._observed = self._publisher.get_subscription_count() > 0
+        if self._observed:
+            self._publisher.publish(message)
+        if due:
+            self._publish_copy(message, stamp)
+
+    def _publish_copy(self, message: Any, stamp: int) -> None:
         self._last = stamp
-        if self._copy.get_subscription_count():
+        if self._copy.get_subscription_count() > 0:
             self._copy.publish(message)

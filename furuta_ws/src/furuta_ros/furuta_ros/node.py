@@ -81,10 +81,15 @@ class FurutaNode(Node, Generic[Group]):
         one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
         self.accepted_publishers[topic.name] = one
 
-        def checked(message: Any, info: dict[str, Any]) -> None:
-            if not one.accepts(info["publication_sequence_number"]):
+        accepts, age = one.accepts, self.message_age
+
+        @wraps(_message_and_info)
+        def checked(*taken: Any) -> None:
+            # The events executor of some builds passes both as one tuple.
+            message, info = taken if len(taken) == 2 else taken[0]
+            if not accepts(info["publication_sequence_number"]):
                 return
-            if not self.message_age.received(info["source_timestamp"]):
+            if not age.received(info["source_timestamp"]):
                 self._report_age(topic)
                 return
             try:
@@ -96,7 +101,7 @@ class FurutaNode(Node, Generic[Group]):
                     throttle_duration_sec=WARNING_PERIOD,
                 )
 
-        self.create_subscription(topic.type, topic.name, with_message_info(checked), QOS, raw=raw)
+        self.create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
         self.steady_timer(CHECK_PERIOD, one.check)
 
     def steady_timer(self, period: float, call: Callable[[], None]) -> Timer:
@@ -119,16 +124,5 @@ class FurutaNode(Node, Generic[Group]):
         self.get_logger().warning(text)
 
 
-def with_message_info(receive: Callable[[Any, dict[str, Any]], None]) -> Callable[..., None]:
-    """A callback with message and message info for every executor.
-
-    The events executor of some builds passes both as one tuple.
-    """
-
-    # The wrapper has the signature of ``receive``, which tells rclpy to pass the message info.
-    @wraps(receive)
-    def call(*arguments: Any) -> None:
-        message, info = arguments if len(arguments) == 2 else arguments[0]
-        receive(message, info)
-
-    return call
+def _message_and_info(message: Any, info: dict[str, Any]) -> None:
+    """Whose signature a callback has tells rclpy to pass it the message info."""

@@ -31,11 +31,12 @@ class SimulatedClock:
             return
         self._period = period
         self._message.clock.sec, self._message.clock.nanosec = divmod(time, NANOSECONDS)
-        self._publisher.publish(self._message)
+        self.repeat()
 
     def repeat(self) -> None:
         """Publish the last time again, for nodes that have joined while time stands still."""
-        self._publisher.publish(self._message)
+        if self._publisher.get_subscription_count() > 0:
+            self._publisher.publish(self._message)
 
 
 def reject_simulated_time(node: Node, reason: str) -> None:

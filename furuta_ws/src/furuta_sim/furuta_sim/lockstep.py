@@ -38,8 +38,9 @@ class LockStep:
         self._repeated = False
         self._late_possible = True  # a command to the previous sample, which was repeated
         self._late = 0  # commands that were sent before this sample began
-        self._began = 0  # [ns since 1970]
+        self._began = 0  # [ns since 1970], known when a late command is possible
         self._command: float | None = None  # received after a repetition, not yet applied
+        self._seen = -1  # the sample of the last check
         self._publish_time = self._repeat_time = self._warning_time = monotonic()
         self._arrival_time = 0.0
         self._connected_since: float | None = None
@@ -72,10 +73,10 @@ class LockStep:
         self._waiting = True
         self._late_possible = self._repeated or self._plant.sample == 0
         self._late = 0
-        self._began = time_ns()
+        if self._late_possible:
+            self._began = time_ns()
         self._repeated = False
         self._unanswered = 1
-        self._publish_time = self._repeat_time = monotonic()
         self._clock.advance(self._plant.stamp)
         self._plant.publish_sample()
 
@@ -87,12 +88,16 @@ class LockStep:
     def _check(self) -> None:
         """Start when the graph is connected; while waiting, recover a lost message."""
         now = monotonic()
+        if self._seen != self._plant.sample:
+            self._seen = self._plant.sample
+            self._publish_time = self._repeat_time = now
         if self._waiting:
             self._recover(now)
         elif self._plant.paused:
             self._warning_time = now
         elif self._may_start(now):
             self._known_publishers = self._publishers()
+            self._publish_time = self._repeat_time = now
             self._publish()
         self._clock.repeat()
         if now - max(self._publish_time, self._warning_time) >= WARN_AFTER:

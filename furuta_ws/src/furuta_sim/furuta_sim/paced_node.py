@@ -17,6 +17,7 @@ class PacedNode(FurutaNode[PlantNodeParameters]):
         sample: Number of the current sample.
         period: Sample time [ns].
         start: Time stamp of sample 0 [ns].
+        paused_from: Number of samples from which ``run_until`` is reached.
         held: Whether the rig is held in its initial state.
         on_change: Called after every change of parameters.
     """
@@ -24,6 +25,7 @@ class PacedNode(FurutaNode[PlantNodeParameters]):
     def __init__(self, name: str, overrides: Sequence[Parameter] = ()) -> None:
         self.sample = 0
         self.start = 0
+        self.paused_from = 0.0
         self.held = True
         self.on_change: Callable[[], None] = lambda: None
         super().__init__(name, PlantNodeParameters, overrides)
@@ -42,8 +44,7 @@ class PacedNode(FurutaNode[PlantNodeParameters]):
     @property
     def paused(self) -> bool:
         """Whether ``run_until`` is reached."""
-        parameters = self.parameters
-        return self.time >= parameters.run_until - 0.5 * parameters.plant.sample_time
+        return self.sample >= self.paused_from
 
     @abstractmethod
     def move(self, command: float) -> None:

@@ -66,6 +66,7 @@ class PlantNode(PacedNode):
         """Apply the new parameters between two samples."""
         self._rig = parameters.plant
         self._block = block(design_plant(self._rig))
+        self.paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
         self.on_change()
 
     @property
@@ -77,20 +78,20 @@ class PlantNode(PacedNode):
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         measurement, truth = self._messages
+        stamp, noise = self.stamp, self._noise()
         _read(
             self._memory,
-            self._noise(),
+            noise,
             self._block,
             self._measurement,
             self._torque,
-            self.stamp,
+            stamp,
             measurement,
             truth,
         )
-        self._truth_publisher.publish_in_loop(truth.tobytes())
         self._resetting = False
+        self._truth_publisher.publish_if_observed(truth.tobytes(), stamp)
         self.repeat_measurement()
-        self._truth_publisher.publish_copy(truth.tobytes(), self.stamp)
 
     def repeat_measurement(self) -> None:
         """Publish the measurement of this sample, first or again."""
