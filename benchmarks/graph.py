@@ -24,7 +24,7 @@ ROUNDS = 7
 ROUND_SECONDS = 1.5
 # Sample time in real time [s].
 PERIOD = 0.001
-# Time to process what is waiting when a paused graph continues [s].
+# Time to process what is waiting before and after a pause of the graph [s].
 PAUSE = 0.05
 
 
@@ -159,6 +159,7 @@ def _run_for(graph: SimulatedGraph, seconds: float) -> None:
     _spin_for(graph.executor, PAUSE)
     plant.set_parameters([Parameter("run_until", value=plant.time + seconds)])
     spin_until(graph.executor, lambda: plant.paused)
+    _spin_for(graph.executor, PAUSE)
 
 
 def _pace(bare: BareChain, tick: Callable[[], None]) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from testbench import joint_state
 
-from furuta_ros.messages import RefusedError, checked_value, read_joints, read_measurement
+from furuta_ros.messages import RefusedError, read_joints, read_measurement
 from furuta_ros.time_stamps import stamp_nanoseconds
 
 STATE = (0.1, -0.2, 0.3, -0.4)
@@ -96,10 +96,3 @@ def test_bad_effort_is_rejected(efforts: list[float]) -> None:
     message.effort = array("d", efforts)
     with pytest.raises(RefusedError):
         read(message)
-
-
-@pytest.mark.parametrize("value", [nan, -inf, 1e300])
-def test_non_finite_number_is_rejected(value: float) -> None:
-    """A command or friction estimate must be finite."""
-    with pytest.raises(RefusedError, match="finite"):
-        checked_value(value)

@@ -8,7 +8,7 @@ import random
 import subprocess
 import sys
 from array import array
-from math import nan
+from math import inf, nan
 from struct import pack
 
 import numpy as np
@@ -231,9 +231,13 @@ def test_values_in_and_out(value: float) -> None:
         assert bits(read_value(data)) == bits(value)
 
 
-@pytest.mark.parametrize("data", [b"", b"\0\1\0\0", b"\0\1\0\0" + b"\0" * 7, b"\xff" * 12])
+TRUNCATED = b"", b"\0\1\0\0", b"\0\1\0\0" + b"\0" * 7
+IMPOSSIBLE = (bytes(serialize_message(Float64(data=value))) for value in (nan, -inf, 1e300))
+
+
+@pytest.mark.parametrize("data", [*TRUNCATED, b"\xff" * 12, *IMPOSSIBLE])
 def test_what_is_no_value_is_refused(data: bytes) -> None:
-    """Too short, or in no known encoding."""
+    """Too short, in no known encoding, not finite, too large."""
     with pytest.raises(RefusedError):
         read_value(data)
 

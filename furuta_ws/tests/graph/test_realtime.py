@@ -5,6 +5,7 @@ from time import monotonic
 import numpy as np
 import pytest
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from std_msgs.msg import UInt64MultiArray
 
 from furuta_graph.composed_graph import SimulatedGraph
@@ -43,6 +44,22 @@ def test_timing_is_published(ros: None, settings: Settings) -> None:
     assert [each.size for each in received[-1].layout.dim] == [2, len(latency)]
     assert 0 < sum(received[0].data) < sum(received[1].data)
     assert 0.5 * lateness.sum() < latency.sum() <= lateness.sum()
+
+
+def test_a_command_does_not_age_in_a_pause(ros: None, settings: Settings) -> None:
+    """The first sample after a pause longer than the timeout uses it."""
+    settings["plant"]["command_timeout"] = 1.0  # longer than the machine may stall
+    graph = SimulatedGraph(settings)
+    plant = graph.plant
+    spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
+    plant.set_parameters([Parameter("run_until", value=plant.time)])
+    resumed = monotonic() + 1.2
+    spin_until(graph.executor, lambda: monotonic() > resumed)
+    plant.set_parameters([Parameter("run_until", value=plant.time + 0.2)])
+    spin_until(graph.executor, lambda: plant.paused)
+    timeouts = plant.pacing.timing_counts.timeouts
+    graph.close()
+    assert timeouts == 0
 
 
 def test_dead_controller_means_zero_volts(ros: None, settings: Settings) -> None:

@@ -38,6 +38,9 @@ from furuta_ros.topics import (
 )
 from furuta_ros.wire import ANEW, REPEATED, new_float64, read_value, take_joint_state
 
+# Time between two warnings that estimates are late [s], the first one at once.
+SUMMARY_PERIOD = 30.0
+
 
 class ControllerNode(SampleNode[ControllerParameters]):
     """Stabilises the pendulum.
@@ -126,7 +129,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
     def _compute_without_estimate(self) -> None:
         self.get_logger().warning(
             f"no friction estimate in time ({self.missed_estimates} so far)",
-            throttle_duration_sec=WARNING_PERIOD,
+            throttle_duration_sec=SUMMARY_PERIOD,
         )
         age = self.stamp - self._friction_stamp
         timeout = self.parameters.friction_timeout * NANOSECONDS

@@ -22,13 +22,6 @@ class RefusedError(ValueError):
     """A message is invalid; the error says why."""
 
 
-def checked_value(value: float) -> float:
-    """A command or friction estimate [V], which must be finite and possible."""
-    if not abs(value) <= LARGEST_VALUE:
-        raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
-    return value
-
-
 def read_joints(message: JointState, x: np.ndarray, partly: bool = False) -> None:
     """Write the message's state and the arm's effort to ``x`` (5,).
 

@@ -25,7 +25,7 @@ from furuta_model.block import records
 from furuta_model.compiled import inlined
 from furuta_model.elementary import double_of_bits
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_ros.messages import RefusedError, checked_value
+from furuta_ros.messages import RefusedError
 from furuta_ros.time_stamps import NANOSECONDS, starts_anew
 
 # Bytes before the fields; alignment counts from there.
@@ -93,13 +93,20 @@ def deserialized(data: bytes, kind: type) -> Any:
         raise RefusedError(f"cannot be read: {error}") from None
 
 
-def read_value(data: bytes) -> float:
-    """The value [V] of a serialised Float64, which must be finite and possible."""
+def value_of(data: bytes) -> float:
+    """The value of a serialised Float64. Raises RefusedError if it is none."""
     if len(data) == FLOAT64.itemsize and data.startswith(LITTLE_ENDIAN):
         (value,) = unpack_from("<d", data, HEADER)
-    else:
-        value = deserialized(data, Float64).data
-    return checked_value(value)
+        return float(value)
+    return float(deserialized(data, Float64).data)
+
+
+def read_value(data: bytes) -> float:
+    """The value [V] of a serialised Float64, which must be finite and possible."""
+    value = value_of(data)
+    if not abs(value) <= LARGEST_VALUE:
+        raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
+    return value
 
 
 @inlined

@@ -65,8 +65,10 @@ class RealTime:
         now = monotonic_ns()
         deadline, late = divmod(now - self._first_deadline, plant.period)
         if plant.paused:
-            # Shift by whole periods: the timer keeps its phase.
-            self._first_deadline += (deadline - plant.sample) * plant.period
+            # Shift by whole periods: the timer keeps its phase. The command does not grow older.
+            shift = (deadline - plant.sample) * plant.period
+            self._first_deadline += shift
+            self._command_time += shift
             return
         # After a reset the next sample is not due yet.
         if late > plant.period // 2 or deadline < plant.sample:

@@ -10,7 +10,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 
 from furuta_hw.bridge.guarded_rig import GuardedRig
@@ -39,6 +39,7 @@ from furuta_ros.topics import (
     LATCHED,
     MEASUREMENT,
 )
+from furuta_ros.wire import value_of
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
@@ -78,8 +79,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
         self._diagnostics = self.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
-        self.subscribe_to(COMMAND, self._on_command)
-        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
+        self.subscribe_to(COMMAND, self._on_command, raw=True)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate, raw=True)
         self.create_service(SetBool, "~/arm", self._on_arm)
         # Transitions call methods that a subclass may override, so not from the constructor.
         self._start_timer: Timer | None = self._steady_timer(START_DELAY, self.start_up)
@@ -223,13 +224,14 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         x = (sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan)
         self._publisher.publish(self._writer.fill(x, sample.voltage))
 
-    def _on_command(self, message: Float64) -> None:
+    def _on_command(self, data: bytes) -> None:
+        command = value_of(data)
         if self.guarded_rig is not None:
-            self.guarded_rig.command(message.data)
-        if not isfinite(message.data):
-            raise RefusedError(f"data is {message.data}, must be finite")
+            self.guarded_rig.command(command)
+        if not isfinite(command):
+            raise RefusedError(f"data is {command}, must be finite")
 
-    def _on_estimate(self, message: Float64) -> None:
+    def _on_estimate(self, data: bytes) -> None:
         """Tell the guard that the friction observer is alive; the controller uses the estimate."""
         self.guard.estimated()
 
