@@ -4,21 +4,23 @@ Topics, types, quality of service, subscriptions and executor are the same as in
 messages are typed, as a ROS developer writes it, or serialised, as in the graph.
 """
 
+from array import array
 from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_ros.messages import JointWriter
 from furuta_ros.spinning import executor_of, freeze_startup_objects
 from furuta_ros.topics import (
     COMMAND,
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
     JOINT_STATES,
+    JOINTS,
     MEASUREMENT,
     QOS,
     Topic,
@@ -32,9 +34,9 @@ class BareChain:
         self.count = 0
         self.on_command: Callable[[], None] = self.publish_sample
         self._serialised = serialised
-        self._measurement = self._message(JointWriter().message)
-        self._truth = self._message(JointWriter().message)
-        self._state = self._message(JointWriter().message)
+        self._measurement = self._message(_joint_state())
+        self._truth = self._message(_joint_state())
+        self._state = self._message(_joint_state())
         self._friction, self._command = self._message(Float64()), self._message(Float64())
         names = ("bare_plant", "bare_estimator", "bare_observer", "bare_controller")
         namespace = "serialised" if serialised else "bare"
@@ -92,3 +94,8 @@ class BareChain:
 
 def _publisher(node: Node, topic: Topic) -> Publisher:
     return node.create_publisher(topic.type, topic.name, QOS)
+
+
+def _joint_state() -> JointState:
+    zeros = array("d", (0.0, 0.0))
+    return JointState(name=JOINTS, position=zeros, velocity=zeros, effort=zeros)

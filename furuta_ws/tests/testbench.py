@@ -1,5 +1,6 @@
 """A test bench for nodes: a probe node publishes to them and collects their messages."""
 
+from array import array
 from collections import Counter
 from collections.abc import Callable
 from functools import wraps
@@ -10,9 +11,8 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from furuta_ros.messages import JointWriter
 from furuta_ros.spinning import executor_of
-from furuta_ros.topics import CLOCK, QOS, TOPICS, Topic, deep
+from furuta_ros.topics import CLOCK, JOINTS, QOS, TOPICS, Topic, deep
 
 TIMEOUT = 120.0
 
@@ -118,9 +118,9 @@ def joint_state(
     effort: float = 0.0,
 ) -> JointState:
     """A message with state x = (φ, φ̇, θ, θ̇) and the arm's effort, stamped in nanoseconds."""
-    writer = JointWriter()
-    writer.stamp(stamp)
-    message = writer.fill(x, effort)
-    if names is not None:
-        message.name = names
+    phi, phi_dot, theta, theta_dot = x
+    message = JointState(name=names or JOINTS)
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
+    message.position, message.velocity = array("d", [phi, theta]), array("d", [phi_dot, theta_dot])
+    message.effort = array("d", [effort, 0.0])
     return message

@@ -1,12 +1,9 @@
-"""Conversion between messages and the arrays of the cores.
+"""Readers of typed messages into the arrays of the cores.
 
 A state is an array in the order x = (φ, φ̇, θ, θ̇), followed by the arm's effort. Readers
-validate messages and raise :class:`RefusedError` for invalid ones. Writers reuse their message,
-which is safe because publishing copies it.
+validate messages and raise :class:`RefusedError` for invalid ones.
 """
 
-from array import array
-from collections.abc import Sequence
 from math import isnan, nan
 
 import numpy as np
@@ -14,7 +11,6 @@ from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import shortened
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import JOINTS
 
 
@@ -76,33 +72,3 @@ def _values(message: JointState) -> tuple[float, float, float, float, float]:
         arm, pendulum = 1, 0
     effort = efforts[arm] if efforts else nan
     return position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort
-
-
-class JointWriter:
-    """A JointState message that is reused for every sample."""
-
-    def __init__(self) -> None:
-        self.message = JointState(
-            name=JOINTS,
-            position=array("d", (0.0, 0.0)),
-            velocity=array("d", (0.0, 0.0)),
-            effort=array("d", (0.0, 0.0)),
-        )
-        # The setters may have copied what they were given.
-        self._position = self.message.position
-        self._velocity = self.message.velocity
-        self._effort = self.message.effort
-
-    def fill(self, x: Sequence[float] | np.ndarray, effort: float) -> JointState:
-        """Write state ``x`` (4 or more) and the arm's effort [V]."""
-        # Python floats: numpy scalars take several times as long to assign.
-        values = x.tolist() if isinstance(x, np.ndarray) else x
-        self._position[0], self._position[1] = values[PHI], values[THETA]
-        self._velocity[0], self._velocity[1] = values[PHI_DOT], values[THETA_DOT]
-        self._effort[0] = effort
-        return self.message
-
-    def stamp(self, nanoseconds: int) -> None:
-        """Set the time stamp."""
-        stamp = self.message.header.stamp
-        stamp.sec, stamp.nanosec = divmod(nanoseconds, NANOSECONDS)

@@ -72,7 +72,7 @@ GROUND_TRUTH = Topic(
     topic_names.GROUND_TRUTH,
     JointState,
     "plant → any subscriber",
-    "true state; `effort[0]` is the true friction F [V]",
+    "true state; `effort[0]` is the true friction F [V]; published while somebody subscribes",
 )
 
 # A late subscriber gets the last ones.

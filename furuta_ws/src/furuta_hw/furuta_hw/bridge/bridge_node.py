@@ -26,7 +26,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import describe_discovery, reaches_network
-from furuta_ros.messages import JointWriter, RefusedError
+from furuta_ros.messages import RefusedError
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
@@ -39,7 +39,7 @@ from furuta_ros.topics import (
     LATCHED,
     MEASUREMENT,
 )
-from furuta_ros.wire import value_of
+from furuta_ros.wire import new_joint_state, value_of
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
@@ -73,7 +73,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._sample_clock = SampleClock(self._period)
         self._restarts = 0
         self._timers_when_configured: list[Timer] = []
-        self._writer = JointWriter()
+        self._message = new_joint_state()
         self._publisher = self.publish_on(MEASUREMENT)
         self._armed = Bool()
         self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
@@ -98,7 +98,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     @property
     def angles(self) -> tuple[float, float]:
         """Angles of arm and pendulum in the newest sample [rad]."""
-        arm, pendulum = self._writer.message.position
+        arm, pendulum = self._message["position"][0].tolist()
         return arm, pendulum
 
     def start_up(self) -> str:
@@ -220,9 +220,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def _publish(self, sample: RigSample) -> None:
         self.samples += 1
         now = self.get_clock().now().nanoseconds
-        self._writer.stamp(self._sample_clock.stamp(sample.number, now))
-        x = (sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan)
-        self._publisher.publish(self._writer.fill(x, sample.voltage))
+        message, stamp = self._message, self._sample_clock.stamp(sample.number, now)
+        message["sec"], message["nanosec"] = divmod(stamp, NANOSECONDS)
+        message["position"] = sample.arm_angle, sample.pendulum_angle
+        message["velocity"] = sample.arm_speed, nan
+        message["effort"] = sample.voltage, 0.0
+        self._publisher.publish(message.tobytes())
 
     def _on_command(self, data: bytes) -> None:
         command = value_of(data)
