@@ -89,7 +89,8 @@ class SimulatedGraph(ComposedGraph):
 
     def run_until(self, seconds: float) -> None:
         """Spin until the plant has paused at ``seconds`` (its ``run_until`` set to that)."""
-        spin_until(self.executor, lambda: self.plant.time >= seconds - 1e-9 or self.plant.paused)
+        plant = self.plant
+        spin_until(self.executor, lambda: plant.paused or plant.time >= seconds - 1e-9)
 
 
 class HardwareGraph(ComposedGraph):
