@@ -72,8 +72,8 @@ messages = st.builds(
 
 
 @compiled
-def take(data: bytes, previous: int, partly: bool, x: np.ndarray) -> tuple[int, int]:
-    return take_joint_state(data, previous, partly, x)
+def take(data: bytes, previous: int, bounded: bool, x: np.ndarray) -> tuple[int, int]:
+    return take_joint_state(data, previous, bounded, x)
 
 
 @compiled

@@ -89,7 +89,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
 
     def read(self, message: JointState, x: np.ndarray) -> None:
         """Read the state."""
-        read_joints(message, x, partly=True)
+        read_joints(message, x)
 
     def taken(self, sample: int) -> None:
         """Answer the state if its friction estimate is there, or if it is late."""

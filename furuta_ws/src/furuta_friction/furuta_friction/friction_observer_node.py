@@ -60,7 +60,7 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
 
     def read(self, message: JointState, x: np.ndarray) -> None:
         """Read the state."""
-        read_joints(message, x, partly=True)
+        read_joints(message, x)
 
     def report(self, condition: int, interval: int) -> None:
         """Log that the guard has acted, or that the compensation lacks the observed friction."""

@@ -78,7 +78,7 @@ class TuningClient:
         samples = max(1, round(seconds / self.estimator.sample_time))
         estimates = np.empty((samples, SIGNALS))
         for row in estimates:
-            read_joints(self._next(), row, partly=True)
+            read_joints(self._next(), row)
         return estimates
 
     def _next(self) -> JointState:

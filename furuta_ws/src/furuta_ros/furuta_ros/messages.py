@@ -4,7 +4,7 @@ A state is an array in the order x = (φ, φ̇, θ, θ̇), followed by the arm's
 validate messages and raise :class:`RefusedError` for invalid ones.
 """
 
-from math import isnan, nan
+from math import nan
 
 import numpy as np
 from sensor_msgs.msg import JointState
@@ -18,25 +18,21 @@ class RefusedError(ValueError):
     """A message is invalid; the error says why."""
 
 
-def read_joints(message: JointState, x: np.ndarray, partly: bool = False) -> None:
-    """Write the message's state and the arm's effort to ``x`` (5,).
-
-    The effort may be unknown (NaN); with ``partly`` so may the other values.
+def read_joints(message: JointState, x: np.ndarray) -> None:
+    """Write the message's state and the arm's effort to ``x`` (5,); NaN is an unknown value.
 
     Raises:
         RefusedError: The message is invalid; ``x`` is unchanged.
     """
-    phi, phi_dot, theta, theta_dot, effort = _values(message)
-    if not abs(phi) + abs(phi_dot) + abs(theta) + abs(theta_dot) <= LARGEST_VALUE:
-        for value in (phi, phi_dot, theta, theta_dot):
-            if abs(value) > LARGEST_VALUE or (isnan(value) and not partly):
-                raise RefusedError(
-                    f"values must be finite and at most {LARGEST_VALUE:g}, given position "
-                    f"{list(message.position)}, velocity {list(message.velocity)}"
-                )
+    *state, effort = _values(message)
+    if any(abs(value) > LARGEST_VALUE for value in state):
+        raise RefusedError(
+            f"values must be finite and at most {LARGEST_VALUE:g}, given position "
+            f"{list(message.position)}, velocity {list(message.velocity)}"
+        )
     if abs(effort) > LARGEST_VALUE:
         raise RefusedError(f"effort must be at most {LARGEST_VALUE:g}, given {effort}")
-    x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = phi, phi_dot, theta, theta_dot
+    x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT] = state
     x[EFFORT] = effort
 
 
@@ -48,9 +44,8 @@ def read_measurement(message: JointState, measurement: np.ndarray) -> None:
     Raises:
         RefusedError: The message is invalid; ``measurement`` is unchanged.
     """
-    phi, phi_dot, theta, theta_dot, effort = _values(message)
-    measurement[PHI], measurement[PHI_DOT] = phi, phi_dot
-    measurement[THETA], measurement[THETA_DOT] = theta, theta_dot
+    *state, effort = _values(message)
+    measurement[PHI], measurement[PHI_DOT], measurement[THETA], measurement[THETA_DOT] = state
     measurement[EFFORT] = effort
 
 

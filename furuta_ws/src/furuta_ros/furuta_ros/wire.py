@@ -110,11 +110,11 @@ def read_value(data: bytes) -> float:
 
 
 @inlined
-def take_joint_state(data: bytes, previous: int, partly: bool, x: np.ndarray) -> tuple[int, int]:
+def take_joint_state(data: bytes, previous: int, bounded: bool, x: np.ndarray) -> tuple[int, int]:
     """Read a serialised JointState; return what it is, and its stamp [ns].
 
     The state and the arm's effort are written to ``x`` (5,), unless the message is unusual or has
-    the stamp ``previous`` [ns] of the last one. With ``partly`` an impossible value makes it
+    the stamp ``previous`` [ns] of the last one. With ``bounded`` an impossible value makes it
     unusual; NaN is a value that is not known.
     """
     position = _pair(data, _after_names(data))
@@ -129,7 +129,7 @@ def take_joint_state(data: bytes, previous: int, partly: bool, x: np.ndarray) ->
     phi, theta = _number(data, position), _number(data, position + 8)
     phi_dot, theta_dot = _number(data, velocity), _number(data, velocity + 8)
     torque = _number(data, effort)
-    if partly:
+    if bounded:
         for value in (phi, phi_dot, theta, theta_dot, torque):
             if abs(value) > LARGEST_VALUE:
                 return UNUSUAL, previous

@@ -99,14 +99,3 @@ def _newest(received: np.ndarray, numbers: list[bytes], times: np.ndarray) -> np
         return np.full(len(times), nan)
     rows = np.maximum(np.searchsorted(received, times, side="right") - 1, 0)
     return np.array([np.frombuffer(numbers[row], "<f8", 1, 4)[0] for row in rows])
-
-
-def at_times(samples: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Samples (n, 8) interpolated at other times; NaN outside of their own."""
-    result = np.full((len(times), COLUMNS), nan)
-    if len(samples):
-        for column in range(COLUMNS):
-            result[:, column] = np.interp(
-                times, samples[:, TIME], samples[:, column], left=nan, right=nan
-            )
-    return result

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, PHI_DOT, THETA, TIME
+from furuta_view.samples import COMMAND, ESTIMATE, FRICTION, PHI, PHI_DOT, THETA, TIME
 from furuta_view.xy_chart import Curve, Plane, xy_chart
 
 # Time on the axis [s], and time that the planes show [s].
@@ -13,7 +13,6 @@ SECONDS = 10.0
 PLANE_SECONDS = 5.0
 HEIGHT = 148  # [pixels]
 ARM, PENDULUM, TRUE, ESTIMATED, GREY = "#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8"
-SECOND_ARM, SECOND_PENDULUM, SECOND_ESTIMATED = "#7dd3fc", "#fdba74", "#a855f7"
 # Label, colour and column of each curve over time.
 ANGLES = [("arm φ [rad]", ARM, PHI), ("pendulum θ [rad]", PENDULUM, THETA)]
 VOLTAGES = [
@@ -21,11 +20,6 @@ VOLTAGES = [
     ("friction F [V]", TRUE, FRICTION),
     ("estimate F̂ [V]", ESTIMATED, ESTIMATE),
 ]
-SECOND_ANGLES = [
-    ("second φ", SECOND_ARM, COLUMNS + PHI),
-    ("second θ", SECOND_PENDULUM, COLUMNS + THETA),
-]
-SECOND_VOLTAGES = [("second F̂", SECOND_ESTIMATED, COLUMNS + ESTIMATE)]
 FONT = "13px system-ui, sans-serif"
 FRICTION_PLANE = Plane("Friction over speed", "arm speed [rad/s]", "friction [V]", 0.6, 0.3)
 PHASE_PLANE = Plane("Phase plane", "arm angle φ [rad]", "arm speed [rad/s]", 0.3, 0.6)
@@ -93,29 +87,25 @@ def _axis(label: str, size: int) -> dict[str, Any]:
 
 
 class Charts:
-    """All charts; ``cycle`` (n, 6) is the exact limit cycle behind the motion, or None.
+    """All charts; ``cycle`` (n, 6) is the exact limit cycle behind the motion, or None."""
 
-    With ``two`` there are curves of a second recording too.
-    """
-
-    def __init__(self, server: viser.ViserServer, two: bool = False) -> None:
+    def __init__(self, server: viser.ViserServer) -> None:
         gui = server.gui
         self._time = [
-            TimeChart(gui, "angle [rad]", ANGLES + (SECOND_ANGLES if two else []), 0.3),
-            TimeChart(gui, "voltage [V]", VOLTAGES + (SECOND_VOLTAGES if two else []), 0.5),
+            TimeChart(gui, "angle [rad]", ANGLES, 0.3),
+            TimeChart(gui, "voltage [V]", VOLTAGES, 0.5),
         ]
         self._friction = gui.add_html("")
         self._phase = gui.add_html("")
         self.cycle: np.ndarray | None = None
 
-    def draw(self, samples: np.ndarray, second: np.ndarray | None = None) -> None:
-        """Draw samples (n, 8), and those of a second recording at the same times."""
+    def draw(self, samples: np.ndarray) -> None:
+        """Draw samples (n, 8)."""
         if not len(samples):
             return
-        both = samples if second is None else np.hstack([samples, second])
         for chart in self._time:
-            chart.draw(both)
-        newest = both[both[:, TIME] > both[-1, TIME] - PLANE_SECONDS]
+            chart.draw(samples)
+        newest = samples[samples[:, TIME] > samples[-1, TIME] - PLANE_SECONDS]
         self._friction.content = xy_chart(FRICTION_PLANE, _friction_curves(newest))
         self._phase.content = xy_chart(PHASE_PLANE, self._phase_curves(newest))
 
@@ -124,23 +114,14 @@ class Charts:
         if self.cycle is not None:
             phi = self.cycle[:, 1] - 0.5 * (self.cycle[:, 1].max() + self.cycle[:, 1].min())
             exact = [Curve("exact cycle", GREY, phi, self.cycle[:, 2], 4.0)]
-        now = Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])
-        return [*exact, now, *_second(samples, "second", SECOND_ARM, PHI, PHI_DOT)]
+        return [*exact, Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])]
 
 
 def _friction_curves(samples: np.ndarray) -> list[Curve]:
     speed = samples[:, PHI_DOT]
     curves = [("true F", TRUE, FRICTION), ("F̂", ESTIMATED, ESTIMATE)]
-    first = [
+    return [
         Curve(name, colour, speed, samples[:, column])
         for name, colour, column in curves
         if np.isfinite(samples[:, column]).any()
     ]
-    return [*first, *_second(samples, "second F̂", SECOND_ESTIMATED, PHI_DOT, ESTIMATE)]
-
-
-def _second(samples: np.ndarray, name: str, colour: str, x: int, y: int) -> list[Curve]:
-    """A curve of the second recording, if there is one."""
-    if samples.shape[1] == COLUMNS:
-        return []
-    return [Curve(name, colour, samples[:, COLUMNS + x], samples[:, COLUMNS + y])]

@@ -113,7 +113,7 @@ class LiveNode(Node):
             return
         message = deserialize_message(serialized, JointState)
         try:
-            read_joints(message, self._x, partly=True)
+            read_joints(message, self._x)
         except RefusedError:
             return
         self._last_stamp = stamp_nanoseconds(message)

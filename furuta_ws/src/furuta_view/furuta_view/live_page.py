@@ -15,11 +15,11 @@ from furuta_sim.settings.nodes import ESTIMATOR, HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import exact_cycle, model_of, relevant
 from furuta_view.figures import figures, late_samples
-from furuta_view.file_controls import FileControls
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.live_node import LiveNode
 from furuta_view.page_layout import Layout, Note, status_html
 from furuta_view.parameters_on_page import ParametersOnPage
+from furuta_view.recording_control import RecordingControl
 from furuta_view.rig_controls import RigControls
 from furuta_view.samples import PHI, THETA, TIME
 from furuta_view.scene import Scene
@@ -46,7 +46,7 @@ class LivePage:
             gui, self._link, self._layout.main, self._layout.parameters, self._parameters_changed
         )
         with self._layout.files:
-            self._files = FileControls(gui, self._parameters, note, recordings)
+            self._recording = RecordingControl(gui, self._parameters, note, recordings)
         self._node = LiveNode(self._parameters.received)
         with self._layout.charts:
             self._charts = Charts(server)
@@ -67,7 +67,7 @@ class LivePage:
 
     def close(self) -> None:
         """End what the page has begun; a plant that it holds continues."""
-        self._files.stop()
+        self._recording.stop()
         if self._lockstep and self._simulation.pacer.holds:
             self._set_run_until(FOREVER)
             self._link.requests.finish(END_TIMEOUT)
@@ -79,7 +79,7 @@ class LivePage:
 
     def _draw(self, number: int) -> None:
         self._node.collect()
-        self._files.update(self._lockstep)
+        self._recording.update(self._lockstep)
         newest = self._node.samples.last(SECONDS)
         time = float(newest[-1, TIME]) if len(newest) else None
         if number % SEARCH_EVERY == 0:

@@ -2,7 +2,7 @@
 
 import os
 import webbrowser
-from contextlib import ExitStack, closing
+from contextlib import closing
 from pathlib import Path
 
 from furuta_ros.context import ros_context
@@ -16,11 +16,10 @@ from furuta_view.server import PageServer
 RECORDINGS = Path("output")
 
 
-def run_bag_page(server: PageServer, bags: tuple[Path, ...], opens: bool) -> None:
-    """Show one recording, or two over each other, until Ctrl-C."""
+def run_bag_page(server: PageServer, bag: Path, opens: bool) -> None:
+    """Show a recording until Ctrl-C."""
     stop = StopSignal()
-    with ExitStack() as opened:
-        samples = [opened.enter_context(closing(BagSamples(bag))) for bag in bags]
+    with closing(BagSamples(bag)) as samples:
         page = BagPage(server, samples)
         _announce(server, opens)
         page.run(stop)

@@ -11,7 +11,6 @@ from rclpy.parameter import parameter_value_to_python
 
 from furuta_ros.ros_parameters import is_of_ros
 from furuta_ros.services import ServiceError
-from furuta_sim.settings.settings import Settings
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
 
@@ -80,19 +79,6 @@ class ParametersOnPage:
             if values
         }
         return yaml.safe_dump(nodes, sort_keys=False)
-
-    def load(self, settings: Settings, failed: Callable[[str], None]) -> None:
-        """Set the values of a parameter file, each node's all or none."""
-        for node, given in settings.items():
-            values = {
-                name: value
-                for name, value in given.items()
-                if name in self.values.get(node, {})
-                and not self._folders[node].controls[name].described.read_only
-            }
-            if values:
-                work = partial(self._link.set, node, values)
-                self._link.requests.submit(("load", node), work, failed)
 
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""

@@ -8,6 +8,7 @@ import viser
 from urdf_parser_py.urdf import URDF, Cylinder, Sphere
 from viser.transforms import SO3
 
+ROOT = "/robot"
 GROUND = (226, 232, 240)
 DAYLIGHT = 1.5  # brightness of the sides away from the light
 # Position of the camera and the point that it looks at, in heights of the joint above the ground.
@@ -15,16 +16,10 @@ CAMERA, TARGET = (1.6, -2.0, 1.65), (0.0, 0.0, 1.05)
 
 
 class Scene:
-    """The links of a robot description as nested frames, a joint each.
+    """The links of a robot description as nested frames, a joint each."""
 
-    ``name`` tells several apart; with an ``opacity`` below 1 the ground and the camera are those of
-    another one.
-    """
-
-    def __init__(
-        self, server: viser.ViserServer, name: str = "/robot", opacity: float = 1.0
-    ) -> None:
-        self._server, self._name, self._opacity = server, name, opacity
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
         self._axes: dict[str, np.ndarray] = {}
         self._frames: dict[str, Any] = {}
         self._root: Any = None
@@ -37,11 +32,10 @@ class Scene:
         if self._root is not None:
             self._root.remove()
         robot = URDF.from_xml_string(description)
-        self._root = self._server.scene.add_frame(self._name, show_axes=False)
+        self._root = self._server.scene.add_frame(ROOT, show_axes=False)
         frames: dict[str, Any] = {}
-        self._add_link(robot, frames, robot.get_root(), self._name)
-        if self._opacity == 1.0:
-            self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
+        self._add_link(robot, frames, robot.get_root(), ROOT)
+        self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
         self._frames = frames
 
     def move(self, angles: dict[str, float]) -> None:
@@ -69,7 +63,6 @@ class Scene:
         place: dict[str, Any] = {
             "color": tuple(round(255 * part) for part in colour),
             "position": tuple(origin.xyz),
-            "opacity": None if self._opacity == 1.0 else self._opacity,
             "wxyz": SO3.from_rpy_radians(*map(float, origin.rpy or (0, 0, 0))).wxyz,
         }
         if isinstance(shape, Cylinder):

@@ -15,21 +15,19 @@ NICENESS = 10
 # options of the graph have their own, or would leave nothing for the page.
 PRIORITY = 80
 NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
-# Recordings that are shown over each other.
-MOST_BAGS = 2
 
 
 @click.command()
 @click.option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
-@click.option("--bag", "bags", multiple=True, type=click.Path(path_type=Path), metavar="DIR",
-    help="Show a recording instead of a graph; given twice, two over each other.")  # fmt: skip
+@click.option("--bag", type=click.Path(path_type=Path), metavar="DIR",
+    help="Show a recording instead of a graph.")  # fmt: skip
 @click.option("--no-open", is_flag=True, help="Open no browser.")
 @click.option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(
     attach: bool,
-    bags: tuple[Path, ...],
+    bag: Path | None,
     no_open: bool,
     port: int | None,
     namespace: str,
@@ -40,15 +38,13 @@ def command(
     The address of the page is the first line on standard output. OPTIONS are those of furuta run,
     after --; for example: furuta view -- --lockstep
     """
-    if len(bags) > MOST_BAGS:
-        raise click.UsageError(f"--bag can be given {MOST_BAGS} times, given {len(bags)}")
-    if bags and (attach or options or namespace):
+    if bag and (attach or options or namespace):
         raise click.UsageError("--bag shows no graph: it takes no other option of one")
-    if bags:
+    if bag:
         from furuta_view.page_process import run_bag_page
         from furuta_view.server import PageServer
 
-        run_bag_page(PageServer(port), bags, opens=not no_open)
+        run_bag_page(PageServer(port), bag, opens=not no_open)
         return
     if attach and options:
         raise click.UsageError("--attach starts no graph, so it takes no options for one")

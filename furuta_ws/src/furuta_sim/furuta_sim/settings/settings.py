@@ -111,15 +111,7 @@ def _loop(made: Mapping[str, Any]) -> Loop:
 
 def read_file(file: Path) -> Settings:
     """Settings from a ROS parameter file, or from a rig file."""
-    return _from_content(read_yaml(file, "parameter file"), file)
-
-
-def settings_from_text(text: str, name: str) -> Settings:
-    """Settings from the text of a ROS parameter file of that name."""
-    return _from_content(parse_yaml(text, f"parameter file {name}"), Path(name))
-
-
-def _from_content(content: Any, file: Path) -> Settings:
+    content = read_yaml(file, "parameter file")
     if not isinstance(content, Mapping):
         raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
     if is_rig_file(content):

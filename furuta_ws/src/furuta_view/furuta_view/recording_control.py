@@ -1,21 +1,17 @@
-"""Controls for files: a bag that is recorded, parameter files out of and into the nodes."""
+"""The control for recording a bag."""
 
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import viser
-
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_ros.yaml_files import LARGEST_FILE
-from furuta_sim.settings.settings import settings_from_text
 from furuta_view.page_layout import Note
 from furuta_view.parameters_on_page import ParametersOnPage
 
 
-class FileControls:
-    """Recording on and off, each in a new directory below ``directory``; *Save* and *Load*."""
+class RecordingControl:
+    """Recording on and off, each in a new directory below ``directory``."""
 
     def __init__(self, gui: Any, parameters: ParametersOnPage, note: Note, directory: Path) -> None:
         self._parameters, self._note, self._directory = parameters, note, directory
@@ -24,10 +20,6 @@ class FileControls:
         self._wanted = False  # the recorder belongs to the thread that draws
         self._record = gui.add_checkbox("record a bag", False)
         self._record.on_update(lambda _: setattr(self, "_wanted", self._record.value))
-        save = gui.add_button("Save parameters", icon=viser.Icon.DOWNLOAD)
-        save.on_click(self._save)
-        load = gui.add_upload_button("Load parameters", icon=viser.Icon.UPLOAD)
-        load.on_upload(lambda event: self._load(event.target.value))
 
     def update(self, lockstep: bool) -> None:
         """Start or end the recording as the user wishes, and collect; called 30 times a second."""
@@ -56,17 +48,3 @@ class FileControls:
         except (OSError, ParameterError) as error:
             self._record.value = self._wanted = False
             self._note.fail(f"cannot record: {error}")
-
-    def _save(self, event: Any) -> None:
-        event.client.send_file_download("furuta.yaml", self._parameters.file().encode())
-
-    def _load(self, file: Any) -> None:
-        try:
-            if len(file.content) > LARGEST_FILE:
-                raise ParameterError(f"{file.name} is larger than {LARGEST_FILE} bytes")
-            settings = settings_from_text(file.content.decode(), file.name)
-        except (ParameterError, UnicodeDecodeError) as error:
-            self._note.fail(str(error))
-            return
-        self._note.tell(f"loaded {file.name}")
-        self._parameters.load(settings, self._note.fail)
