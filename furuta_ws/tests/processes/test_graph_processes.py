@@ -1,6 +1,7 @@
 """The graph as one process per node, with parameters set from outside."""
 
 import signal
+from functools import wraps
 from itertools import pairwise
 from pathlib import Path
 from time import monotonic, sleep
@@ -13,7 +14,6 @@ from rosbags.highlevel import AnyReader
 from testbench import Bench
 
 from furuta_recordings.bags.bag import Bag
-from furuta_ros.node import with_message_info
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.settings.nodes import graph_nodes
 from furuta_sim.settings.settings import load_settings, loop
@@ -46,7 +46,10 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
         stamp = truth.header.stamp.sec * 10**9 + truth.header.stamp.nanosec
         truths.append((stamp, info["publication_sequence_number"]))
 
-    callback = with_message_info(receive)
+    @wraps(receive)  # the two arguments tell rclpy to pass the message info
+    def callback(*taken: Any) -> None:
+        receive(*(taken if len(taken) == 2 else taken[0]))
+
     bench.probe.create_subscription(GROUND_TRUTH.type, GROUND_TRUTH.name, callback, deep(10_000))
     bench.spin(lambda: len(truths) > 10, timeout=120.0)
     stops = []
