@@ -11,6 +11,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.spinning import executor_of
 from furuta_ros.topics import CLOCK, JOINTS, QOS, TOPICS, Topic, deep
 
@@ -83,18 +84,16 @@ class Bench:
             each.callback = counted(each.topic_name.strip("/"), each.callback)
         return handled
 
-    def count_published(self, node: Any, topic: Topic) -> Counter[str]:
-        """Counts the messages that a node has published on a topic, under the topic's name."""
+    def count_published(self, publisher: LoopPublisher) -> Counter[str]:
+        """Counts what is published in the loop, as ``messages``."""
         published: Counter[str] = Counter()
-        name = node.resolve_topic_name(topic.name)
-        (publisher,) = (each for each in node.publishers if each.topic_name == name)
         publish = publisher.publish
 
-        def counted(message: Any) -> None:
-            published[topic.name] += 1
-            publish(message)
+        def counted(data: bytes, stamp: int) -> None:
+            published["messages"] += 1
+            publish(data, stamp)
 
-        publisher.publish = counted
+        publisher.publish = counted  # type: ignore[method-assign]
         return published
 
     def settle(self, seconds: float = 0.3) -> None:

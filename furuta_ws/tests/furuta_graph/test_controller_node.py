@@ -38,7 +38,7 @@ class Loop:
         self.node = bench.add(ControllerNode())
         self.commands = bench.collect(COMMAND)
         self._handled = bench.count_handled(self.node)
-        self._published = bench.count_published(self.node, COMMAND)
+        self._published = bench.count_published(self.node._publisher)
         self._states = bench.publisher(JOINT_STATES)
         self._estimates = bench.publisher(FRICTION_ESTIMATE)
         self._expected = 0
@@ -58,7 +58,7 @@ class Loop:
 
     def expect(self, *values: float) -> None:
         """The node has published exactly these commands since the last call."""
-        published = self._published[COMMAND.name]
+        published = self._published["messages"]
         self.bench.spin(lambda: len(self.commands) == published)
         assert [c.data for c in self.commands[self._expected :]] == pytest.approx(list(values))
         self._expected = published

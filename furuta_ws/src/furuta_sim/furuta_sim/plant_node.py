@@ -11,7 +11,7 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import SIGNALS
-from furuta_ros.loop_publisher import LoopPublisher
+from furuta_ros.loop_publisher import LoopPublisher, sender
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
@@ -55,7 +55,7 @@ class PlantNode(PacedNode):
         self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
         self._memory = initial_plant(self.parameters.plant)
-        self._measurement_publisher = self.publish_on(MEASUREMENT)
+        self._send_measurement = sender(self.publish_on(MEASUREMENT))
         self._truth_publisher = LoopPublisher(self, GROUND_TRUTH)
         self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
@@ -95,7 +95,7 @@ class PlantNode(PacedNode):
 
     def repeat_measurement(self) -> None:
         """Publish the measurement of this sample, first or again."""
-        self._measurement_publisher.publish(self._messages[0].tobytes())
+        self._send_measurement(self._messages[0].tobytes())
 
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
