@@ -65,13 +65,18 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_nodes_end_cleanly(processes: Any, number: int) -> None:
-    """Each executable ends with status 0 and no traceback."""
+@pytest.mark.parametrize("again", [0.02, 0.06, 0.2])
+def test_nodes_end_cleanly(processes: Any, number: int, again: float) -> None:
+    """With status 0 and no traceback, also if the signal comes again while they end."""
     running = [processes.node(name) for name in NODE_NAMES]
     for process in running:
         assert "ready" in process.stderr.readline()
     for process in running:
         process.send_signal(number)
+    sleep(again)
+    for process in running:
+        process.send_signal(number)
+    for process in running:
         _, err = process.communicate(timeout=120.0)
         assert process.returncode == 0, err
         assert "Traceback" not in err

@@ -23,5 +23,5 @@ if __name__ == "__main__":
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, loop.gains), loop.law)
-    with ros_context():
+    with ros_context(private=True):
         SimulatedGraph(default_settings()).close()

@@ -13,6 +13,7 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
 from furuta_ros.node import FurutaNode
+from furuta_ros.one_graph import claim_graph
 from furuta_ros.spinning import executor_of, freeze_startup_objects, spin_until
 from furuta_sim.plant_node import PlantNode
 from furuta_sim.settings.nodes import (
@@ -49,6 +50,7 @@ class ComposedGraph:
         # The controlled system last: the real time of the plant starts when it is made.
         made = {node.name: _make(node, settings) for node in reversed(described)}
         check_graph({name: node.parameters for name, node in made.items()})
+        self._claim = claim_graph(made[self.controlled])
         self._by_name = made
         self.nodes: list[Node] = [*(made[node.name] for node in described), *others]
         self._recorder = record() if record is not None else None
@@ -75,6 +77,7 @@ class ComposedGraph:
             self._recorder.destroy_node()
         for node in self.nodes:
             node.destroy_node()
+        self._claim.close()
 
 
 class SimulatedGraph(ComposedGraph):

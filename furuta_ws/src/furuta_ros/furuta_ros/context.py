@@ -3,15 +3,21 @@
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from time import time
 
 import rclpy
 import rclpy.logging
+import rclpy.utilities
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_ros.discovery import describe_discovery, reaches_network, restrict_discovery
+from furuta_ros.discovery import (
+    describe_discovery,
+    no_discovery,
+    reaches_network,
+    restrict_discovery,
+)
 from furuta_ros.errors import UserError, first_line
 
 SHARED_MEMORY = Path("/dev/shm")
@@ -29,12 +35,14 @@ def ros_arguments() -> list[str]:
 
 
 @contextmanager
-def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> Iterator[None]:
+def ros_context(
+    arguments: Sequence[str] | None = (), namespace: str = "", private: bool = False
+) -> Iterator[None]:
     """ROS runs inside the ``with`` block and ends with it, on this machine unless chosen otherwise.
 
     ``arguments`` are command-line arguments; None means those of the process. All nodes that the
-    block makes are in ``namespace``. Signals keep their Python handlers: rclpy's own would end
-    ROS before the nodes have finished.
+    block makes are in ``namespace``. With ``private`` they discover no node of another process.
+    Signals keep their Python handlers: rclpy's own would end ROS before the nodes have finished.
 
     Raises:
         UserError: ROS cannot use the arguments.
@@ -45,17 +53,27 @@ def ros_context(arguments: Sequence[str] | None = (), namespace: str = "") -> It
     restrict_discovery()
     remove_empty_ports()
     _arguments[:] = sys.argv if given is None else given
-    try:
-        rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:  # rclpy raises types here that it does not export
-        unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
-        raise UserError(f"cannot start ROS: {unknown}{first_line(error)}") from None
-    log = rclpy.logging.get_logger("discovery")
-    (log.info if reaches_network() else log.debug)(describe_discovery())
-    try:
+    with no_discovery() if private else nullcontext():
+        try:
+            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+        except Exception as error:  # rclpy raises types here that it does not export
+            unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
+            raise UserError(f"cannot start ROS: {unknown}{first_line(error)}") from None
+        log = rclpy.logging.get_logger("discovery")
+        (log.info if reaches_network() else log.debug)(describe_discovery())
+        try:
+            yield
+        finally:
+            rclpy.try_shutdown()
+
+
+@contextmanager
+def joined_graph(namespace: str) -> Iterator[None]:
+    """ROS beside a running graph; standard error says which graph that is."""
+    with ros_context(namespace=namespace):
+        domain = rclpy.utilities.get_default_context().get_domain_id()
+        print(f"graph: namespace {namespace or '/'}, ROS domain {domain}", file=sys.stderr)
         yield
-    finally:
-        rclpy.try_shutdown()
 
 
 def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:

@@ -5,6 +5,8 @@ project sets ``ROS_AUTOMATIC_DISCOVERY_RANGE`` before ROS starts, if the user ha
 """
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PEERS = "ROS_STATIC_PEERS"
@@ -17,6 +19,24 @@ def restrict_discovery() -> None:
     """Choose this machine only, if no environment variable holds another choice."""
     if not any(os.environ.get(name) for name in (RANGE, PEERS, SERVER)):
         os.environ[RANGE] = "LOCALHOST"
+
+
+@contextmanager
+def no_discovery() -> Iterator[None]:
+    """ROS started inside the ``with`` block discovers no other process, whatever was chosen."""
+    names = (RANGE, PEERS, SERVER, LOCALHOST_ONLY)
+    chosen = {name: os.environ.pop(name) for name in names if name in os.environ}
+    os.environ[RANGE] = "OFF"
+    try:
+        yield
+    finally:
+        del os.environ[RANGE]
+        os.environ.update(chosen)
+
+
+def is_private() -> bool:
+    """Whether this process discovers no other."""
+    return os.environ.get(RANGE) == "OFF" and os.environ.get(LOCALHOST_ONLY) != "1"
 
 
 def reaches_network() -> bool:

@@ -3,7 +3,7 @@
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from furuta_ros.publisher_report import TopicPublisher
+from furuta_ros.one_publisher import TopicPublisher
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, Topic
 
 # rclpy's name for a node that is not known yet.

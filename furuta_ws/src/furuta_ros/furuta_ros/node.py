@@ -35,9 +35,11 @@ class FurutaNode(Node, Generic[Group]):
         accepted_publishers: By topic name, which publisher's messages are accepted.
         message_age: Of the message that the node answers.
         runs_compiled_code: Whether to load what compiled code needs before others see the node.
+        one_per_graph: Whether a second such node must not start, whatever its name.
     """
 
     runs_compiled_code = True
+    one_per_graph = False
 
     def __init__(self, name: str, group: type[Group], overrides: Sequence[Parameter] = ()) -> None:
         if self.runs_compiled_code:

@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from types import FrameType
 
 from rclpy.exceptions import ParameterException
@@ -17,6 +18,7 @@ from furuta_model.parameters import ParameterError, shortened
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
+from furuta_ros.one_graph import claim_graph
 from furuta_ros.process_start import own_arguments, program_name, set_interrupt_handler
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
@@ -70,7 +72,10 @@ def freeze_startup_objects() -> None:
 
 
 class StopSignal:
-    """Becomes true when the process receives SIGINT or SIGTERM."""
+    """Becomes true when the process receives SIGINT or SIGTERM; it ignores further ones.
+
+    Otherwise one that arrives while Python ends would kill the process.
+    """
 
     def __init__(self) -> None:
         self._received = 0
@@ -79,6 +84,8 @@ class StopSignal:
 
     def _receive(self, number: int, frame: FrameType | None) -> None:
         self._received = number
+        for further in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(further, signal.SIG_IGN)
 
     def __call__(self) -> bool:
         """Whether the process has received a signal to stop."""
@@ -111,19 +118,21 @@ def run_node(make: Callable[[], Node]) -> int:
 
 def _spin_node(make: Callable[[], Node], stop: StopSignal) -> int:
     node = make()
-    executor = executor_of([node])
-    freeze_startup_objects()
-    if stop():
-        return stop.status
-    problem = node.start_up() if isinstance(node, FurutaNode) else ""
-    if problem:
-        node.get_logger().error(f"not ready: {problem}")
-    else:
-        node.get_logger().info("ready")
-    spin_until(executor, stop)
-    # The executor first: it would release what the middleware has destroyed with the node.
-    executor.shutdown()
-    node.destroy_node()
+    alone = isinstance(node, FurutaNode) and node.one_per_graph
+    with claim_graph(node) if alone else nullcontext():
+        executor = executor_of([node])
+        freeze_startup_objects()
+        if stop():
+            return stop.status
+        problem = node.start_up() if isinstance(node, FurutaNode) else ""
+        if problem:
+            node.get_logger().error(f"not ready: {problem}")
+        else:
+            node.get_logger().info("ready")
+        spin_until(executor, stop)
+        # The executor first: it would release what the middleware has destroyed with the node.
+        executor.shutdown()
+        node.destroy_node()
     return 0
 
 

@@ -22,6 +22,8 @@ class PacedNode(FurutaNode[PlantNodeParameters]):
         on_change: Called after every change of parameters.
     """
 
+    one_per_graph = True
+
     def __init__(self, name: str, overrides: Sequence[Parameter] = ()) -> None:
         self.sample = 0
         self.start = 0

@@ -75,7 +75,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
-    with ros_context():
+    with ros_context(private=True):
         with console.status("tuning"):
             result = tune_graph(settings, PLAN, lambda message, seconds: None)
         tuned = observer_parameters(result.after.observer)

@@ -13,7 +13,7 @@ from furuta_graph.processes import executable
 from furuta_graph.system_client import TRANSITIONS, BridgeClient
 from furuta_hw.rigs.rig import Rig
 from furuta_model.linear import linearize
-from furuta_ros.context import ros_context
+from furuta_ros.context import joined_graph
 from furuta_ros.spinning import executor_of
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import rig_settings
@@ -33,7 +33,7 @@ for verb in (check, read, zero, signs, friction):
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
-    with ros_context(namespace=namespace):
+    with joined_graph(namespace):
         node = Node("furuta_hw")
         yield BridgeClient(node, executor_of([node]))
 

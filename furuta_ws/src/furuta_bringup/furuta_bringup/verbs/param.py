@@ -13,7 +13,7 @@ from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import print_json
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError, number_from_text, shortened
-from furuta_ros.context import ros_context
+from furuta_ros.context import joined_graph
 from furuta_ros.spinning import executor_of
 from furuta_ros.yaml_files import parse_yaml
 from furuta_sim.settings.nodes import NODES
@@ -40,7 +40,7 @@ node_argument = click.argument("node", callback=_node_name)
 
 @contextmanager
 def _client(namespace: str) -> Iterator[ParameterClient]:
-    with ros_context(namespace=namespace):
+    with joined_graph(namespace):
         node = Node("furuta_param")
         yield ParameterClient(node, executor_of([node]))
 

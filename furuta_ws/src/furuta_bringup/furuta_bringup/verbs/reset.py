@@ -6,7 +6,7 @@ from rclpy.node import Node
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import show
 from furuta_graph.system_client import reset_plant
-from furuta_ros.context import ros_context
+from furuta_ros.context import joined_graph
 from furuta_ros.services import ServiceCaller
 from furuta_ros.spinning import executor_of
 
@@ -16,7 +16,7 @@ from furuta_ros.spinning import executor_of
 @json_option
 def command(namespace: str, as_json: bool) -> None:
     """Put the simulated pendulum upright again; estimator and friction observer start anew."""
-    with ros_context(namespace=namespace):
+    with joined_graph(namespace):
         node = Node("furuta_reset")
         message = reset_plant(ServiceCaller(node, executor_of([node])))
     show({"message": message}, as_json)

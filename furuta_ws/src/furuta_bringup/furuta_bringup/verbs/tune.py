@@ -15,7 +15,7 @@ from furuta_bringup.printing import print_json, show
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
-from furuta_ros.context import ros_context
+from furuta_ros.context import joined_graph
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
 from furuta_sim.settings.settings import load_settings, loop
@@ -107,7 +107,7 @@ def command(
 
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
-    with ros_context(namespace=namespace):
+    with joined_graph(namespace):
         node = Node("furuta_tune")
         executor = executor_of([node])
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)

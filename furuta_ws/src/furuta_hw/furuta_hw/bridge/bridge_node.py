@@ -59,6 +59,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     """
 
     runs_compiled_code = False
+    one_per_graph = True
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
