@@ -61,6 +61,8 @@ STARTS = {"stiffness": 2e5}
 LOWEST = {"delay": 0.0, "stiffness": 1e4}
 # Sticking makes the error rough, so the fit restarts from its result.
 STARTS_OF_FIT, EVALUATIONS = 2, 30
+# Change of the motion [mm, root of the sum of squares] by a step of a parameter that shows nothing.
+FLAT = 1e-6
 # Blocks of time from whose scatter the errors are found [s].
 BLOCK = 1.0
 
@@ -88,6 +90,12 @@ def fit(record: Record, names: tuple[str, ...], start: Joint = START) -> Joint:
             ftol=1e-5,
             max_nfev=EVALUATIONS,
         ).x
+    slopes = np.linalg.norm(_differences(residuals, solution), axis=0)
+    flat = [name for name, slope in zip(names, slopes, strict=True) if slope < FLAT]
+    if flat:
+        sys.exit(
+            f"error: the record does not tell {', '.join(flat)}: the motion does not depend on it"
+        )
     return _joint(start, names, first + solution * steps)
 
 

@@ -127,6 +127,7 @@ YAML = {
     "large": "# " + "x" * 2**22,
     "number": "plant: {ros__parameters: {seed: " + ":".join(["1"] * 100_000) + "}}\n",
     "python": "!!python/object/apply:os.system ['touch secret']\n",
+    "twice": "plant:\n  {ros__parameters: {alpha0: 0.1, alpha0: 0.2}}\n",
     "names": "? " + "n" * 900_000 + "\n: {" + ", ".join(f"a{k}: 1" for k in range(9000)) + "}\n",
 }
 

@@ -11,6 +11,7 @@ from testbench import Bench, joint_state
 
 from furuta_control.control import POLE_PLACEMENT
 from furuta_control.controller_node import ControllerNode
+from furuta_control.estimator_node import EstimatorNode
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
@@ -270,3 +271,30 @@ def test_an_estimate_from_before_a_repeated_state_is_not_taken_for_the_next(loop
     age.sent = sent + 1
     loop.estimate(0.3)
     loop.expect(FEEDBACK + 0.3)
+
+
+@pytest.mark.parametrize(
+    ("estimator", "remedy"),
+    [
+        ({}, "set it to whole_circle"),
+        ({"method": "whole_circle"}, "the pendulum sensor ends at"),
+        ({"method": "whole_circle", "sensors.potentiometer_range": 3.2}, ""),
+    ],
+)
+def test_swing_up_names_an_estimator_that_cannot_see_it(
+    bench: Bench, capfd: Any, estimator: dict[str, Any], remedy: str
+) -> None:
+    """The controller says at once why the mode has no effect, and what helps."""
+    controller = bench.add(ControllerNode())
+    bench.add(EstimatorNode([Parameter(name, value=value) for name, value in estimator.items()]))
+    ready = controller._estimator.service_is_ready
+    bench.spin(ready)
+    answers: list[Any] = []
+    check = controller._check_estimator
+    controller._check_estimator = lambda answer: answers.append(check(answer))
+    capfd.readouterr()
+    ParameterClient(bench.probe, bench.executor).set("controller", mode="swing_up")
+    bench.spin(lambda: bool(answers))
+    logged = capfd.readouterr().err
+    assert ("mode swing_up has no effect" in logged) == bool(remedy)
+    assert remedy in logged

@@ -147,6 +147,23 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     assert status == 0, err
 
 
+def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
+    """Unless forced; the file then says so. Here the commands are those of another run."""
+    series, table, rig = (tmp_path / name for name in ("run.npz", "log.csv", "rig.yaml"))
+    furuta("simulate", "--ideal-sensors", "--seconds", "4", "--out", series)
+    with np.load(series) as file:
+        columns = [file["time"], *file["estimate"].T[[0, 2]], file["command"][::-1]]
+    np.savetxt(table, np.column_stack(columns), header="time,arm,pendulum,command", delimiter=",",
+        comments="")  # fmt: skip
+    status, out, err = furuta("identify", table, "--write", rig)
+    assert (status, rig.exists()) == (1, False)
+    assert "usable: no" in out
+    assert "error: the model is not usable (log.csv: fit of the" in err
+    status, _, err = furuta("identify", table, "--write", rig, "--force")
+    assert status == 0, err
+    assert "# Usable: no; log.csv: fit of the" in rig.read_text()
+
+
 def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
     empty = tmp_path / "empty"
     empty.mkdir()

@@ -48,6 +48,7 @@ TEXTS = {
     "large": "larger than 2097152 bytes",
     "number": "a number of 199999 characters",
     "python": "not YAML",
+    "twice": "alpha0 is given twice in line 2",
     "names": "",
 }
 TABLES: dict[str, tuple[Make, str]] = {
@@ -62,6 +63,7 @@ TABLES: dict[str, tuple[Make, str]] = {
     "claimed_shape": (hostile.npz(time=hostile.npy_claiming((10**9,))), "cannot read"),
     "claimed_product": (hostile.npz(time=hostile.npy_claiming((10**9,) * 4)), "cannot read"),
     "zeros": (hostile.large_series, "at most 536870912 are read"),
+    "ticks": (hostile.csv_file(b"time,arm,pendulum,command\n0,0,0,0\n1,1e308,0,0\n"), ""),
     "no_archive": (hostile.broken_archive, "is not an npz file"),
 }
 

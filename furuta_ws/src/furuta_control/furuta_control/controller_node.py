@@ -2,9 +2,12 @@
 
 import sys
 from collections.abc import Sequence
+from math import pi
 
 import numpy as np
+from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 
@@ -19,6 +22,7 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.estimate_matching import Answer, EstimateMatching
+from furuta_control.estimation import covers_circle
 from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
@@ -40,6 +44,8 @@ from furuta_ros.wire import ANEW, REPEATED, new_float64, read_value, take_joint_
 
 # Time between two warnings that estimates are late [s], the first one at once.
 SUMMARY_PERIOD = 30.0
+# Parameters of the estimator: which pendulum angles it sees.
+SEEN = ["method", "sensors.potentiometer_range", "sensors.ideal"]
 
 
 class ControllerNode(SampleNode[ControllerParameters]):
@@ -67,7 +73,9 @@ class ControllerNode(SampleNode[ControllerParameters]):
         self._matching = EstimateMatching(QOS.depth)
         self._friction_stamp = -1  # of the state when the newest estimate arrived
         self._applied = True  # whether commands are applied
+        self._mode = ""
         super().__init__("controller", ControllerParameters, new_float64(), overrides)
+        self._estimator = self.create_client(GetParameters, "estimator/get_parameters")
         self.watch_parameters(self.parameters_changed)
         self._active_mode = swing_up.OFF
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
@@ -81,6 +89,25 @@ class ControllerNode(SampleNode[ControllerParameters]):
         self._design = block(design_controller(parameters))
         self.compute_with(_take, self._memory)
         _control(self._memory.copy(), self.received, 0.0, self._design, self.answer.copy())
+        begins = parameters.mode == swing_up.MODE.name != self._mode
+        if begins and self._estimator.service_is_ready():
+            asked = self._estimator.call_async(GetParameters.Request(names=SEEN))
+            asked.add_done_callback(self._check_estimator)
+        self._mode = parameters.mode
+
+    def _check_estimator(self, answer: Future) -> None:
+        """Warn if the estimator does not follow the pendulum where it swings up."""
+        given = answer.result().values
+        if len(given) < len(SEEN):  # an estimator of one's own
+            return
+        method, sensor, ideal = given
+        if not covers_circle(method.string_value):
+            remedy = f"estimator.method is {method.string_value}; set it to whole_circle"
+        elif not ideal.bool_value and sensor.double_value < pi:
+            remedy = f"the pendulum sensor ends at {sensor.double_value:g} rad; use one of a turn"
+        else:
+            return
+        self.get_logger().warning(f"mode swing_up has no effect: {remedy}")
 
     @property
     def missed_estimates(self) -> int:

@@ -100,6 +100,11 @@ class EstimatorParameters(NamedTuple):
         return METHODS[_NAMES.index(self.method)]
 
 
+def covers_circle(name: str) -> bool:
+    """Whether the method of that name follows the pendulum through all angles."""
+    return name in _NAMES and _COVERS_CIRCLE[_NAMES.index(name)]
+
+
 class EstimatorDesign(NamedTuple):
     """The estimator as :func:`estimate_state` uses it."""
 

@@ -13,6 +13,7 @@ from scipy.io import loadmat, savemat, whosmat
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.csv_columns import csv_columns
+from furuta_ros.whole_files import whole_file
 
 try:
     import pyarrow as arrow
@@ -38,13 +39,14 @@ def write_columns(path: Path, columns: Columns) -> None:
     Raises:
         ParameterError: The suffix is none of :data:`SUFFIXES`, Parquet is not installed, or the
             series have different lengths.
+        UserError: The file cannot be written.
     """
     write, _ = _format(path)
     shapes = {np.shape(values) for values in columns.values()}
     if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
         raise ParameterError(f"series for {path} must have one and the same length, given {shapes}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write(path, {name: np.ascontiguousarray(values) for name, values in columns.items()})
+    with whole_file(path) as new:
+        write(new, {name: np.ascontiguousarray(values) for name, values in columns.items()})
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:

@@ -58,7 +58,10 @@ def ros_context(
             rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
         except Exception as error:  # rclpy raises types here that it does not export
             unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
-            raise UserError(f"cannot start ROS: {unknown}{first_line(error)}") from None
+            reason = f"{unknown}{first_line(error)}"
+            if "logging directory" in reason:
+                reason += "; set ROS_LOG_DIR or HOME to a directory that can be written"
+            raise UserError(f"cannot start ROS: {reason}") from None
         log = rclpy.logging.get_logger("discovery")
         (log.info if reaches_network() else log.debug)(describe_discovery())
         try:

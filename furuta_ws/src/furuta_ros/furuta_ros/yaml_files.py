@@ -23,7 +23,20 @@ MOST_VALUES = 200_000
 LONGEST_NUMBER = 1000
 
 # The parser in C is 20 times as fast, and not in every build of PyYAML.
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_SAFE_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _Loader(_SAFE_LOADER):  # type: ignore[misc]
+    """Rejects a mapping that gives a name twice; YAML's own loader takes the last value."""
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+        given = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode) and (key.tag, key.value) in given:
+                problem = f"{key.value} is given twice"
+                raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+            given.add((key.tag, key.value))
+        return super().construct_mapping(node, deep)
 
 
 def read_yaml(file: Path, what: str) -> Any:
@@ -38,8 +51,8 @@ def read_yaml(file: Path, what: str) -> Any:
 def parse_yaml(text: str, what: str) -> Any:
     """The content of a YAML text; ``what`` names it in the error."""
     try:
-        _check_size(yaml.parse(text, _LOADER), what)
-        return yaml.load(text, _LOADER)
+        _check_size(yaml.parse(text, _Loader), what)
+        return yaml.load(text, _Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f" in line {mark.line + 1}" if mark else ""

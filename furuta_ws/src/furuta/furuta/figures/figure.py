@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
+from furuta_ros.whole_files import whole_file
+
 DPI = 110
 # Opacity of the grid; it is fainter behind curves in the complex plane.
 GRID, FAINT_GRID = 0.3, 0.25
@@ -34,8 +36,8 @@ def saved_figure(
     figure, axes = plt.subplots(rows, columns, layout="constrained", **options)
     try:
         yield figure, axes
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=dpi)
+        with whole_file(path) as new:
+            figure.savefig(new, dpi=dpi)
     finally:
         plt.close(figure)
 

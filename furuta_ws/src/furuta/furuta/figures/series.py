@@ -43,6 +43,8 @@ COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
 }
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
 GAP = 100.0
+# Matplotlib finds no ticks for the largest numbers.
+LARGEST = 1e100
 
 # Label of each row, and its lines: values and style.
 Rows = dict[str, list[tuple[np.ndarray, dict[str, Any]]]]
@@ -52,11 +54,15 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
     """Draw the columns that exist, a row per quantity.
 
     Raises:
-        ParameterError: There is nothing to draw.
+        ParameterError: There is nothing to draw, or a number is too large.
     """
     time = series["time_s"]
     interval = np.diff(time, prepend=time[0])
     after_gap = interval > GAP * np.median(interval)
+    for name, values in series.items():
+        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        if largest > LARGEST:
+            raise ParameterError(f"{name} has {largest:.3g}, at most {LARGEST:g} can be drawn")
     rows: Rows = {}
     for label, columns in COLUMNS.items():
         lines = [

@@ -12,6 +12,7 @@ from typing import Any, get_type_hints
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.table_files import check_parquet, write_parquet_rows
+from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Outcome
 
 SUFFIXES = (".csv", ".parquet")
@@ -35,14 +36,12 @@ def write_runs(rows: Iterable[Mapping[str, Any]], out: Path) -> None:
     rows = iter(rows)
     first = next(rows)
     every = chain([first], rows)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    incomplete = out.with_name(out.name + ".new")
-    if out.suffix == ".parquet":
-        types = {name: OUTCOME.get(name, type(value)) for name, value in first.items()}
-        write_parquet_rows(incomplete, types, every)
-    else:
-        with incomplete.open("w", newline="") as file:
-            writer = csv.DictWriter(file, list(first))
-            writer.writeheader()
-            writer.writerows(every)
-    incomplete.replace(out)
+    with whole_file(out) as new:
+        if out.suffix == ".parquet":
+            types = {name: OUTCOME.get(name, type(value)) for name, value in first.items()}
+            write_parquet_rows(new, types, every)
+        else:
+            with new.open("w", newline="") as file:
+                writer = csv.DictWriter(file, list(first))
+                writer.writeheader()
+                writer.writerows(every)

@@ -16,6 +16,7 @@ from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_ros.context import ros_context
+from furuta_ros.whole_files import whole_file
 from furuta_sim.settings.settings import load_settings
 
 PLAN = TuningPlan()
@@ -63,7 +64,8 @@ def command(
     """
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
-    (directory / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    with whole_file(directory / "summary.json") as new:
+        new.write_text(json.dumps(summary, indent=2) + "\n")
     if as_json:
         print_json(summary)
     else:

@@ -13,10 +13,11 @@ from furuta_bringup.printing import print_json, show
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.identify import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_identification.result.report import full_report, report_lines
+from furuta_identification.result.report import SMALLEST_FIT, UNUSABLE, full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.readers.mapping import NO_COMMAND
+from furuta_ros.errors import UserError
 from furuta_sim.settings.rigs import find_rig
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
@@ -104,6 +105,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     metavar="FILE.yaml",
     help="Write a rig file, for --rig of other verbs.",
 )
+@click.option("--force", is_flag=True, help="Write the rig file of a model that is not usable.")
 @click.option(
     "--rig",
     "base",
@@ -127,16 +129,20 @@ def command(
     laws: bool,
     out: Path | None,
     write: Path | None,
+    force: bool,
     base: str,
     as_json: bool,
 ) -> None:
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason. With `--command none` the pendulum swings freely and the arm is held.
+    withheld, with the reason, and a model that is not usable is not written. With `--command none`
+    the pendulum swings freely and the arm is held.
     """
     names = names._replace(time=time)
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
+    if force and write is None:
+        raise ParameterError("--force is for --write; give --write too")
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
     if names.command == NO_COMMAND:
@@ -144,6 +150,11 @@ def command(
             raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
         swing = free_swing_of_files(paths, names, options)
         show(swing.as_json(), as_json)
+        poor = ", ".join(f"{n} {fit:.0f} %" for n, fit in swing.fit.items() if fit < SMALLEST_FIT)
+        if poor:
+            raise UserError(
+                f"not usable: fit of {poor}; keep swings of amplitude 1 to 0.1 rad only"
+            )
         return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
@@ -161,12 +172,17 @@ def command(
 
         draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
-    if write is not None:
+    verdict = result["verdict"]
+    unusable = verdict["usable"] == UNUSABLE
+    if write is not None and (force or not unusable):
         from furuta_identification.result.identified_rig import write_rig
 
-        result["findings"] += write_rig(model, write, given, paths[0])
+        result["findings"] += write_rig(model, write, given, paths[0], verdict)
         result["rig_file"] = str(write)
     if as_json:
         print_json(result)
     else:
         print(*report_lines(result), sep="\n")
+    if write is not None and unusable and not force:
+        reasons = "; ".join(verdict["reasons"])
+        raise UserError(f"the model is not usable ({reasons}); --force writes {write} all the same")

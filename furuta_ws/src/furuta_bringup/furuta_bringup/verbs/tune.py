@@ -18,6 +18,7 @@ from furuta_model.parameters import ParameterError
 from furuta_ros.context import joined_graph
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
+from furuta_ros.whole_files import whole_file
 from furuta_sim.settings.settings import load_settings, loop
 
 # Each of the other compensations takes a trial of 12 s more.
@@ -93,9 +94,9 @@ def command(
         result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
     tuned = result.as_json()
     if out is not None:
-        out.parent.mkdir(parents=True, exist_ok=True)
         file = {"friction_observer": {"ros__parameters": tuned["parameters"]}}
-        out.write_text(yaml.safe_dump(file, sort_keys=False))
+        with whole_file(out) as new:
+            new.write_text(yaml.safe_dump(file, sort_keys=False))
     if as_json:
         print_json(tuned)
         return

@@ -23,6 +23,7 @@ from furuta_model.pole_choice import quadratic_poles
 from furuta_model.sensors import Sensors
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.recording import Recording
+from furuta_ros.whole_files import whole_file
 from furuta_ros.yaml_files import read_yaml
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
@@ -109,10 +110,13 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
     return Uncertainty((*(fitted[index] for index in chosen), *friction), covariance)
 
 
-def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list[str]:
+def write_rig(
+    model: Model, file: Path, given: Rig | None, source: Path, verdict: dict[str, Any]
+) -> list[str]:
     """Write the rig file with sensors, line and limits of the ``given`` rig.
 
-    Without one they are those of the recording at ``source``. Returns where they come from.
+    Without one they are those of the recording at ``source``. The file says what the ``verdict``
+    on the model is. Returns where sensors, line and limits come from.
     """
     findings = []
     if given is None:
@@ -121,10 +125,12 @@ def write_rig(model: Model, file: Path, given: Rig | None, source: Path) -> list
     rig, uncertainty = identified_rig(model, given)
     comments = [
         "Identified from recordings; load with --rig.",
+        "; ".join([f"Usable: {verdict['usable']}", *verdict["reasons"]]),
         *findings,
         *(f"{name}: not determined: {reason}" for name, reason in undetermined(model).items()),
     ]
-    file.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
+    with whole_file(file) as new:
+        new.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
     return findings
 
 

@@ -18,6 +18,7 @@ from furuta_recordings.recording import CHANNELS
 FIRST_SECONDS = 3.0
 # Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
 SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
+UNUSABLE = "no"
 # A joint's fit is that of the first of its channels that was measured.
 JOINTS = {"arm": ("arm speed", "arm angle"), "pendulum": ("pendulum angle",)}
 
@@ -141,7 +142,7 @@ def verdict(predictions: list[Prediction]) -> dict[str, Any]:
             if known and known[0] < DOUBTFUL_FIT:
                 reasons.append(f"{prediction.recording.name}: fit of the {joint} {known[0]:.0f} %")
                 worst = min(worst, known[0])
-    usable = "no" if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
+    usable = UNUSABLE if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
     return {
         "usable": usable,
         "reasons": reasons,

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta_ros.whole_files import whole_file
 from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of
 from furuta_sim.emulator.faults import with_faults
 
@@ -67,7 +68,8 @@ class EmulatorLog:
         """Write the rows to an ``.npz`` file; returns their number."""
         table = np.array(self._numbers[:]).reshape(-1, len(COLUMNS))
         columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
-        np.savez(path, **columns)
+        with whole_file(path) as new:
+            np.savez(new, **columns)
         return len(table)
 
 
