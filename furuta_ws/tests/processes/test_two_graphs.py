@@ -2,10 +2,19 @@
 
 import json
 import signal
+import sys
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
+import numpy as np
 import pytest
+from std_srvs.srv import Trigger
+
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_model.state import PHI
+from furuta_ros.spinning import spin_until
+from furuta_sim.settings.settings import load_settings
 
 
 @pytest.mark.parametrize("how", ["run", "run --processes", "node"])
@@ -49,3 +58,50 @@ def test_the_demo_beside_a_graph(processes: Any, tmp_path: Path) -> None:
     out, err = graph.communicate(timeout=60.0)
     assert graph.returncode == 0
     assert "rejected" not in err
+
+
+FLOOD = """
+import sys, time, rclpy
+from std_msgs.msg import Float64
+rclpy.init()
+publisher = rclpy.create_node("flood").create_publisher(Float64, "command", 10)
+while publisher.get_subscription_count() == 0:
+    time.sleep(0.01)
+print("found", flush=True)
+while True:
+    for _ in range(50):
+        publisher.publish(Float64(data=9.87))
+    time.sleep(50 / 14000)
+"""
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("floods", [2, pytest.param(50, marks=pytest.mark.long)])
+def test_a_flood_of_commands_is_not_applied(ros: None, processes: Any, floods: int) -> None:
+    """Bursts of 10 V on a loaded machine: none is accepted, and the arm stays within its limits."""
+    running = SimulatedGraph(load_settings([], ["compensation=lugre"]))
+    plant, received = running.plant, []
+    apply = plant.pacing.on_command
+    plant.pacing.on_command = lambda command: (received.append(command), apply(command))
+    load = [processes.start(sys.executable, "-c", "while True: pass") for _ in range(2)]
+    limit = 2 * np.pi
+    for _ in range(floods):
+        spin_until(running.executor, lambda: bool(received))
+        flood = processes.start(sys.executable, "-c", FLOOD)
+        seen: list[str] = []
+        thread = Thread(target=lambda f=flood, s=seen: s.append(f.stdout.readline()))
+        thread.start()
+        spin_until(running.executor, lambda s=seen: bool(s))
+        end = plant.time + 2.0
+        while plant.time < end:
+            running.executor.spin_once(timeout_sec=0.05)
+            assert abs(plant.x[PHI]) < limit
+        assert 9.87 not in received
+        flood.terminate()
+        flood.wait()
+        thread.join()
+        received.clear()
+        plant._reset(Trigger.Request(), Trigger.Response())
+    for process in load:
+        process.kill()
+    running.close()
