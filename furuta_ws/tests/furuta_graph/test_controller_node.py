@@ -163,10 +163,10 @@ def test_a_state_that_is_answered_twice_is_integrated_once(loop: Loop) -> None:
 
 
 def test_without_observer_it_controls_without_compensation(loop: Loop) -> None:
-    """From the second state on each is answered at once with F̂ = 0, until an observer starts."""
+    """From the third state on each is answered at once with F̂ = 0, until an observer starts."""
     for k in range(1, 31):
         loop.state(k)
-    loop.expect(*[FEEDBACK] * 29)
+    loop.expect(*[FEEDBACK] * 28)
     loop.estimate(0.2)
     loop.state(31)
     loop.estimate(0.4)

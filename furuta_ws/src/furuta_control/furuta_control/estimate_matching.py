@@ -8,7 +8,7 @@ was sent before the state is an old one, because an observer answers what it has
 
 from enum import Enum, auto
 
-# After this time [ns] without a repetition an estimate belongs to the next state. Shorter than what
+# An estimate that was sent so long [ns] after its state belongs to the next one. Shorter than what
 # a plant in lock-step waits until it goes on although some repetitions are without an answer.
 REPETITION_TIME = 1_000_000_000
 # Estimates in a row that were sent before the state they should answer, until it is said.
@@ -72,7 +72,8 @@ class EstimateMatching:
         self._previous_uncertain, self._uncertain = self._uncertain, anew or not self._any_state
         self._any_state = True
         self._sent = self._sent_last = sent
-        self._expected = 1 if anew else self._expected + 1
+        # An older estimate is recognised after an uncertain state: none is waited for.
+        self._expected = 1 if anew or self._previous_uncertain else self._expected + 1
         self._stepped = False
         self._repetitions = 0
         if self._takes_early():
@@ -102,16 +103,15 @@ class EstimateMatching:
         if self._is_old(sent):
             self.refused_in_a_row += 1
             return Answer.NONE
-        if self._expected > 0:
-            self.friction = friction
-            self._expected -= 1
-            if self._expected == 0:
-                return self._step()
-        elif self._repetitions > 0 and sent < self._sent_last + REPETITION_TIME:
-            self._repetitions -= 1
-            return Answer.AGAIN
-        else:
-            self._early = (friction, sent)
+        if sent < self._sent_last + REPETITION_TIME:
+            if self._expected > 0:
+                self.friction = friction
+                self._expected -= 1
+                return self._step() if self._expected == 0 else Answer.NONE
+            if self._repetitions > 0:
+                self._repetitions -= 1
+                return Answer.AGAIN
+        self._early = (friction, sent)
         return Answer.NONE
 
     def _step(self) -> Answer:
@@ -132,5 +132,10 @@ class EstimateMatching:
         return True
 
     def _is_old(self, sent: int) -> bool:
-        """Whether an estimate answers an earlier state, where counting is not enough."""
-        return (self._uncertain or self._previous_uncertain) and sent < self._sent
+        """Whether an estimate answers an earlier state, where counting is not enough.
+
+        Otherwise only if it is much older, as that of a repetition which did not arrive here: the
+        clocks of two computers may differ a little.
+        """
+        uncertain = self._uncertain or self._previous_uncertain
+        return sent < self._sent - (0 if uncertain else REPETITION_TIME)

@@ -35,7 +35,7 @@ class OnePublisher:
     The first publisher is accepted if it is the only one; another one replaces it only when it is
     no longer listed. While several are listed, only messages that continue its sequence are
     accepted. If the numbers of another one come close to it, the publishers cannot be told apart:
-    then no message is accepted until one of them is left.
+    then no message is accepted until one of them has been left for a moment.
 
     ``look_up`` lists the publishers of the topic; ``report`` gets a line for the user.
     ``rejected`` counts rejected messages.
@@ -70,8 +70,8 @@ class OnePublisher:
             self._next = NONE_YET if number is None else number + 1
             self._accepted = self._listed[0]
             return True
-        if len(self._listed) > 1 and number is not None and abs(number - self._next) <= MARGIN:
-            self._next = NONE_YET
+        if number is not None and self._next != NONE_YET and abs(number - self._next) <= MARGIN:
+            self._next, self._several_until = NONE_YET, self._now()
         self.rejected += 1
         self._report_publishers()
         return False
@@ -84,11 +84,11 @@ class OnePublisher:
 
     def _update(self) -> None:
         """Look up the publishers, always anew if there was only one."""
-        now = self._now()
-        if len(self._listed) > 1 and now - self._lookup_time < LOOKUP_PERIOD:
+        now, were_several = self._now(), len(self._listed) > 1
+        if were_several and now - self._lookup_time < LOOKUP_PERIOD:
             return
         self._lookup_time, self._listed = now, self._look_up()
-        if len(self._listed) > 1:
+        if were_several or len(self._listed) > 1:
             self._several_until = now
         if self._accepted is not None:
             accepted = self._accepted.identity

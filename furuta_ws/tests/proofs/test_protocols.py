@@ -1,0 +1,104 @@
+"""Every way that the lock-step loop and its publishers can go, within bounds: docs/safety.md."""
+
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+from proofs import lockstep_world, publisher_world
+from proofs.explorer import Explored, explore, mutated
+from proofs.lockstep_world import Bounds, World
+from proofs.publisher_world import Publishers
+
+from furuta_control.estimate_matching import EstimateMatching
+from furuta_ros import one_publisher
+from furuta_ros.one_publisher import OnePublisher
+from furuta_sim.lockstep import LockStep
+
+
+def lockstep(bounds: Bounds) -> Explored:
+    with lockstep_world.own_clock():
+        return explore(World(bounds), lockstep_world.steps, lambda w: w.violation, World.key)
+
+
+def publishers() -> Explored:
+    with patch.object(one_publisher, "MARGIN", publisher_world.MARGIN):
+        return explore(
+            Publishers(), publisher_world.steps, lambda state: state.violation, Publishers.key
+        )
+
+
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        Bounds(3),
+        Bounds(3, losses=1),
+        Bounds(2, early=1),
+        Bounds(3, resets=1),
+        *(
+            pytest.param(bounds, marks=pytest.mark.long)
+            for bounds in (
+                Bounds(3, losses=3),
+                Bounds(3, losses=1, early=1),
+                Bounds(3, losses=1, restarts=1),
+                Bounds(4, restarts=2),
+                Bounds(3, losses=1, early=1, resets=1),
+            )
+        ),
+    ],
+    ids=str,
+)
+def test_every_command_answers_its_own_sample(bounds: Bounds) -> None:
+    """With its own estimate, whatever is lost, repeated or restarted; it never stands still."""
+    explored = lockstep(bounds)
+    print(explored.states, "states,", explored.transitions, "transitions")
+    assert not explored.violation, explored
+
+
+LATE = "self._late_possible and 0 < self._plant.message_age.sent < self._began"
+OLD = "return sent < self._sent - (0 if uncertain else REPETITION_TIME)"
+MUTANTS: list[tuple[type, str, str, Bounds]] = [
+    (LockStep, f"if {LATE}:", "if False:", Bounds(3, resets=1)),
+    (LockStep, "if self._unanswered == 0:", "if True:", Bounds(2, early=1)),
+    (LockStep, "if not self._waiting:", "if False:", Bounds(2, early=1)),
+    (EstimateMatching, OLD, "return False", Bounds(3, losses=1)),
+    (EstimateMatching, OLD, "return uncertain and sent < self._sent", Bounds(3, losses=1)),
+    (EstimateMatching, "if anew or self._previous_uncertain", "if anew", Bounds(3, 1, 1)),
+    (EstimateMatching, "if sent < self._sent_last + REPETITION_TIME:", "if True:", Bounds(3, 1, 1)),
+]
+
+
+@pytest.mark.parametrize(("kind", "old", "new", "bounds"), MUTANTS)
+def test_a_fault_of_the_lockstep_is_found(kind: type, old: str, new: str, bounds: Bounds) -> None:
+    """Faults that the code had, put back, and a rule taken out of it."""
+    with mutated(kind, old, new), lockstep_world.own_clock():
+        explored = explore(World(bounds), lockstep_world.steps, lambda w: w.violation, World.key)
+    print(explored.states, explored.violation)
+    assert explored.violation
+
+
+def test_no_other_publisher_is_accepted() -> None:
+    """While the first one is there, however their numbers run and whatever is lost."""
+    explored = publishers()
+    print(explored.states, "states,", explored.transitions, "transitions")
+    assert not explored.violation, explored
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("and abs(number - self._next) <= MARGIN", "and False"),
+        ("len(self._listed) == 1 and", "len(self._listed) > 0 and"),
+        ("if were_several or len(self._listed) > 1:", "if False:"),
+        ("if self._now() - self._several_until < SETTLING_TIME:", "if False:"),
+    ],
+)
+def test_a_fault_of_the_publishers_rule_is_found(old: str, new: str) -> None:
+    """Among them that anybody is accepted after a refusal."""
+    with (
+        patch.object(one_publisher, "MARGIN", publisher_world.MARGIN),
+        mutated(OnePublisher, old, new),
+    ):
+        explored: Any = explore(
+            Publishers(), publisher_world.steps, lambda state: state.violation, Publishers.key
+        )
+    assert explored.violation
