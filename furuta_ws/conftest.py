@@ -24,7 +24,7 @@ _DOMAIN_LOCK = take_domain()
 sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURCES]
 
 # Folders whose tests take long; all others come first, so that a failure shows early.
-SLOW = ("furuta", "furuta_identification", "graph", "processes", "soak", "workspace")
+SLOW = ("furuta", "furuta_identification", "graph", "processes", "proofs", "soak", "workspace")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -485,7 +485,7 @@ static bool run(struct state s, bool poll, int fault, struct state after) {
             struct effects out;
             struct state expected = expect(s, at, fault, &out);
             if (after.got > s.got && next_byte > 0) {
-                expected.frame = after.frame == TOO_LONG ? expected.frame : after.frame;
+                expected.frame = expected.frame == TOO_LONG ? expected.frame : after.frame;
                 expected.frame_age = (int8_t)(after.frame_age + (at < 4));
                 expected.frame_age = expected.frame_age > longest ? (int8_t)longest
                                                                    : expected.frame_age;
