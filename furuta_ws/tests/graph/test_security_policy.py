@@ -60,13 +60,14 @@ def test_a_node_may_do_what_it_does(bench: Bench, name: str) -> None:
 
 
 def test_who_may_drive() -> None:
-    """Only the controller publishes ``command``; only the operator calls services."""
+    """Only the controller publishes ``command``; only the operator calls services that act."""
     given = profiles()
     assert set(given) == {*NODES, "operator", "observer"}
     publishes = {name for name, lists in given.items() if "/command" in lists["publish"]}
     assert publishes == {"controller"}
-    callers = {name for name, lists in given.items() if lists["request"]}
-    assert callers == {"operator"}
+    callers = {name: lists["request"] for name, lists in given.items() if lists["request"]}
+    assert set(callers) == {"operator", "controller"}
+    assert callers["controller"] == {"/estimator/get_parameters"}
 
 
 def test_operator_and_observer() -> None:

@@ -207,7 +207,7 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         ("simulate --compensation magic", "one of none, coulomb, stiction, lugre"),
         ("simulate --set gamma=0.0203544", "integration steps"),
         ("simulate --params missing.yaml", "cannot read parameter file missing.yaml"),
-        ("simulate --out /nonexistent/run.npz", "/nonexistent/run.npz"),
+        ("simulate --out /dev/null/run.npz", "/dev/null/run.npz"),
         ("run --plant hardware", "no port given"),
         ("node run furuta_sim plane", "it has plant"),
         ("param defaults observer", "no node observer"),

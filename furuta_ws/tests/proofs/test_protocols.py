@@ -1,17 +1,20 @@
-"""Every way that the lock-step loop and its publishers can go, within bounds: docs/safety.md."""
+"""Every way that lock-step, publishers and arming can go, within bounds: docs/safety.md."""
 
 from typing import Any
 from unittest.mock import patch
 
 import pytest
-from proofs import lockstep_world, publisher_world
+from proofs import arming_world, lockstep_world, publisher_world
+from proofs.arming_world import Budget, Rig
 from proofs.explorer import Explored, explore, mutated
 from proofs.lockstep_world import Bounds, World
 from proofs.publisher_world import Publishers
 
 from furuta_control.estimate_matching import EstimateMatching
+from furuta_hw.guard import Guard
 from furuta_ros import one_publisher
 from furuta_ros.one_publisher import OnePublisher
+from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.lockstep import LockStep
 
 
@@ -100,4 +103,47 @@ def test_a_fault_of_the_publishers_rule_is_found(old: str, new: str) -> None:
         explored: Any = explore(
             Publishers(), publisher_world.steps, lambda state: state.violation, Publishers.key
         )
+    assert explored.violation
+
+
+def arming(budget: Budget) -> Explored:
+    with arming_world.own_clock():
+        return explore(Rig(budget), arming_world.steps, lambda rig: rig.problem, Rig.key)
+
+
+@pytest.mark.parametrize(
+    "budget",
+    [
+        Budget(4, disarms=0, repetitions=0),
+        *(
+            pytest.param(budget, marks=pytest.mark.long)
+            for budget in (Budget(5, losses=0, repetitions=0, deaths=0), Budget(4))
+        ),
+    ],
+    ids=str,
+)
+def test_a_rig_is_never_armed_unasked(budget: Budget) -> None:
+    """And at 0 V within the watchdog after a user, the host or the line has ended it."""
+    explored = arming(budget)
+    print(explored.states, "states,", explored.transitions, "transitions")
+    assert not explored.violation, explored
+
+
+@pytest.mark.parametrize(
+    ("kind", "old", "new"),
+    [
+        (Firmware, "return (self.number - sample) % 2**32 < self.watchdog", "return True"),
+        (Firmware, "(self.number - self.answered) % 2**32 >= self.watchdog", "False"),
+        (Firmware, "self.armed and accepted and", "accepted and"),
+        pytest.param(
+            *(Guard, "if not self.armed or self._is_observer_missing():", "if False:"),
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_a_fault_of_arming_is_found(kind: type, old: str, new: str) -> None:
+    """Faults of the firmware's rules, and of the guard."""
+    with mutated(kind, old, new):
+        explored = arming(Budget(5, deaths=0))
+    print(explored.states, explored.violation)
     assert explored.violation

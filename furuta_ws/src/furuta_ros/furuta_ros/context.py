@@ -72,11 +72,16 @@ def ros_context(
 
 @contextmanager
 def joined_graph(namespace: str) -> Iterator[None]:
-    """ROS beside a running graph; standard error says which graph that is."""
+    """ROS beside a running graph; afterwards standard error says which graph that was."""
     with ros_context(namespace=namespace):
-        domain = rclpy.utilities.get_default_context().get_domain_id()
-        print(f"graph: namespace {namespace or '/'}, ROS domain {domain}", file=sys.stderr)
         yield
+        tell_graph(namespace)
+
+
+def tell_graph(namespace: str) -> None:
+    """Say on standard error which graph this process has joined."""
+    domain = rclpy.utilities.get_default_context().get_domain_id()
+    print(f"graph: namespace {namespace or '/'}, ROS domain {domain}", file=sys.stderr)
 
 
 def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:

@@ -26,7 +26,7 @@ LONGEST_NUMBER = 1000
 _SAFE_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-class _Loader(_SAFE_LOADER):  # type: ignore[misc]
+class _UniqueNames:
     """Rejects a mapping that gives a name twice; YAML's own loader takes the last value."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:
@@ -36,7 +36,10 @@ class _Loader(_SAFE_LOADER):  # type: ignore[misc]
                 problem = f"{key.value} is given twice"
                 raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
             given.add((key.tag, key.value))
-        return super().construct_mapping(node, deep)
+        return super().construct_mapping(node, deep)  # type: ignore[misc]
+
+
+_LOADER: Any = type("Loader", (_UniqueNames, _SAFE_LOADER), {})
 
 
 def read_yaml(file: Path, what: str) -> Any:
@@ -51,8 +54,8 @@ def read_yaml(file: Path, what: str) -> Any:
 def parse_yaml(text: str, what: str) -> Any:
     """The content of a YAML text; ``what`` names it in the error."""
     try:
-        _check_size(yaml.parse(text, _Loader), what)
-        return yaml.load(text, _Loader)
+        _check_size(yaml.parse(text, _LOADER), what)
+        return yaml.load(text, _LOADER)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f" in line {mark.line + 1}" if mark else ""

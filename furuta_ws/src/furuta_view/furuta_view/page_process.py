@@ -5,7 +5,7 @@ import webbrowser
 from contextlib import closing
 from pathlib import Path
 
-from furuta_ros.context import joined_graph
+from furuta_ros.context import ros_context, tell_graph
 from furuta_ros.spinning import StopSignal
 from furuta_view.bag_page import BagPage
 from furuta_view.bag_samples import BagSamples
@@ -30,7 +30,8 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     """Print the address, open the browser where there is one, and draw until Ctrl-C."""
     stop = StopSignal()
     _announce(server, opens)
-    with joined_graph(namespace):
+    with ros_context(namespace=namespace):
+        tell_graph(namespace)
         page = LivePage(server, RECORDINGS)
         try:
             page.run(stop)
