@@ -7,6 +7,7 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
+import flood
 import numpy as np
 import pytest
 from std_srvs.srv import Trigger
@@ -60,21 +61,6 @@ def test_the_demo_beside_a_graph(processes: Any, tmp_path: Path) -> None:
     assert "rejected" not in err
 
 
-FLOOD = """
-import sys, time, rclpy
-from std_msgs.msg import Float64
-rclpy.init()
-publisher = rclpy.create_node("flood").create_publisher(Float64, "command", 10)
-while publisher.get_subscription_count() == 0:
-    time.sleep(0.01)
-print("found", flush=True)
-while True:
-    for _ in range(50):
-        publisher.publish(Float64(data=9.87))
-    time.sleep(50 / 14000)
-"""
-
-
 @pytest.mark.realtime
 @pytest.mark.parametrize("floods", [2, pytest.param(50, marks=pytest.mark.long)])
 def test_a_flood_of_commands_is_not_applied(ros: None, processes: Any, floods: int) -> None:
@@ -87,21 +73,21 @@ def test_a_flood_of_commands_is_not_applied(ros: None, processes: Any, floods: i
     limit = 2 * np.pi
     for _ in range(floods):
         spin_until(running.executor, lambda: bool(received))
-        flood = processes.start(sys.executable, "-c", FLOOD)
+        process = processes.start(*flood.COMMAND)
         seen: list[str] = []
-        thread = Thread(target=lambda f=flood, s=seen: s.append(f.stdout.readline()))
+        thread = Thread(target=lambda p=process, s=seen: s.append(p.stdout.readline()))
         thread.start()
         spin_until(running.executor, lambda s=seen: bool(s))
         end = plant.time + 2.0
         while plant.time < end:
             running.executor.spin_once(timeout_sec=0.05)
             assert abs(plant.x[PHI]) < limit
-        assert 9.87 not in received
-        flood.terminate()
-        flood.wait()
+        assert flood.VOLTS not in received
+        process.terminate()
+        process.wait()
         thread.join()
         received.clear()
         plant._reset(Trigger.Request(), Trigger.Response())
-    for process in load:
-        process.kill()
+    for busy in load:
+        busy.kill()
     running.close()

@@ -8,13 +8,16 @@ from pathlib import Path
 from time import monotonic, monotonic_ns, sleep
 from typing import Any
 
+import flood
+import numpy as np
+
 from furuta_graph.processes import executable
 from furuta_sim.settings.nodes import NODES
-from soak.oracles import unexplained_end
+from soak.oracles import unexplained_end, wrong_second_graph
 from soak.record import Record
 
-# Time for a process to end [s].
-GRACE = 10.0
+# Time for a process to end after a signal, and for a short run [s].
+GRACE, LONGEST = 10.0, 120.0
 
 
 class NodeProcess:
@@ -84,6 +87,33 @@ class NodeProcess:
         record.check("survival", f"{self.name}: {problem}" if problem else "")
         if status is not None:
             self.start()
+
+
+def flood_commands(random: np.random.Generator) -> None:
+    """Publish many commands in a process of their own, for up to 2 s from when they arrive."""
+    process = subprocess.Popen(flood.COMMAND, stdout=subprocess.PIPE)
+    try:
+        assert process.stdout is not None
+        process.stdout.readline()
+        sleep(float(random.uniform(0.2, 2.0)))
+    finally:
+        process.kill()
+        process.wait()
+
+
+def second_graph(record: Record, namespace: str) -> None:
+    """Start a graph beside this one, in its namespace or in another one."""
+    furuta = str(executable("furuta_bringup", "furuta"))
+    own = ["--namespace", namespace] if namespace else []
+    process = subprocess.Popen(
+        [furuta, "run", "--lockstep", "--seconds", "2", *own],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    out, _ = process.communicate(timeout=LONGEST)
+    problem = wrong_second_graph(process.returncode, out, bool(namespace))
+    record.check("second graph", problem)
 
 
 def end(processes: Iterable[NodeProcess], record: Record) -> None:

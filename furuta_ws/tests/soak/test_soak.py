@@ -59,6 +59,16 @@ def test_the_oracles_of_drive_can_fail() -> None:
     assert oracles.late_stop(TIME, ONES * (TIME < 6e7), 1e6, 9e7, 51e6)
 
 
+def test_the_oracles_of_strangers_can_fail() -> None:
+    """A second publisher's commands, and a second graph."""
+    assert oracles.applied(ONES, 9.87, 0.005) == oracles.applied(ONES, 9.87) == ""
+    assert oracles.applied(ONES * 9.869, 9.87, 0.005)
+    assert oracles.applied(ONES * 9.87, 9.87)
+    assert oracles.wrong_second_graph(1, "error: a graph already runs in namespace /", False) == ""
+    assert oracles.wrong_second_graph(0, "2000 samples, 2.000 s", False)
+    assert oracles.wrong_second_graph(0, "2000 samples, 2.000 s", True) == ""
+
+
 @pytest.mark.parametrize("value", [nan, inf, -10.1])
 def test_the_oracles_of_values_can_fail(value: float) -> None:
     """Outputs, states and friction estimates within their limits."""

@@ -1,13 +1,14 @@
-"""Campaign ``lockstep_processes``: pauses and kills of a graph in lock-step, a process per node.
+"""Campaign ``lockstep_processes``: a graph in lock-step, a process per node, that is disturbed.
 
 Pauses must not change the run: it is that of the simulation, to the last bit. After a kill the loop
-must continue.
+must continue. Floods of commands and second graphs must not reach it.
 """
 
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import flood
 import numpy as np
 from rclpy.parameter import Parameter
 
@@ -17,9 +18,9 @@ from furuta_sim.settings.nodes import graph_nodes
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 from soak.mutators import pick
-from soak.node_process import NodeProcess, end
+from soak.node_process import NodeProcess, end, flood_commands, second_graph
 from soak.observer import Observer, motion, stamps, states
-from soak.oracles import different_run, fallen, hanging_drive, not_recovered, out_of_bounds
+from soak.oracles import applied, different_run, fallen, hanging_drive, not_recovered, out_of_bounds
 from soak.record import Record
 from soak.resources import ResourceMonitor
 
@@ -32,6 +33,7 @@ PAUSES = 8
 SAMPLES, RECOVERY = 200, 60.0
 # Longest pause [s]: far below the time after which the middleware drops a participant.
 LONGEST_PAUSE = 0.6
+KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "flood", "second graph")
 # Intrusions between two new graphs.
 INTRUSIONS = 30
 
@@ -100,16 +102,19 @@ class LockstepProcesses:
     def intrude(self) -> None:
         """Pause or kill a node; the loop must continue, and its motion stay within bounds."""
         record, observer = self._record, self._observer
-        if self._random.random() < 0.5:
+        kind = pick(self._random, KINDS)
+        record.tried[kind] += 1
+        if kind == "kill":
+            self._kill()
+        elif kind == "pause":
             self._pause()
             observer.clear()
         else:
-            node = pick(self._random, self._nodes)
-            node.kill()
             observer.clear()
-            node.start()
-            if node.name == "plant":
-                self._run_until(1e9)
+            if kind == "flood":
+                flood_commands(self._random)
+            else:
+                second_graph(record, pick(self._random, ("", "another")))
         moved = observer.spin(lambda: len(observer.truths) > SAMPLES, RECOVERY)
         record.check("recovery", not_recovered(moved, f"{SAMPLES} samples", RECOVERY))
         self._check_motion()
@@ -118,9 +123,18 @@ class LockstepProcesses:
         pids = {each.name: each.process.pid for each in self._nodes}
         self._watch.sample({"lockstep_processes": os.getpid()} | pids)
 
+    def _kill(self) -> None:
+        node = pick(self._random, self._nodes)
+        node.kill()
+        self._observer.clear()
+        node.start()
+        if node.name == "plant":
+            self._run_until(1e9)
+
     def _check_motion(self) -> None:
         self._record.check("bounds", out_of_bounds(states(self._observer.truths)))
         theta, volts = motion(self._observer).T
+        self._record.check("stranger", applied(volts, flood.VOLTS))
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if any(fallen(each) for each in theta):
             self._reset()

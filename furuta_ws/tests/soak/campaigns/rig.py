@@ -1,7 +1,8 @@
 """Campaign ``rig``: the graph of processes on an emulated rig behind a pseudo-terminal.
 
-Kills and pauses of the bridge and of every other node, faults of the line, and messages of a second
-publisher. The log of the emulated rig shows when it was driven; it does not depend on the graph.
+Kills and pauses of the bridge and of every other node, faults of the line, and messages and floods
+of a second publisher. The log of the emulated rig shows when it was driven; it does not depend on
+the graph.
 """
 
 import subprocess
@@ -11,6 +12,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic, monotonic_ns, sleep
 from typing import Any
 
+import flood
 import numpy as np
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
@@ -25,9 +27,10 @@ from furuta_sim.emulator.monitor import ask
 from furuta_sim.plant import design_plant
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, graph_nodes
 from soak.mutators import pick, random_float
-from soak.node_process import NodeProcess, end
+from soak.node_process import NodeProcess, end, flood_commands
 from soak.observer import Observer
 from soak.oracles import (
+    applied,
     armed_without_request,
     different_motion,
     energy_growth,
@@ -45,8 +48,9 @@ ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
-ATTEMPTS = 6  # to drive it: a node that was killed takes seconds to start
-KINDS = ("kill", "kill", "pause", "pause", "fault", "messages", "services")
+# To drive it: a successor of a killed node waits until that is no longer listed.
+ATTEMPTS = 15
+KINDS = ("kill", "kill", "pause", "pause", "fault", "messages", "services", "flood")
 INTRUSIONS = 20  # between two looks at the log
 FAULTS: tuple[dict[str, Any], ...] = (
     {"lost": 0.6},
@@ -162,6 +166,10 @@ class RigGraph:
             self._intruder.publish(given.message)
         self._observer.spin_for(0.1)
 
+    def _flood(self) -> None:
+        """Commands of a publisher that never sleeps for long."""
+        flood_commands(self._random)
+
     def _services(self) -> None:
         """Disarm, or leave the active state and return."""
         self._observer.call(SetBool, "hardware_bridge/arm", SetBool.Request(data=False))
@@ -212,6 +220,7 @@ def check_rig_log(
     record.check("unarmed", unarmed_drive(volts, armed, requests))
     record.check("arming", armed_without_request(armed, requests))
     record.check("bounds", out_of_bounds(x))
+    record.check("stranger", applied(volts, flood.VOLTS, 0.005))
     _check_physics(record, x, volts)
     for silent, back in silences:
         record.check("watchdog", late_stop(time, volts, silent, back, ALLOWED))
