@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 from typing import Any
+from unittest.mock import patch
 
 from rclpy.exceptions import ParameterNotDeclaredException
+from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float64
 
-from furuta_ros.topics import TOPICS
+from furuta_ros.one_publisher import OnePublisher
 from soak.mutators import Change
 
 # What the middleware says about a message.
@@ -17,15 +19,17 @@ class Subject:
     """A node whose callbacks are called directly, and what it has published."""
 
     def __init__(self, make: Callable[[], Any]) -> None:
-        self.node = make()
         self.published: list[tuple[float, ...]] = []
-        self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
         # There is no middleware that numbers the messages of a publisher.
-        for each in self.node.accepted_publishers.values():
-            each.accepts = lambda number: True
-        for publisher in self.node.publishers:
-            if publisher.topic_name.strip("/") in (topic.name for topic in TOPICS):
-                publisher.publish = self._keep
+        with (
+            patch.object(OnePublisher, "accepts", lambda self, number: True),
+            patch("furuta_ros.loop_publisher.sender", self._sender),
+        ):
+            self.node = make()
+        self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
+
+    def _sender(self, publisher: Any) -> Callable[[bytes], None]:
+        return lambda data: self._keep(deserialize_message(data, publisher.msg_type))
 
     def _keep(self, message: Any) -> None:
         if isinstance(message, Float64):
@@ -38,7 +42,7 @@ class Subject:
         """Give a message; returns whether it was refused, and what was published."""
         self.published = []
         refused = self.node.refused
-        self._callbacks[f"/{topic}"](message, NO_INFO)
+        self._callbacks[f"/{topic}"](serialize_message(message), NO_INFO)
         return self.node.refused > refused, self.published
 
     def change(self, change: Change) -> tuple[bool, str]:

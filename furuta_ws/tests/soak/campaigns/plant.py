@@ -17,7 +17,7 @@ from soak.mutators import pick, random_float
 from soak.oracles import different_value, energy_growth, out_of_bounds, wrong_refusal
 from soak.record import Record
 from soak.resources import ResourceMonitor
-from soak.subject import NO_INFO
+from soak.subject import Subject
 
 SAMPLES = 3000
 # Samples from one push to the next, and of a push: longer ones make it faster than any rig.
@@ -33,14 +33,14 @@ def run(record: Record, watch: ResourceMonitor) -> None:
     random = record.part.random()
     with ros_context():
         while record.next_step():
-            plant = _plant(record, random)
-            _refuse(record, random, plant)
-            _move(record, random, plant)
-            plant.destroy_node()
+            subject = Subject(lambda: _plant(random))
+            _refuse(record, random, subject)
+            _move(record, random, subject.node)
+            subject.node.destroy_node()
             watch.sample({"plant by direct calls": os.getpid()})
 
 
-def _plant(record: Record, random: np.random.Generator) -> PlantNode:
+def _plant(random: np.random.Generator) -> PlantNode:
     law = str(pick(random, LAWS))
     speeds = random.uniform(-FASTEST, FASTEST, 2)
     initial = {"phi_dot": speeds[0], "theta_dot": speeds[1], "theta": random.uniform(-pi, pi)}
@@ -49,18 +49,14 @@ def _plant(record: Record, random: np.random.Generator) -> PlantNode:
     return PlantNode([*given, clock, Parameter("friction.law", value=law)])
 
 
-def _refuse(record: Record, random: np.random.Generator, plant: PlantNode) -> None:
+def _refuse(record: Record, random: np.random.Generator, subject: Subject) -> None:
     """Commands outside a sample: none moves the plant; NaN and infinity are refused."""
-    (callback,) = (s.callback for s in plant.subscriptions if s.topic_name == "/command")
-    plant.accepted_publishers["command"].accepts = lambda number: True
-    before = plant.x.tolist()
+    before = subject.node.x.tolist()
     for _ in range(20):
         given = random_float(random)
-        refused = plant.refused
-        callback(given.message, NO_INFO)
-        refused = plant.refused - refused
-        record.check("refusal", wrong_refusal(given.refuse, bool(refused), given.message.data))
-    record.check("unchanged", different_value(plant.x.tolist(), before))
+        refused, _ = subject.give("command", given.message)
+        record.check("refusal", wrong_refusal(given.refuse, refused, given.message.data))
+    record.check("unchanged", different_value(subject.node.x.tolist(), before))
 
 
 def _move(record: Record, random: np.random.Generator, plant: PlantNode) -> None:

@@ -98,7 +98,6 @@ class RigGraph:
         assert self._emulator.stdout is not None
         self._emulator.stdout.readline()
         self._observer = Observer()
-        self._intruder = self._observer.node.create_publisher(COMMAND.type, COMMAND.name, QOS)
         bridge = (f"port:={directory / 'port'}", "autostart:=active")
         self._nodes = {
             name: NodeProcess(name, directory, *(bridge if name == HARDWARE_BRIDGE else ()))
@@ -161,10 +160,13 @@ class RigGraph:
 
     def _messages(self) -> None:
         """Commands of a second publisher: they must not arm the rig."""
+        node = self._observer.node
+        intruder = node.create_publisher(COMMAND.type, COMMAND.name, QOS)
+        self._observer.spin_for(0.2)
         for _ in range(50):
-            given = random_float(self._random)
-            self._intruder.publish(given.message)
+            intruder.publish(random_float(self._random).message)
         self._observer.spin_for(0.1)
+        node.destroy_publisher(intruder)
 
     def _flood(self) -> None:
         """Commands of a publisher that never sleeps for long."""
