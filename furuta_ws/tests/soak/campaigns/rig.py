@@ -48,8 +48,8 @@ ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
-# To drive it: a successor of a killed node waits until that is no longer listed.
-ATTEMPTS = 15
+# Time to drive it [s]: the successor of a killed node waits until that is no longer listed.
+PATIENCE = 90.0
 KINDS = ("kill", "kill", "pause", "pause", "fault", "messages", "services", "flood")
 INTRUSIONS = 20  # between two looks at the log
 FAULTS: tuple[dict[str, Any], ...] = (
@@ -113,7 +113,9 @@ class RigGraph:
 
     def intrude(self) -> None:
         """Drive the rig, then disturb it in a random way."""
-        driven = any(self._drive() for _ in range(ATTEMPTS))
+        deadline = monotonic() + PATIENCE
+        while not (driven := self._drive()) and monotonic() < deadline:
+            pass
         self._record.tried["driven before" if driven else "not driven before"] += 1
         kind = pick(self._random, KINDS)
         getattr(self, f"_{kind}")()
