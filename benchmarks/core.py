@@ -23,8 +23,8 @@ from experiment import (
 from mujoco_loop import MujocoLoop
 from scipy.integrate import solve_ivp
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.friction.laws import friction_law
 from furuta_sim.simulation.closed_loop import outcome
 from furuta_sim.simulation.oscillation import Oscillation

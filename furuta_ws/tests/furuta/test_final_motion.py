@@ -10,8 +10,8 @@ import pytest
 import reference
 
 from furuta.limit_cycles.continuation import Branch
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.limit_cycles.rest_stability import rest_stability
 from furuta.studies.analysis_options import AnalysisOptions

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.friction.law import Law

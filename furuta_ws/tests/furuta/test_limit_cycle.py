@@ -5,8 +5,8 @@ import pytest
 import reference
 
 from furuta.limit_cycles.continuation import Branch, BranchPoint, fold_value
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta.studies.feedback_map import map_feedbacks
 from furuta_model.friction.laws import LAWS, FrictionLaw

@@ -14,7 +14,7 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 from importlib.metadata import version
 
 from furuta.describing_functions.describing_function import describing_function
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
 from furuta.models import friction_law, linearize, place_poles

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError

@@ -9,7 +9,7 @@ from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
 from furuta.limit_cycles import limit_cycle as cycles
 from furuta.limit_cycles import periodic_orbit
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import ideal_loop
 from furuta_model.parameters import ParameterError

@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import trace
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError, build

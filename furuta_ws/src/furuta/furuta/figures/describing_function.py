@@ -9,7 +9,7 @@ from furuta.describing_functions.describing_function import describing_function
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 from furuta.figures.nyquist import feedback_title, nyquist_curve
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw
 from furuta_model.transfer import Transfer, transfer
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.transfer import Transfer, transfer
 
 # Decades of ω shown below and above the loop's frequencies, and points of the curve.

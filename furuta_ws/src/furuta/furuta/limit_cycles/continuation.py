@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.friction_loop import FrictionLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
 from furuta.limit_cycles.section import REST_STEP, Section
-from furuta.limit_cycles.smooth_motion import CLOSEST
+from furuta.limit_cycles.smooth_motion import CLOSEST, FURTHER
 from furuta_model.parameters import ParameterError
 
 FIRST_STEP = 0.02  # along the scaled curve, where the range of the parameter is 1
@@ -45,7 +45,7 @@ class BranchPoint(NamedTuple):
 class Branch:
     """Follows the cycle of ``loop_at(value)`` while the parameter is within [low, high]."""
 
-    def __init__(self, loop_at: Callable[[float], IdealLoop], low: float, high: float) -> None:
+    def __init__(self, loop_at: Callable[[float], FrictionLoop], low: float, high: float) -> None:
         if not low < high:
             raise ParameterError(f"the range must have low < high, given {low:g} to {high:g}")
         self._loop_at = loop_at
@@ -134,7 +134,7 @@ class Branch:
         """Least distance from a rest of the motion that starts at ``w``."""
         section = self._section(float(self._low + w[-1] * self._range))
         end = section.follow(section.state(w[:-1] * self._scale), turns=self._turns)
-        return float(end.extent[CLOSEST])
+        return float(end.extent[FURTHER, CLOSEST])
 
     def _residual(self, w: np.ndarray) -> np.ndarray | None:
         try:
@@ -202,7 +202,7 @@ def _with_folds(points: list[BranchPoint]) -> list[BranchPoint]:
 
 
 def follow_branch(
-    loop_at: Callable[[float], IdealLoop],
+    loop_at: Callable[[float], FrictionLoop],
     low: float,
     high: float,
     here: float | None = None,

@@ -1,8 +1,8 @@
-"""Step of the Dormand–Prince pair 5(4) for the ideal loop."""
+"""Step of the Dormand–Prince pair 5(4) for a loop with friction."""
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop, rate
+from furuta.limit_cycles.friction_loop import FrictionLoop, rate
 from furuta_model.compiled import compiled
 
 RELATIVE_TOLERANCE = 1e-9
@@ -14,7 +14,7 @@ def step(
     y: np.ndarray,
     h: float,
     mode: float,
-    loop: IdealLoop,
+    loop: FrictionLoop,
     size: float,
     k: np.ndarray,
     end: np.ndarray,
@@ -22,7 +22,7 @@ def step(
     """One step of ``h`` [s] from ``y`` to ``end``; returns the error, at most 1 within tolerance.
 
     ``size`` is that of a small motion, in proportion to which the absolute tolerance is reduced.
-    ``k`` (7, 5) is work space. Row 0 must hold the rate at ``y``; row 6 gets the rate at ``end``.
+    ``k`` (7, n) is work space. Row 0 must hold the rate at ``y``; row 6 gets the rate at ``end``.
     """
     n = len(y)
     for i in range(n):

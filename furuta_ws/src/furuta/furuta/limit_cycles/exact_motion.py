@@ -1,40 +1,40 @@
-"""Integrates the motion of the ideal loop accurately through stick, slip and rests.
+"""Integrates the motion of a loop accurately through stick, slip and rests.
 
-The motion consists of smooth pieces (:mod:`.smooth_motion`). Where it comes close to a rest, it is
-followed in coordinates counted from that rest, with tolerances in proportion to the distance: how
-long the arm stays at an unstable rest depends on how close it comes, however close that is.
+The motion consists of smooth pieces (:mod:`.smooth_motion`, :mod:`.linear_flow`). Where the
+pendulum comes close to a rest, it is followed in coordinates counted from that rest, with
+tolerances in proportion to the distance: how long the arm stays at an unstable rest depends on how
+close it comes, however close that is.
 """
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, rest_near
+from furuta.limit_cycles.friction_loop import FrictionLoop, next_mode
+from furuta.limit_cycles.linear_flow import follow_exactly
+from furuta.limit_cycles.linear_loop import LinearLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta.limit_cycles.smooth_motion import (
+    AT_REST,
     EVENT,
+    HIGH,
     LEFT_REST,
+    LOW,
     NEAR_REST,
-    PHI_HIGH,
-    PHI_LOW,
     integrate,
 )
-from furuta_model.compiled import compiled
-from furuta_model.friction.laws import has_bristle
+from furuta_model.compiled import by_type, compiled
+from furuta_model.friction.laws import has_bristle, has_constant_level
 from furuta_model.state import BRISTLE, PHI
 
 
 @compiled
-def follow_piece(
+def _follow_pendulum(
     y: np.ndarray,
     mode: float,
     time_limit: float,
-    loop: IdealLoop,
     extent: np.ndarray,
     trace: np.ndarray,
+    loop: IdealLoop,
 ) -> tuple[int, float, int]:
-    """Follow one piece of motion from ``y``, in place, to its event or for ``time_limit`` [s].
-
-    ``extent`` is updated. ``trace`` (n, 6) gets time and state of every step, up to n rows.
-    Returns how the piece ended, its duration [s] and the number of rows written.
-    """
     t, rows = 0.0, 0
     while True:
         ended, duration, more = integrate(
@@ -51,6 +51,29 @@ def follow_piece(
         t, rows = t + duration, rows + more
         if ended != LEFT_REST:
             return ended, t, rows
+
+
+@compiled
+def _follow_linear(
+    y: np.ndarray,
+    mode: float,
+    time_limit: float,
+    extent: np.ndarray,
+    trace: np.ndarray,
+    loop: LinearLoop,
+) -> tuple[int, float, int]:
+    if mode == 0.0 or has_constant_level(loop.law):
+        return follow_exactly(y, mode, time_limit, extent, trace, loop)
+    ended, duration, rows = integrate(y, mode, time_limit, loop, False, extent, trace)
+    # What disturbs a linear loop at rest does not grow there: see rest_stability.
+    return AT_REST if ended == NEAR_REST else ended, duration, rows
+
+
+# ``follow_piece(y, mode, time_limit, extent, trace, loop)`` follows one piece of motion from ``y``,
+# in place, to its event or for ``time_limit`` [s]. ``extent`` is updated. ``trace`` (n, 1 + states)
+# gets time and state of every step, up to n rows. Returns how the piece ended, its duration [s] and
+# the number of rows written.
+follow_piece = by_type({IdealLoop: _follow_pendulum, LinearLoop: _follow_linear})
 
 
 @compiled
@@ -85,8 +108,10 @@ def _follow_near_rest(
 def _shift(y: np.ndarray, extent: np.ndarray, phi: float, z: float) -> None:
     y[PHI] += phi
     y[BRISTLE] += z
-    extent[PHI_LOW] += phi
-    extent[PHI_HIGH] += phi
+    extent[LOW, PHI] += phi
+    extent[HIGH, PHI] += phi
+    extent[LOW, BRISTLE] += z
+    extent[HIGH, BRISTLE] += z
 
 
 @compiled
@@ -94,7 +119,7 @@ def follow_to_upper_reversal(
     y: np.ndarray,
     mode: float,
     time_limit: float,
-    loop: IdealLoop,
+    loop: FrictionLoop,
     smallest: float,
     extent: np.ndarray,
     trace: np.ndarray,
@@ -108,7 +133,7 @@ def follow_to_upper_reversal(
     t, rows = 0.0, 0
     while True:
         start = y[PHI]
-        ended, duration, more = follow_piece(y, mode, time_limit - t, loop, extent, trace[rows:])
+        ended, duration, more = follow_piece(y, mode, time_limit - t, extent, trace[rows:], loop)
         _delay(trace, rows, more, t)
         t += duration
         rows += more

@@ -1,4 +1,4 @@
-"""Finds and classifies the final motion of the ideal loop.
+"""Finds and classifies the final motion of a loop with friction.
 
 The loop is followed from its initial state until the motion nearly repeats; from there Newton's
 method converges to the limit cycle. Without reversals the arm is at rest or rotates. The stability
@@ -9,31 +9,30 @@ search goes on.
 import numpy as np
 
 from furuta.describing_functions.steady_rotation import rotation_growth
-from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, rate, rest_near
+from furuta.limit_cycles.friction_loop import FrictionLoop, first_mode, next_mode, rate
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import (
     REST,
     LimitCycle,
     limit_cycle_through,
     periodic_orbit,
 )
-from furuta.limit_cycles.rest_stability import rest_stability
-from furuta.limit_cycles.section import LONGEST_RETURN, Return, Section
+from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
+from furuta.limit_cycles.section import Return, Section
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
     EVENT,
-    PHI_HIGH,
-    PHI_LOW,
-    THETA_HIGH,
-    THETA_LOW,
+    HIGH,
+    LOW,
     TOO_STIFF,
     UNBOUNDED,
 )
 from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
-RETURNS = 3000  # after which, or after this time [s], the motion is classified as irregular
-MOTION_TIME = 3000.0
+RETURNS = 3000  # after which, or after a long time, the motion is classified as irregular
+MOTION_RETURNS = 10  # times the longest return
 MIN_RETURNS = 60  # followed however long they take
 WINDOWS = 20  # times without a reversal that the motion is followed on
 MAX_TURNS = 4  # largest number of upper reversals per period
@@ -42,15 +41,17 @@ REPEATED = 1e-7  # relative change of the section point that is no change
 MUCH_CLOSER = 0.1  # ratio of such changes from which another period than the failed one is tried
 STEADY = 0.01  # relative change of speed over the longest return of a steady rotation
 STILL = 1e-6  # largest speed [rad/s] and angle [rad] of the pendulum in a steady rotation
-FRICTIONLESS = 1e-9  # [V]
 DISTURBANCE = 1e-7  # [rad, rad/s] of an unstable rest or rotation
 SAME_REST = 1e-5  # difference of the arm angle [rad] within which two rests are one
 SLIDE = 0.5  # fraction of the peak-to-peak angle that is a slide, if no slide is longer
 
 
-def limit_cycle(loop: IdealLoop, start: np.ndarray | None = None) -> LimitCycle:
-    """The final motion of the loop from state ``start`` (5,), by default at rest at 0.05 rad."""
-    _check(loop)
+def limit_cycle(loop: FrictionLoop, start: np.ndarray | None = None) -> LimitCycle:
+    """The final motion of the loop from state ``start``.
+
+    By default the pendulum is released at rest at 0.05 rad.
+    """
+    loop.check()
     if highest_level(loop.law.parameters) < FRICTIONLESS:
         # Without friction there is no bristle to follow.
         loop = loop._replace(law=loop.law.named("coulomb"))
@@ -68,9 +69,9 @@ def state_at_rest(theta: float) -> np.ndarray:
 class _Search:
     """Follows the loop from ``y``, return by return, until its final motion is known."""
 
-    def __init__(self, loop: IdealLoop, y: np.ndarray) -> None:
+    def __init__(self, loop: FrictionLoop, y: np.ndarray) -> None:
         self._loop, self._y = loop, y
-        self._mode: float | None = _first_mode(y, loop)
+        self._mode: float | None = first_mode(y, loop)
         self._section = Section(loop)
         self._points: list[np.ndarray] = []  # section points since the last disturbance
         self._largest = 0.0
@@ -86,7 +87,7 @@ class _Search:
             if motion is not None:
                 return motion
             time += end.time
-            if number >= MIN_RETURNS and time > MOTION_TIME:
+            if number >= MIN_RETURNS and time > MOTION_RETURNS * self._loop.longest_return:
                 break
         return LimitCycle("irregular", phi_peak_to_peak_rad=self._largest)
 
@@ -150,10 +151,10 @@ class _Search:
         self._windows += 1
         self._mode = float(np.sign(v)) or next_mode(y, 1.0, self._loop)
         slides = _size(end) <= abs(y[PHI] - self._start[PHI]) * (1.0 + 1e-9)
-        if self._loop.l1 == 0.0 and _is_steady(y, self._loop):
-            return self._rotation(y)
+        if isinstance(self._loop, IdealLoop) and _is_steady(y, self._loop):
+            return self._rotation(y, self._loop)
         if self._windows > WINDOWS:
-            if slides and self._loop.l1 != 0.0:  # very slowly, to where friction balances l₁φ
+            if slides and not self._loop.may_rotate:  # very slowly, to where friction holds it
                 return self._at_rest()
             grows = slides and abs(v) > abs(self._start[PHI_DOT])
             return LimitCycle("unbounded" if grows else "irregular")
@@ -163,8 +164,8 @@ class _Search:
             self._points = []
         return None
 
-    def _rotation(self, y: np.ndarray) -> LimitCycle | None:
-        loop, v = self._loop, float(y[PHI_DOT])
+    def _rotation(self, y: np.ndarray, loop: IdealLoop) -> LimitCycle | None:
+        v = float(y[PHI_DOT])
         growth = rotation_growth(v, loop.body, loop.gains, loop.law, loop.linear)
         if growth < 0.0 or self._windows > WINDOWS:
             return LimitCycle("rotation", rotation_rate_rad_s=v, growth_rate_1_s=growth)
@@ -178,7 +179,7 @@ class _Search:
         If it leads back to an earlier rest, the motion repeats for ever, with pauses as long as a
         disturbance takes to grow.
         """
-        y = self._rest_state()
+        y = rest_state(self._y, self._loop)
         growth, directions = rest_stability(y, self._loop)
         at_rest = LimitCycle("rest", point=tuple(y), growth_rate_1_s=growth)
         if growth < 0.0:
@@ -188,23 +189,12 @@ class _Search:
                 return _repeated(self._excursions[number:], growth)
         for direction in directions:
             self._y = y + DISTURBANCE * direction
-            self._mode = _first_mode(self._y, self._loop)
+            self._mode = first_mode(self._y, self._loop)
             if _size(self._section.follow(self._y, self._mode)) > SAME_REST:
                 self._excursions.append(_Excursion(self._y, float(y[PHI])))
                 self._points = []
                 return None
         return at_rest
-
-    def _rest_state(self) -> np.ndarray:
-        """The rest (5,) that the motion has reached."""
-        law = self._loop.law
-        stuck = not law.bristle and highest_level(law.parameters) > FRICTIONLESS
-        phi, held = rest_near(self._y, 0.0 if stuck else 1.0, self._loop)
-        y = np.zeros(PLANT_STATES)
-        y[PHI] = phi
-        if law.bristle:
-            y[BRISTLE] = held / law.parameters.sigma0
-        return y
 
 
 class _Excursion:
@@ -216,8 +206,8 @@ class _Excursion:
 
     def include(self, end: Return) -> None:
         """Extend the extremes of φ and θ by those of one return."""
-        self.low = np.minimum(self.low, end.extent[[PHI_LOW, THETA_LOW]])
-        self.high = np.maximum(self.high, end.extent[[PHI_HIGH, THETA_HIGH]])
+        self.low = np.minimum(self.low, end.extent[LOW, [PHI, THETA]])
+        self.high = np.maximum(self.high, end.extent[HIGH, [PHI, THETA]])
 
 
 def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
@@ -237,7 +227,7 @@ def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
 
 
 def _size(end: Return) -> float:
-    return float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
+    return float(end.extent[HIGH, PHI] - end.extent[LOW, PHI])
 
 
 def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
@@ -253,26 +243,8 @@ def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
 def _is_steady(y: np.ndarray, loop: IdealLoop) -> bool:
     """Whether the arm rotates at a speed that hardly changes, with the pendulum upright."""
     v = float(y[PHI_DOT])
-    if v == 0.0 or max(abs(y[THETA]), abs(y[THETA_DOT])) > STILL:
+    if loop.l1 != 0.0 or v == 0.0 or max(abs(y[THETA]), abs(y[THETA_DOT])) > STILL:
         return False
     dy = np.empty(PLANT_STATES)
     rate(y, float(np.sign(v)), loop, dy)
-    return abs(float(dy[PHI_DOT]) * LONGEST_RETURN / v) < STEADY
-
-
-def _first_mode(y: np.ndarray, loop: IdealLoop) -> float:
-    """Mode of the first piece of motion from state ``y``."""
-    if y[PHI_DOT] != 0.0:
-        return float(np.sign(y[PHI_DOT]))
-    if not loop.law.bristle:
-        return next_mode(y, 1.0, loop)
-    dy = np.empty(PLANT_STATES)
-    rate(y, 1.0, loop, dy)
-    return 1.0 if dy[PHI_DOT] >= 0.0 else -1.0
-
-
-def _check(loop: IdealLoop) -> None:
-    loop.body.check()
-    gains = (loop.l1, loop.l2, loop.l3, loop.l4)
-    if not np.all(np.isfinite(gains)):
-        raise ParameterError(f"feedback must be finite, given {gains}")
+    return abs(float(dy[PHI_DOT]) * loop.longest_return / v) < STEADY

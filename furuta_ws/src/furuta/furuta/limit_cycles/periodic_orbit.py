@@ -1,4 +1,4 @@
-"""Periodic orbits of the ideal loop as fixed points of the Poincaré map.
+"""Periodic orbits of a loop with friction as fixed points of the Poincaré map.
 
 A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. Its Floquet
 multipliers are the eigenvalues of dP/ds.
@@ -9,19 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.exact_motion import follow_to_upper_reversal
-from furuta.limit_cycles.ideal_loop import IdealLoop, feedback, friction_at, next_mode
-from furuta.limit_cycles.section import LONGEST_RETURN, Section
-from furuta.limit_cycles.smooth_motion import (
-    CLOSEST,
-    PHI_HIGH,
-    PHI_LOW,
-    STUCK,
-    THETA_HIGH,
-    THETA_LOW,
-    extent_at,
-)
+from furuta.limit_cycles.friction_loop import FrictionLoop, control, friction_at, next_mode
+from furuta.limit_cycles.section import Section
+from furuta.limit_cycles.smooth_motion import CLOSEST, FURTHER, HIGH, LOW, STUCK, extent_at
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, PLANT_STATES
+from furuta_model.state import PHI, THETA
 
 MAX_TRACE = 200_000  # rows between two upper reversals
 REST = 1e-7  # [rad] peak to peak below which the arm is at rest
@@ -105,21 +97,22 @@ def limit_cycle_through(
     """The periodic motion through the fixed point ``s``; None if the arm is at rest."""
     end = section.follow(section.state(s), turns=turns)
     jacobian = section.jacobian(s, turns, size)
-    phi = float(end.extent[PHI_HIGH] - end.extent[PHI_LOW])
+    sizes = end.extent[HIGH] - end.extent[LOW]
+    phi = float(sizes[PHI])
     if jacobian is None or phi < REST:
         return None
     return LimitCycle(
         "oscillation",
         phi,
-        float(end.extent[THETA_HIGH] - end.extent[THETA_LOW]),
+        float(sizes[THETA]),
         end.time,
         float(end.y[PHI] - section.state(s)[PHI]) / end.time,
-        float(end.extent[STUCK]) / end.time,
+        float(end.extent[FURTHER, STUCK]) / end.time,
         tuple(complex(m) for m in sorted(np.linalg.eigvals(jacobian), key=abs, reverse=True)),
         turns,
         tuple(section.state(s)),
         section.smallest,
-        float(end.extent[CLOSEST]),
+        float(end.extent[FURTHER, CLOSEST]),
     )
 
 
@@ -132,18 +125,18 @@ class Trajectory(NamedTuple):
     friction: np.ndarray
 
 
-def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
+def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
     """The motion of an oscillation over one period, at the steps of the integration."""
     if not np.isfinite(cycle.period_s):
         raise ParameterError("a motion with an infinite period cannot be traced over one period")
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
-    extent, buffer = extent_at(y), np.empty((MAX_TRACE, PLANT_STATES + 1))
+    extent, buffer = extent_at(y), np.empty((MAX_TRACE, loop.states + 1))
     elapsed = 0.0
     for _ in range(cycle.turns):
         mode = next_mode(y, 1.0, loop)
         _, duration, n = follow_to_upper_reversal(
-            y, mode, LONGEST_RETURN, loop, cycle.smallest_slide, extent, buffer
+            y, mode, loop.longest_return, loop, cycle.smallest_slide, extent, buffer
         )
         part = buffer[:n].copy()
         part[:, 0] += elapsed
@@ -154,6 +147,6 @@ def trace(loop: IdealLoop, cycle: LimitCycle) -> Trajectory:
     return Trajectory(
         table[:, 0],
         state,
-        np.array([feedback(x, loop) for x in state]),
+        np.array([control(x, loop) for x in state]),
         np.array([friction_at(x, loop) for x in state]),
     )

@@ -1,4 +1,7 @@
-r"""Stability of the ideal loop at rest, and the directions in which a disturbance grows.
+r"""Stability of a loop at rest, and the directions in which a disturbance grows.
+
+What follows is about the pendulum. Of a linear loop at rest or in steady motion the eigenvalues of
+each side of v = 0 decide; those of the stuck joint, under a law that truly sticks.
 
 **Bristle.** At v = 0, θ = 0 every deflection z that balances l₁φ = σ₀z is a rest. There (5) is
 linear on each side of v = 0: :math:`\dot z = (1 ∓ ρ)v` for v ≷ 0 with the strain ρ = σ₀z/g(0). The
@@ -14,15 +17,18 @@ with strain, motions that change sides again and again are not covered.
 
 **No friction.** The loop is smooth, and its eigenvalues decide.
 
-The eigenvalue 0 along the line of rests is left out: a disturbance moves the arm to the next rest.
+The eigenvalue 0 along the line of rests is left out: a disturbance leads to the next rest.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.friction_loop import FrictionLoop, rate
+from furuta.limit_cycles.linear_loop import LinearLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta_model.friction.laws import breakaway_level, sliding_level
+from furuta_model.friction.lugre import highest_level
 from furuta_model.linear import linearize
 from furuta_model.state import (
     BRISTLE,
@@ -34,16 +40,22 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
+FRICTIONLESS = 1e-9  # largest level of friction that is none
+DIFFERENCE = 1e-6  # of the finite differences
+ZERO = 1e-4  # an eigenvalue of this size belongs to a line of rests
+
 
 class RestStability(NamedTuple):
-    """Largest growth rate [1/s] of a disturbance, and the growing directions (5,) of the state."""
+    """Largest growth rate [1/s] of a disturbance, and the growing directions of the state."""
 
     growth_rate: float
     directions: tuple[np.ndarray, ...]
 
 
-def rest_stability(y: np.ndarray, loop: IdealLoop) -> RestStability:
-    """The stability of the rest ``y`` (5,)."""
+def rest_stability(y: np.ndarray, loop: FrictionLoop) -> RestStability:
+    """The stability of the rest ``y``."""
+    if isinstance(loop, LinearLoop):
+        return _linear(y, loop)
     if loop.law.bristle:
         sides = [_side(y, direction, loop) for direction in (1.0, -1.0)]
         return RestStability(
@@ -54,6 +66,41 @@ def rest_stability(y: np.ndarray, loop: IdealLoop) -> RestStability:
         return _stuck(loop)
     rate, direction = _fastest(loop, 0.0, 0.0)
     return RestStability(rate, (direction, -direction) if rate > 0.0 else ())
+
+
+def rest_state(y: np.ndarray, loop: FrictionLoop) -> np.ndarray:
+    """The rest that the motion has reached at ``y``."""
+    if isinstance(loop, LinearLoop):
+        return y.copy()
+    law = loop.law
+    stuck = not law.bristle and highest_level(law.parameters) > FRICTIONLESS
+    rest = np.zeros(PLANT_STATES)
+    rest[PHI], held = rest_near(y, 0.0 if stuck else 1.0, loop)
+    if law.bristle:
+        rest[BRISTLE] = held / law.parameters.sigma0
+    return rest
+
+
+def _linear(y: np.ndarray, loop: LinearLoop) -> RestStability:
+    """By the eigenvalues of ẏ, without that of the position; no directions are given."""
+    v = y[PHI_DOT]
+    modes = [np.sign(v)] if v != 0.0 else [1.0, -1.0] if loop.law.bristle else [0.0]
+    first = PHI_DOT if modes != [0.0] else PHI_DOT + 1
+    last = loop.states if loop.law.bristle else loop.states - 1
+    growth = -np.inf
+    for mode in modes:
+        columns = []
+        for i in range(first, last):
+            ends = np.empty((2, loop.states))
+            for end, step in zip(ends, (DIFFERENCE, -DIFFERENCE), strict=True):
+                moved = y.copy()
+                moved[i] += step
+                rate(moved, mode, loop, end)
+            columns.append((ends[0] - ends[1])[first:last] / (2.0 * DIFFERENCE))
+        eigenvalues = np.linalg.eigvals(np.array(columns).T)
+        others = eigenvalues[np.abs(eigenvalues) > ZERO]
+        growth = max(growth, float(others.real.max(initial=-np.inf)))
+    return RestStability(growth, ())
 
 
 def _side(y: np.ndarray, direction: float, loop: IdealLoop) -> tuple[float, np.ndarray]:

@@ -1,8 +1,8 @@
-"""Poincaré map of the ideal loop.
+"""Poincaré map of a loop with friction.
 
-The section is the arm's upper reversal, v = 0 from above. There the state has n free coordinates:
-φ, θ, θ̇ and, under LuGre, the bristle z. φ is omitted if it is not fed back, because then nothing
-depends on it. The map P leads from one upper reversal to the next.
+The section is the joint's upper reversal, v = 0 from above. There the state has n free coordinates:
+all but v, without the bristle where there is none, and without a position on which nothing depends.
+The map P leads from one upper reversal to the next.
 """
 
 from typing import NamedTuple
@@ -10,19 +10,16 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.exact_motion import follow_to_upper_reversal
-from furuta.limit_cycles.ideal_loop import IdealLoop, next_mode, smallest_slide
-from furuta.limit_cycles.smooth_motion import CLOSEST, EVENT, extent_at
-from furuta_model.state import BRISTLE, PHI, PLANT_STATES, THETA, THETA_DOT
+from furuta.limit_cycles.friction_loop import BRISTLE, FrictionLoop, next_mode, smallest_slide
+from furuta.limit_cycles.smooth_motion import CLOSEST, EVENT, FURTHER, extent_at
 
-NO_TRACE = np.empty((0, PLANT_STATES + 1))
-LONGEST_RETURN = 300.0  # [s]; without a reversal for this time the arm rotates or rests
 DIFFERENCE_STEP = 1e-6  # of the finite differences, relative to the size of the cycle
 # Limit of that step, relative to the least distance from a rest, to stay on one side of it.
 REST_STEP = 1e-2
 
 
 class Return(NamedTuple):
-    """One application of the map: end state (5,), time [s], extent (6,), how it ended."""
+    """One application of the map: end state (n,), time [s], extent (3, n), how it ended."""
 
     y: np.ndarray
     time: float
@@ -36,16 +33,15 @@ class Section:
     A reversal counts only after a slide of ``smallest`` [rad].
     """
 
-    def __init__(self, loop: IdealLoop, smallest: float | None = None) -> None:
+    def __init__(self, loop: FrictionLoop, smallest: float | None = None) -> None:
         self.loop = loop
         self.smallest = smallest_slide(loop) if smallest is None else smallest
-        free = [PHI] if loop.l1 != 0.0 else []
-        free += [THETA, THETA_DOT]
-        self.free = [*free, BRISTLE] if loop.law.bristle else free
+        self.free = loop.free
+        self._no_trace = np.empty((0, loop.states + 1))
 
     def state(self, s: np.ndarray) -> np.ndarray:
-        """State (5,) of section coordinates."""
-        y = np.zeros(PLANT_STATES)
+        """State of section coordinates."""
+        y = np.zeros(self.loop.states)
         y[self.free] = s
         return y
 
@@ -61,7 +57,7 @@ class Section:
             first = next_mode(y, 1.0, self.loop) if mode is None else mode
             mode = None
             ended, duration, _ = follow_to_upper_reversal(
-                y, first, LONGEST_RETURN, self.loop, self.smallest, extent, NO_TRACE
+                y, first, self.loop.longest_return, self.loop, self.smallest, extent, self._no_trace
             )
             time += duration
             if ended != EVENT:
@@ -75,12 +71,16 @@ class Section:
 
     def jacobian(self, s: np.ndarray, turns: int, size: float) -> np.ndarray | None:
         """dP/ds by central differences, or None if the motion does not return."""
-        closest = float(self.follow(self.state(s), turns=turns).extent[CLOSEST])
+        closest = float(self.follow(self.state(s), turns=turns).extent[FURTHER, CLOSEST])
         step = min(DIFFERENCE_STEP * size, REST_STEP * closest)
         columns = []
         for i in range(len(s)):
             # The deflection of the bristle is a torque divided by σ₀.
-            scale = self.loop.law.parameters.sigma0 if self.free[i] == BRISTLE else 1.0
+            scale = (
+                self.loop.law.parameters.sigma0
+                if self.free[i] == len(self.state(s)) + BRISTLE
+                else 1.0
+            )
             d = np.zeros_like(s)
             d[i] = step / scale
             ahead, behind = self.map(s + d, turns), self.map(s - d, turns)

@@ -1,23 +1,25 @@
-"""Integrates one smooth piece of motion of the ideal loop to its event.
+"""Integrates one smooth piece of motion of a loop with friction to its event.
 
 The Dormand–Prince pair 5(4) with error control ends exactly at the event: a reversal (v = 0) or the
 breakaway of the stuck arm.
 """
 
-from math import isfinite, pi
+from math import isfinite
 
 import numpy as np
 
 from furuta.limit_cycles.dormand_prince import step
-from furuta.limit_cycles.ideal_loop import (
-    IdealLoop,
+from furuta.limit_cycles.friction_loop import (
+    FrictionLoop,
     before_event,
+    longest_step,
     rate,
     rest_distance,
+    unbounded,
 )
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import has_bristle
-from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_model.state import PHI_DOT
 from furuta_sim.simulation.oscillation import STUCK_SPEED
 
 # How a piece of motion ended.
@@ -30,21 +32,22 @@ AT_REST = 4  # closer to a rest than any disturbance
 NEAR_REST = 5  # within the distance from which a rest is the origin
 LEFT_REST = 6  # no longer so
 MAX_STEPS = 1_000_000  # of one piece of motion
-MAX_SPEED = 1e3  # [rad/s]
 # Distances from a rest: where it becomes and ceases to be the origin, and where it is reached.
 # Disturbances of the last size decide how long the arm stays at an unstable rest.
 NEAR, FAR, REACHED = 1e-6, 1e-5, 1e-14
-MAX_STEP = 5e-3  # [s]
 MIN_STEP = 1e-12  # [s]
 
 
-# Indices of an extent (6,): extremes of φ and θ [rad], time stuck [s], least rest distance.
-PHI_LOW, PHI_HIGH, THETA_LOW, THETA_HIGH, STUCK, CLOSEST = range(6)
+# Rows of an extent (3, n): extremes of each state, and in the last one further numbers:
+LOW, HIGH, FURTHER = range(3)
+STUCK, CLOSEST = range(2)  # time stuck [s], least distance from a rest
 
 
 def extent_at(y: np.ndarray) -> np.ndarray:
-    """The extent of a motion that begins at ``y`` (5,)."""
-    return np.array([y[PHI], y[PHI], y[THETA], y[THETA], 0.0, np.inf])
+    """The extent of a motion that begins at ``y`` (n,)."""
+    further = np.zeros(len(y))
+    further[CLOSEST] = np.inf
+    return np.array([y, y, further])
 
 
 @compiled
@@ -52,7 +55,7 @@ def integrate(
     y: np.ndarray,
     mode: float,
     time_limit: float,
-    loop: IdealLoop,
+    loop: FrictionLoop,
     near: bool,
     extent: np.ndarray,
     trace: np.ndarray,
@@ -62,8 +65,8 @@ def integrate(
     ``near``: the state is counted from that rest. Returns the same as
     :func:`furuta.limit_cycles.exact_motion.follow_piece`.
     """
-    k = np.empty((7, PLANT_STATES))
-    end = np.empty(PLANT_STATES)
+    k = np.empty((7, len(y)))
+    end = np.empty(len(y))
     t, h, rows, steps = 0.0, 1e-4, 0, 0
     size = rest_distance(y, mode, loop) if near else 1.0
     rate(y, mode, loop, k[0])
@@ -71,7 +74,7 @@ def integrate(
         steps += 1
         if steps > MAX_STEPS:
             return TOO_STIFF, t, rows
-        h = min(h, MAX_STEP, time_limit - t)
+        h = min(h, longest_step(mode, loop), time_limit - t)
         error = step(y, h, mode, loop, size, k, end)
         if not isfinite(error):
             return UNBOUNDED, t, rows
@@ -84,7 +87,7 @@ def integrate(
             used = _locate(y, h, mode, loop, size, k, end)
             if mode != 0.0:
                 end[PHI_DOT] = 0.0
-        _update_extent(y, end, used, mode, loop, extent)
+        _update_extent(y, end, used, k, mode, loop, extent)
         t += used
         y[:] = end
         if rows < len(trace):
@@ -92,10 +95,10 @@ def integrate(
             trace[rows, 1:] = y
             rows += 1
         distance = rest_distance(y, mode, loop)
-        extent[CLOSEST] = min(extent[CLOSEST], distance)
+        extent[FURTHER, CLOSEST] = min(extent[FURTHER, CLOSEST], distance)
         if ended:
             return EVENT, t, rows
-        ending = _ending(y, near, distance)
+        ending = _ending(y, near, distance, loop)
         if ending != GOES_ON:
             return ending, t, rows
         size = distance if near else 1.0
@@ -105,9 +108,9 @@ def integrate(
 
 
 @compiled
-def _ending(y: np.ndarray, near: bool, distance: float) -> int:
+def _ending(y: np.ndarray, near: bool, distance: float, loop: FrictionLoop) -> int:
     """How the piece of motion ends at ``y``, ``distance`` from a rest; GOES_ON if it does not."""
-    if abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED:
+    if unbounded(y, loop):
         return UNBOUNDED
     if not near:
         return NEAR_REST if distance < NEAR else GOES_ON
@@ -121,7 +124,7 @@ def _locate(
     y: np.ndarray,
     h: float,
     mode: float,
-    loop: IdealLoop,
+    loop: FrictionLoop,
     size: float,
     k: np.ndarray,
     end: np.ndarray,
@@ -156,23 +159,28 @@ def _locate(
 
 @compiled
 def _update_extent(
-    y: np.ndarray, end: np.ndarray, h: float, mode: float, loop: IdealLoop, extent: np.ndarray
+    y: np.ndarray,
+    end: np.ndarray,
+    h: float,
+    k: np.ndarray,
+    mode: float,
+    loop: FrictionLoop,
+    extent: np.ndarray,
 ) -> None:
-    """Include one step; an extreme of θ inside it is found on its cubic interpolation."""
-    extent[PHI_LOW] = min(extent[PHI_LOW], end[PHI])
-    extent[PHI_HIGH] = max(extent[PHI_HIGH], end[PHI])
-    theta = end[THETA]
-    w0, w1 = y[THETA_DOT], end[THETA_DOT]
-    if w0 * w1 < 0.0:
-        s = w0 / (w0 - w1)
-        theta = (
-            (1 + 2 * s) * (1 - s) ** 2 * y[THETA]
-            + s * (1 - s) ** 2 * h * w0
-            + s * s * (3 - 2 * s) * end[THETA]
-            + s * s * (s - 1) * h * w1
-        )
-    extent[THETA_LOW] = min(extent[THETA_LOW], theta, end[THETA])
-    extent[THETA_HIGH] = max(extent[THETA_HIGH], theta, end[THETA])
+    """Include one step; an extreme inside it is found on the cubic interpolation of its state."""
+    for i in range(len(y)):
+        value = end[i]
+        at_start, at_end = k[0, i], k[6, i]
+        if at_start * at_end < 0.0:
+            s = at_start / (at_start - at_end)
+            value = (
+                (1 + 2 * s) * (1 - s) ** 2 * y[i]
+                + s * (1 - s) ** 2 * h * at_start
+                + s * s * (3 - 2 * s) * end[i]
+                + s * s * (s - 1) * h * at_end
+            )
+        extent[LOW, i] = min(extent[LOW, i], value, end[i])
+        extent[HIGH, i] = max(extent[HIGH, i], value, end[i])
     stuck = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
     if mode == 0.0 or (has_bristle(loop.law) and stuck):
-        extent[STUCK] += h
+        extent[FURTHER, STUCK] += h

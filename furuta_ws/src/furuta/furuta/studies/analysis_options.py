@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import ideal_loop
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback

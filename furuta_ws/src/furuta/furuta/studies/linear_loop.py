@@ -5,7 +5,7 @@ from typing import Any
 
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.steady_rotation import steady_rotations
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.margins import pairs
 from furuta_model.transfer import transfer
 

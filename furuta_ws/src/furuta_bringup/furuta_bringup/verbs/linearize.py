@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from furuta.limit_cycles.ideal_loop import IdealLoop
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.margins import linear_report
 from furuta.passivity import observer_passivity
 from furuta.studies.analysis_options import AnalysisOptions

@@ -36,6 +36,7 @@ ALL: tuple[Law, ...] = (
 
 LAWS = tuple(law.name for law in ALL)
 HAS_BRISTLE = tuple(law.bristle for law in ALL)
+HAS_CONSTANT_LEVEL = tuple(law.constant and not law.bristle for law in ALL)
 HAS_SPRINGS = tuple(law.springs for law in ALL)
 # Laws for which describing functions and exact limit cycles are defined.
 ANALYSED_LAWS = tuple(law.name for law in ALL if not law.springs)
@@ -96,6 +97,12 @@ def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
 def has_bristle(law: FrictionLaw) -> bool:
     """Whether the arm moves a bristle before it slides."""
     return HAS_BRISTLE[law.kind]
+
+
+@inlined
+def has_constant_level(law: FrictionLaw) -> bool:
+    """Whether the arm truly sticks, and slides at a level that does not depend on its speed."""
+    return HAS_CONSTANT_LEVEL[law.kind]
 
 
 @inlined

@@ -1,14 +1,9 @@
-r"""Equations of the ideal loop: all states measured, u = l·x without sampling or saturation.
+r"""The loop of the pendulum in ideal form: all states measured, u = l·x, no sampling or saturation.
 
-The motion consists of smooth pieces. The arm slides in one direction (``mode`` ±1) or, under a
-stick-slip law, sticks (``mode`` 0) while the pendulum moves with β θ̈ = δ sin θ. A slide ends at
-v = 0. Sticking ends when the friction that holds the arm,
+While the arm sticks, the pendulum moves with β θ̈ = δ sin θ, and the friction that holds the arm is
 
 .. math::
-    F_{hold} = u - γ\cosθ\,\frac{δ}{β}\sinθ + γ\sinθ\,\dot θ^2,
-
-reaches the breakaway level. Under LuGre the arm never sticks; its slides end at v = 0, where |v| is
-not smooth.
+    F_{hold} = u - γ\cosθ\,\frac{δ}{β}\sinθ + γ\sinθ\,\dot θ^2.
 
 Near a rest the state is counted from that rest (:func:`rest_near`), so that a motion which
 passes it at 1e-10 is not lost in the rounding of φ and of the deflection.
@@ -16,17 +11,20 @@ passes it at 1e-10 is not lost in the rounding of φ and of the deflection.
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import cos, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.bristle import deflection_rate
-from furuta_model.friction.laws import FrictionLaw, breakaway_level, has_bristle, sliding_level
-from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.laws import FrictionLaw, has_bristle, sliding_level
+from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum, accelerations
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+
+MAX_SPEED = 1e3  # [rad/s]
+MAX_STEP = 5e-3  # [s]
+LONGEST_RETURN = 300.0  # [s]; without a reversal for this time the arm rotates or rests
 
 
 class IdealLoop(NamedTuple):
@@ -50,6 +48,33 @@ class IdealLoop(NamedTuple):
         """Feedback gains l of u = l·x [V per unit of state]."""
         return self.l1, self.l2, self.l3, self.l4
 
+    @property
+    def states(self) -> int:
+        """Length of the state, with the bristle."""
+        return PLANT_STATES
+
+    @property
+    def free(self) -> list[int]:
+        """Coordinates of the state at a reversal; without φ if nothing depends on it."""
+        free = [THETA, THETA_DOT] if self.l1 == 0.0 else [PHI, THETA, THETA_DOT]
+        return [*free, BRISTLE] if self.law.bristle else free
+
+    @property
+    def may_rotate(self) -> bool:
+        """Whether the arm can rotate steadily: its angle is not fed back."""
+        return self.l1 == 0.0
+
+    @property
+    def longest_return(self) -> float:
+        """Longest time [s] between two reversals."""
+        return LONGEST_RETURN
+
+    def check(self) -> None:
+        """Raise :class:`ParameterError` if it cannot be followed."""
+        self.body.check()
+        if not np.all(np.isfinite(self.gains)):
+            raise ParameterError(f"feedback must be finite, given {self.gains}")
+
     def with_gains(self, gains: tuple[float, float, float, float]) -> IdealLoop:
         """The same loop with other feedback gains."""
         l1, l2, l3, l4 = gains
@@ -57,7 +82,7 @@ class IdealLoop(NamedTuple):
 
 
 @compiled
-def feedback(y: np.ndarray, loop: IdealLoop) -> float:
+def control(y: np.ndarray, loop: IdealLoop) -> float:
     """Control u = l·x [V]."""
     return loop.l1 * y[PHI] + loop.l2 * y[PHI_DOT] + loop.l3 * y[THETA] + loop.l4 * y[THETA_DOT]
 
@@ -79,77 +104,38 @@ def holding_force(y: np.ndarray, loop: IdealLoop) -> float:
     p = loop.body
     theta, w = y[THETA], y[THETA_DOT]
     if loop.linear:
-        return feedback(y, loop) - p.gamma * p.delta / p.beta * theta
+        return control(y, loop) - p.gamma * p.delta / p.beta * theta
     pull = p.gamma * cos(theta) * p.delta / p.beta * sin(theta) - p.gamma * sin(theta) * w * w
-    return feedback(y, loop) - pull
+    return control(y, loop) - pull
 
 
 @compiled
-def rate(y: np.ndarray, mode: float, loop: IdealLoop, dy: np.ndarray) -> None:
-    """Compute ẏ (5,) while the arm slides in direction ``mode`` (±1) or sticks (0)."""
-    p = loop.law.parameters
+def sliding_rate(y: np.ndarray, force: float, dy: np.ndarray, loop: IdealLoop) -> None:
+    """Compute ẏ under friction ``force`` [V] and viscous friction."""
     v = y[PHI_DOT]
-    dy[PHI], dy[THETA], dy[BRISTLE] = v, y[THETA_DOT], 0.0
-    if mode == 0.0:
-        sine = y[THETA] if loop.linear else sin(y[THETA])
-        dy[PHI], dy[PHI_DOT] = 0.0, 0.0
-        dy[THETA_DOT] = loop.body.delta / loop.body.beta * sine
-        return
-    level = sliding_level(v, mode, loop.law)
-    if has_bristle(loop.law):
-        z = y[BRISTLE]
-        dy[BRISTLE] = deflection_rate(v, mode * v, z + loop.held / p.sigma0, level, p)
-        force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
-    else:
-        force = mode * level - loop.held
-    torque = feedback(y, loop) - force - p.viscous * v
+    dy[PHI], dy[THETA] = v, y[THETA_DOT]
+    torque = control(y, loop) - force - loop.law.parameters.viscous * v
     dy[PHI_DOT], dy[THETA_DOT] = body_accelerations(y, torque, loop)
 
 
 @compiled
-def friction_at(y: np.ndarray, loop: IdealLoop) -> float:
-    """Friction [V] in state ``y`` (5,), while the arm slides or sticks."""
-    p = loop.law.parameters
-    v = y[PHI_DOT]
-    if v == 0.0 and not has_bristle(loop.law):
-        return holding_force(y, loop)
-    mode = 1.0 if v >= 0.0 else -1.0
-    level = sliding_level(v, mode, loop.law)
-    if has_bristle(loop.law):
-        z = y[BRISTLE]
-        z_dot = deflection_rate(v, abs(v), z, level, p)
-        return p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
-    return mode * level + p.viscous * v
+def stuck_rate(y: np.ndarray, dy: np.ndarray, loop: IdealLoop) -> None:
+    """Compute ẏ while friction holds the arm."""
+    sine = y[THETA] if loop.linear else sin(y[THETA])
+    dy[PHI], dy[PHI_DOT], dy[THETA] = 0.0, 0.0, y[THETA_DOT]
+    dy[THETA_DOT] = loop.body.delta / loop.body.beta * sine
 
 
 @compiled
-def before_event(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """Event function: positive during the piece of motion ``mode``, zero at its end."""
-    if mode != 0.0:
-        return mode * y[PHI_DOT]
-    hold = holding_force(y, loop)
-    forward = breakaway_level(1.0, loop.law) - loop.held
-    backward = breakaway_level(-1.0, loop.law) + loop.held
-    return min(forward - hold, backward + hold)
+def unbounded(y: np.ndarray, loop: IdealLoop) -> bool:
+    """Whether the pendulum has fallen or the arm is too fast."""
+    return abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED
 
 
 @compiled
-def next_mode(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
-    """Mode of the piece of motion that follows an event at ``y``."""
-    if has_bristle(loop.law):
-        return -mode
-    hold = holding_force(y, loop)
-    if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):
-        return 0.0
-    return 1.0 if hold > 0.0 else -1.0
-
-
-@compiled
-def smallest_slide(loop: IdealLoop) -> float:
-    """Smallest motion [rad] that is a slide: the full deflection of a bristle, both ways."""
-    if not has_bristle(loop.law):
-        return 0.0
-    return 2.0 * highest_level(loop.law.parameters) / loop.law.parameters.sigma0
+def longest_step(mode: float, loop: IdealLoop) -> float:
+    """Longest step of the integration [s]."""
+    return MAX_STEP
 
 
 @compiled

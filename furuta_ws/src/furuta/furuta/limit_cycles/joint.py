@@ -1,0 +1,241 @@
+r"""Any linear loop with one friction joint: limit cycles in the user's units.
+
+The loop is :math:`\dot x = A x + b f + r`, :math:`v = c x`: f is a force on the joint and v its
+speed. Friction is f = −F. To find its motions the loop is written without units: with the friction
+as unit of force, the geometric mean of the poles as ten per unit of time, and states of similar
+size, so that tolerances mean the same for a watch and for a crane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.limit_cycles import continuation
+from furuta.limit_cycles.limit_cycle import limit_cycle
+from furuta.limit_cycles.linear_loop import LinearLoop
+from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
+from furuta_model.friction.laws import analysed_law
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
+
+POLES = 10.0  # geometric mean of the scaled poles
+MOTION = 30.0  # acceleration by the unit of force, so that amplitudes are of order 0.1
+ZERO_POLE = 1e-9  # relative to the largest
+BALANCED = 1e-3  # relative change of a scale that ends the balancing
+ROUNDS = 100
+
+
+class Units(NamedTuple):
+    """Units of time [s], position [m or rad] and force [N or N m], and of the states: x = basis·y."""
+
+    time: float
+    position: float
+    force: float
+    basis: np.ndarray
+
+    @property
+    def speed(self) -> float:
+        """Unit of speed."""
+        return self.position / self.time
+
+
+class Joint(NamedTuple):
+    """A linear loop with a friction joint: scaled for the engine, and its units."""
+
+    loop: LinearLoop
+    units: Units
+
+    def state(self, x: np.ndarray) -> np.ndarray:
+        """The engine's state for x (n,) with a relaxed bristle, at position 0."""
+        return np.concatenate([[0.0], np.linalg.solve(self.units.basis, x), [0.0]])
+
+
+class JointCycle(NamedTuple):
+    """Final motion of a joint (``kind``: limit_cycle, rest, steady, unbounded, irregular).
+
+    ``peak_to_peak`` is that of the position [m or rad], ``start`` the state x (n,) at the upper
+    reversal. A rest, or a steady motion at constant speed, has a ``growth_rate_1_s`` instead of
+    multipliers; it is -inf where nothing but other rests is near.
+    """
+
+    kind: str
+    peak_to_peak: float = 0.0
+    period_s: float = float("nan")
+    stuck_fraction: float = 0.0
+    floquet_multipliers: tuple[complex, ...] = ()
+    growth_rate_1_s: float = float("nan")
+    start: tuple[float, ...] = ()
+    scaled: LimitCycle | None = None
+
+    @property
+    def stable(self) -> bool:
+        """Whether disturbances decay."""
+        return self.scaled is not None and self.scaled.stable
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name, multipliers as real and imaginary part."""
+        fields = self._asdict()
+        del fields["scaled"], fields["start"]
+        multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
+        return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
+
+
+def joint(
+    a: np.ndarray,
+    b: np.ndarray,
+    c: np.ndarray,
+    friction: Friction,
+    law: str = "stribeck",
+    offset: np.ndarray | None = None,
+    units: Units | None = None,
+) -> Joint:
+    """The loop ẋ = A x + b f + r, v = c x with friction f = −F.
+
+    Args:
+        a: A (n, n) of the closed loop.
+        b: b (n,), how a force on the joint acts.
+        c: c (n,), the joint's speed from the state; c·b must be positive.
+        friction: Its parameters in the units of force and speed.
+        law: coulomb, stiction, stribeck, lugre or dahl.
+        offset: r (n,), for example of a reference that moves at constant speed.
+        units: Those of another loop, so that states of both can be compared.
+
+    Raises:
+        ParameterError: The law is not analysed, or the matrices do not fit.
+    """
+    a, b, c = (np.array(part, dtype=float) for part in (a, b, c))
+    n = len(b)
+    r = np.zeros(n) if offset is None else np.array(offset, dtype=float)
+    if a.shape != (n, n) or c.shape != (n,) or r.shape != (n,):
+        raise ParameterError(
+            f"A (n, n), b (n,), c (n,) and r (n,) must fit, given {a.shape}, {b.shape}, {c.shape} "
+            f"and {r.shape}"
+        )
+    if not all(np.all(np.isfinite(part)) for part in (a, b, c, r)):
+        raise ParameterError("the numbers of a loop must be finite")
+    if not c @ b > 0.0:
+        raise ParameterError(
+            f"a force must accelerate the joint: c·b is {c @ b:g}, must be above 0"
+        )
+    units = units or _units(a, b, c, friction)
+    inverse = np.linalg.inv(units.basis)
+    scaled = analysed_law(law, _scaled(friction, units))
+    return Joint(
+        LinearLoop(
+            np.ascontiguousarray(inverse @ a @ units.basis * units.time),
+            inverse @ b * units.force * units.time,
+            inverse @ r * units.time,
+            scaled,
+        ),
+        units,
+    )
+
+
+def _units(a: np.ndarray, b: np.ndarray, c: np.ndarray, friction: Friction) -> Units:
+    poles = np.abs(np.linalg.eigvals(a))
+    poles = poles[poles > ZERO_POLE * poles.max(initial=0.0)]
+    time = POLES / float(np.exp(np.mean(np.log(poles)))) if len(poles) else 1.0
+    force = highest_level(friction)
+    speed = float(c @ b) * force * time / MOTION
+    # The joint's speed takes the place of the state that shows most of it.
+    basis = np.eye(len(b))
+    shown = int(np.argmax(np.abs(c)))
+    basis[[0, shown]] = basis[[shown, 0]]
+    basis[0] = c
+    basis = np.linalg.inv(basis)
+    basis[:, 0] *= speed
+    return Units(time, speed * time, force, basis * _balance(np.linalg.solve(basis, a @ basis)))
+
+
+def _balance(a: np.ndarray) -> np.ndarray:
+    """Scales (n,) of the states that make rows and columns of A similar; the first is kept."""
+    scales = np.ones(len(a))
+    for _ in range(ROUNDS):
+        before = scales.copy()
+        for i in range(1, len(a)):
+            scaled = np.abs(a * scales / scales[:, None])
+            scaled[i, i] = 0.0
+            row, column = scaled[i].sum(), scaled[:, i].sum()
+            if row > 0.0 and column > 0.0:
+                scales[i] *= np.sqrt(row / column)
+        if np.all(np.abs(scales / before - 1.0) < BALANCED):
+            break
+    return scales
+
+
+def _scaled(p: Friction, units: Units) -> Friction:
+    """The parameters of friction in these units."""
+    return Friction(
+        sigma0=p.sigma0 * units.position / units.force,
+        sigma1=p.sigma1 * units.speed / units.force,
+        alpha0=p.alpha0 / units.force,
+        alpha1=p.alpha1 / units.force,
+        stribeck_velocity=p.stribeck_velocity / units.speed,
+        viscous=p.viscous * units.speed / units.force,
+        asymmetry=p.asymmetry,
+    )
+
+
+def joint_cycle(given: Joint, start: np.ndarray) -> JointCycle:
+    """The final motion from state x (n,)."""
+    return _with_units(given, limit_cycle(given.loop, given.state(start)))
+
+
+def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
+    units = given.units
+    kind = {"oscillation": "limit_cycle"}.get(cycle.kind, cycle.kind)
+    start: tuple[float, ...] = ()
+    if cycle.point:
+        scaled = np.array(cycle.point[1:-1])
+        start = tuple(units.basis @ scaled)
+        if kind == "rest" and scaled[0] != 0.0 and abs(scaled[0]) > STILL:
+            kind = "steady"
+    return JointCycle(
+        kind,
+        cycle.phi_peak_to_peak_rad * units.position,
+        cycle.period_s * units.time,
+        cycle.stuck_fraction,
+        cycle.floquet_multipliers,
+        cycle.growth_rate_1_s / units.time,
+        start,
+        cycle,
+    )
+
+
+def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
+    """One period of a cycle: time (n,) [s], position and state x (n, 1 + states), forces (n,)."""
+    if cycle.kind != "limit_cycle" or cycle.scaled is None:
+        raise ParameterError(f"only a limit cycle can be traced, given {cycle.kind}")
+    units = given.units
+    path = trace(given.loop, cycle.scaled)
+    position = units.position * path.state[:, :1]
+    state = np.hstack([position, path.state[:, 1:-1] @ units.basis.T])
+    return Trajectory(
+        units.time * path.time, state, units.force * path.control, units.force * path.friction
+    )
+
+
+def joint_branch(
+    joint_at: Callable[[float, Units | None], Joint],
+    low: float,
+    high: float,
+    value: float,
+    start: np.ndarray,
+) -> list[tuple[float, JointCycle, str]]:
+    """The branch of cycles over a parameter, from the cycle at ``value`` on: value, cycle, event.
+
+    ``joint_at`` makes the loop for a value, in the units of another one if they are given.
+    """
+    here = joint_at(value, None)
+    cycle = limit_cycle(here.loop, here.state(start))
+    points = continuation.Branch(lambda value: joint_at(value, here.units).loop, low, high).follow(
+        value, cycle
+    )
+    return [(point.value, _with_units(here, point.cycle), point.event) for point in points]
+
+
+STILL = 1e-6  # scaled speed of a rest
