@@ -6,7 +6,7 @@ level. Under LuGre the joint never sticks; its slides end at v = 0, where |v| is
 
 The state is that of the system, which begins with position and speed of the joint, and at last the
 deflection of the bristle. A loop is a named tuple with a ``law`` and with the friction ``held``
-from which force and deflection are counted. What differs between loops is one row of functions each:
+from which force and deflection are counted. What differs between loops is a function each:
 
 - ``sliding_rate(y, force, dy, loop)`` and ``stuck_rate(y, dy, loop)``: ẏ without the bristle;
 - ``holding_force(y, loop)``: the friction that holds the joint, counted from ``held``;

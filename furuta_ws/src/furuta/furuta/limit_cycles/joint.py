@@ -12,15 +12,18 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from furuta.limit_cycles import continuation
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
+from furuta.limit_cycles.rest_stability import STILL
 from furuta_model.friction.laws import analysed_law
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI
 
 POLES = 10.0  # geometric mean of the scaled poles
 MOTION = 30.0  # acceleration by the unit of force, so that amplitudes are of order 0.1
@@ -30,7 +33,7 @@ ROUNDS = 100
 
 
 class Units(NamedTuple):
-    """Units of time [s], position [m or rad] and force [N or N m], and of the states: x = basis·y."""
+    """Units of time [s], position [m, rad] and force [N, N m], and of the states: x = basis·y."""
 
     time: float
     position: float
@@ -57,9 +60,10 @@ class Joint(NamedTuple):
 class JointCycle(NamedTuple):
     """Final motion of a joint (``kind``: limit_cycle, rest, steady, unbounded, irregular).
 
-    ``peak_to_peak`` is that of the position [m or rad], ``start`` the state x (n,) at the upper
-    reversal. A rest, or a steady motion at constant speed, has a ``growth_rate_1_s`` instead of
-    multipliers; it is -inf where nothing but other rests is near.
+    ``peak_to_peak`` is that of the position [m or rad], without its mean motion. ``start`` is the
+    state x (n,) at the upper reversal. A rest, or a steady motion at constant speed, has a
+    ``growth_rate_1_s`` instead of multipliers: -inf where nothing but other rests is near, 0 where
+    an integrator leaves the rest and comes back.
     """
 
     kind: str
@@ -146,9 +150,9 @@ def _units(a: np.ndarray, b: np.ndarray, c: np.ndarray, friction: Friction) -> U
     shown = int(np.argmax(np.abs(c)))
     basis[[0, shown]] = basis[[shown, 0]]
     basis[0] = c
-    basis = np.linalg.inv(basis)
-    basis[:, 0] *= speed
-    return Units(time, speed * time, force, basis * _balance(np.linalg.solve(basis, a @ basis)))
+    states = np.linalg.inv(basis)
+    states[:, 0] *= speed
+    return Units(time, speed * time, force, states * _balance(np.linalg.solve(states, a @ states)))
 
 
 def _balance(a: np.ndarray) -> np.ndarray:
@@ -192,11 +196,11 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
     if cycle.point:
         scaled = np.array(cycle.point[1:-1])
         start = tuple(units.basis @ scaled)
-        if kind == "rest" and scaled[0] != 0.0 and abs(scaled[0]) > STILL:
+        if kind == "rest" and abs(scaled[0]) > STILL:
             kind = "steady"
     return JointCycle(
         kind,
-        cycle.phi_peak_to_peak_rad * units.position,
+        _peak_to_peak(given.loop, cycle) * units.position,
         cycle.period_s * units.time,
         cycle.stuck_fraction,
         cycle.floquet_multipliers,
@@ -204,6 +208,19 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
         start,
         cycle,
     )
+
+
+def _peak_to_peak(loop: LinearLoop, cycle: LimitCycle) -> float:
+    """Peak to peak of the position without its mean motion."""
+    drift = cycle.rotation_rate_rad_s
+    if cycle.kind != "oscillation" or abs(drift) * cycle.period_s < STILL:
+        return cycle.phi_peak_to_peak_rad
+    path = trace(loop, cycle)
+    time, position, speed = path.time, path.state[:, PHI] - drift * path.time, path.state[:, 1]
+    extremes = CubicHermiteSpline(time, position, speed - drift).derivative().roots()
+    inside = extremes[np.isfinite(extremes) & (extremes > time[0]) & (extremes < time[-1])]
+    at_extremes = CubicHermiteSpline(time, position, speed - drift)(inside)
+    return float(np.ptp(np.concatenate([position, at_extremes])))
 
 
 def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
@@ -236,6 +253,3 @@ def joint_branch(
         value, cycle
     )
     return [(point.value, _with_units(here, point.cycle), point.event) for point in points]
-
-
-STILL = 1e-6  # scaled speed of a rest

@@ -29,7 +29,8 @@ class LimitCycle(NamedTuple):
     the arm per period, ``point`` the state (5,) at the first of them; a reversal counts after a
     slide of ``smallest_slide`` [rad].
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
-    ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative.
+    ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
+    0 at a rest that an integrator leaves and comes back to.
 
     With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
     however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
@@ -52,7 +53,7 @@ class LimitCycle(NamedTuple):
     def stable(self) -> bool:
         """Whether disturbances decay: by all Floquet multipliers, or by the growth rate."""
         if self.kind in ("rest", "rotation"):
-            return self.growth_rate_1_s < 0.0
+            return self.growth_rate_1_s <= 0.0
         return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
 
     def report(self) -> dict[str, Any]:

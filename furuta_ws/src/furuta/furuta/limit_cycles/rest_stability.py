@@ -1,7 +1,8 @@
 r"""Stability of a loop at rest, and the directions in which a disturbance grows.
 
 What follows is about the pendulum. Of a linear loop at rest or in steady motion the eigenvalues of
-each side of v = 0 decide; those of the stuck joint, under a law that truly sticks.
+each side of v = 0 decide. Under a law that truly sticks an integrator leads away from every rest
+with the slightest error; what follows shows whether the motion comes back.
 
 **Bristle.** At v = 0, θ = 0 every deflection z that balances l₁φ = σ₀z is a rest. There (5) is
 linear on each side of v = 0: :math:`\dot z = (1 ∓ ρ)v` for v ≷ 0 with the strain ρ = σ₀z/g(0). The
@@ -43,6 +44,7 @@ from furuta_model.state import (
 FRICTIONLESS = 1e-9  # largest level of friction that is none
 DIFFERENCE = 1e-6  # of the finite differences
 ZERO = 1e-4  # an eigenvalue of this size belongs to a line of rests
+STILL = 1e-5  # speed of a joint at rest
 
 
 class RestStability(NamedTuple):
@@ -71,7 +73,10 @@ def rest_stability(y: np.ndarray, loop: FrictionLoop) -> RestStability:
 def rest_state(y: np.ndarray, loop: FrictionLoop) -> np.ndarray:
     """The rest that the motion has reached at ``y``."""
     if isinstance(loop, LinearLoop):
-        return y.copy()
+        rest = y.copy()
+        if abs(y[PHI_DOT]) < STILL and not loop.law.bristle:
+            rest[PHI_DOT] = 0.0
+        return rest
     law = loop.law
     stuck = not law.bristle and highest_level(law.parameters) > FRICTIONLESS
     rest = np.zeros(PLANT_STATES)
@@ -82,25 +87,51 @@ def rest_state(y: np.ndarray, loop: FrictionLoop) -> np.ndarray:
 
 
 def _linear(y: np.ndarray, loop: LinearLoop) -> RestStability:
-    """By the eigenvalues of ẏ, without that of the position; no directions are given."""
+    """By the eigenvalues of ẏ, without those of a line of rests."""
     v = y[PHI_DOT]
-    modes = [np.sign(v)] if v != 0.0 else [1.0, -1.0] if loop.law.bristle else [0.0]
-    first = PHI_DOT if modes != [0.0] else PHI_DOT + 1
+    if abs(v) > STILL:
+        return RestStability(_growth(_slopes(y, float(np.sign(v)), loop)), ())
+    if loop.law.bristle:
+        return RestStability(max(_growth(_slopes(y, side, loop)) for side in (1.0, -1.0)), ())
+    stuck = _slopes(y, 0.0, loop)[1:, 1:]
+    growth, direction = _growth(stuck), _drift(stuck)
+    if direction is None or growth > 0.0:
+        return RestStability(growth, ())
+    # An integrator moves the holding force, however small the error: what follows decides.
+    disturbance = np.zeros(loop.states)
+    disturbance[PHI_DOT + 1 : -1] = direction
+    return RestStability(0.0, (disturbance, -disturbance))
+
+
+def _slopes(y: np.ndarray, mode: float, loop: LinearLoop) -> np.ndarray:
+    """dẏ/dy of v, w and, under a law with a bristle, z."""
     last = loop.states if loop.law.bristle else loop.states - 1
-    growth = -np.inf
-    for mode in modes:
-        columns = []
-        for i in range(first, last):
-            ends = np.empty((2, loop.states))
-            for end, step in zip(ends, (DIFFERENCE, -DIFFERENCE), strict=True):
-                moved = y.copy()
-                moved[i] += step
-                rate(moved, mode, loop, end)
-            columns.append((ends[0] - ends[1])[first:last] / (2.0 * DIFFERENCE))
-        eigenvalues = np.linalg.eigvals(np.array(columns).T)
-        others = eigenvalues[np.abs(eigenvalues) > ZERO]
-        growth = max(growth, float(others.real.max(initial=-np.inf)))
-    return RestStability(growth, ())
+    columns = []
+    for i in range(PHI_DOT, last):
+        ends = np.empty((2, loop.states))
+        for end, step in zip(ends, (DIFFERENCE, -DIFFERENCE), strict=True):
+            moved = y.copy()
+            moved[i] += step
+            rate(moved, mode, loop, end)
+        columns.append((ends[0] - ends[1])[PHI_DOT:last] / (2.0 * DIFFERENCE))
+    return np.array(columns).T
+
+
+def _growth(slopes: np.ndarray) -> float:
+    eigenvalues = np.linalg.eigvals(slopes)
+    others = eigenvalues[np.abs(eigenvalues) > ZERO]
+    return float(others.real.max(initial=-np.inf))
+
+
+def _drift(stuck: np.ndarray) -> np.ndarray | None:
+    """The disturbance of w by which w drifts at the constant rate 1; None if there is none."""
+    _, sizes, vectors = np.linalg.svd(stuck @ stuck)
+    constant = vectors[sizes < ZERO * max(1.0, float(sizes.max(initial=0.0)))]
+    drifts = stuck @ constant.T
+    if drifts.size == 0 or np.abs(drifts).max() < ZERO:
+        return None
+    strongest = int(np.argmax(np.abs(drifts).max(axis=0)))
+    return np.asarray(constant[strongest] / np.abs(drifts[:, strongest]).max())
 
 
 def _side(y: np.ndarray, direction: float, loop: IdealLoop) -> tuple[float, np.ndarray]:

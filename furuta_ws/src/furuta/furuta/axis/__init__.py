@@ -1,0 +1,1 @@
+"""One axis with friction under a servo controller: cycles, compensation, identification."""

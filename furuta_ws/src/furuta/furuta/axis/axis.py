@@ -1,0 +1,160 @@
+r"""An axis with friction, and its position controller, as a linear loop with one friction joint.
+
+.. math::
+    J \dot v = τ - F - σ_2 v, \qquad e = q_r - q, \qquad \dot q_r = V
+
+The controllers are
+
+- PID: :math:`τ = k_p e + k_i \int e\,dt + k_d\,s/(1 + T s)\,e`;
+- cascade: :math:`v_r = k e`, :math:`τ = k_v (v_r - v) + k_i \int (v_r - v)\,dt`.
+
+Units are kg m², rad and N m, or kg, m and N.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.limit_cycles.joint import Joint, JointCycle, Units, joint, joint_cycle
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
+
+# Error at the start, as a multiple of that which friction can hold without integral action.
+RELEASED_AT = 20.0
+
+
+class Axis(NamedTuple):
+    """Inertia [kg m² or kg], friction in the units of torque and speed, and its law."""
+
+    inertia: float
+    friction: Friction
+    law: str = "stribeck"
+
+
+class Pid(NamedTuple):
+    """Gains k_p, k_i, k_d [N m/rad, N m/(rad s), N m s/rad] and filter time T [s]."""
+
+    kp: float
+    ki: float = 0.0
+    kd: float = 0.0
+    filter_time: float = 0.0
+
+    @property
+    def stiffness(self) -> float:
+        """Torque per error [N m/rad] without integral action."""
+        return self.kp
+
+    @property
+    def feedback(self) -> tuple[float, float, float]:
+        """Torque per error, per speed and per integral of the error, without the filter."""
+        return self.kp, self.kd, self.ki
+
+
+class Cascade(NamedTuple):
+    """Gain of the position k [1/s], and of the speed k_v [N m s/rad] and k_i [N m/rad]."""
+
+    position: float
+    speed: float
+    integral: float = 0.0
+
+    @property
+    def stiffness(self) -> float:
+        """Torque per error [N m/rad] without integral action."""
+        return self.speed * self.position
+
+    @property
+    def feedback(self) -> tuple[float, float, float]:
+        """Torque per error, per speed and per integral of the error, if the error starts at 0."""
+        position, speed, integral = self
+        return position * speed + integral, speed, position * integral
+
+
+Controller = Pid | Cascade
+
+
+def servo_joint(
+    axis: Axis, controller: Controller, speed: float = 0.0, units: Units | None = None
+) -> Joint:
+    """The closed loop while the reference moves at ``speed`` V [rad/s].
+
+    The states are v, e, and as far as the controller has them the integral and the filter.
+
+    Raises:
+        ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
+    """
+    numbers = np.array([axis.inertia, speed, *controller, *axis.friction])
+    if not (np.all(np.isfinite(numbers)) and axis.inertia > 0.0):
+        raise ParameterError(
+            f"inertia must be above 0 and all numbers finite, given inertia {axis.inertia:g}"
+        )
+    if min(controller) < 0.0 or highest_level(axis.friction) <= 0.0:
+        raise ParameterError("gains, times and levels of friction must not be negative")
+    a, r = _closed(controller, axis.inertia, speed)
+    b = np.zeros(len(a))
+    b[0] = 1.0 / axis.inertia
+    return joint(a, b, np.eye(len(a))[0], axis.friction, axis.law, r, units)
+
+
+def _closed(controller: Controller, inertia: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """A and r of the loop over (v, e, integral, filter); what has no effect is left out."""
+    a, r = np.zeros((4, 4)), np.zeros(4)
+    a[1, 0], r[1] = -1.0, speed
+    if isinstance(controller, Cascade):
+        kept = [0, 1, 2] if controller.integral else [0, 1]
+        k, speed_gain, integral = controller
+        a[0, :3] = -speed_gain, speed_gain * k, integral
+        a[2, :2] = -1.0, k
+    else:
+        kp, ki, kd, filter_time = controller
+        kept = [0, 1, 2] if ki else [0, 1]
+        a[0, 1:3] = kp, ki
+        a[2, 1] = 1.0
+        if kd and filter_time:
+            kept.append(3)
+            a[0, 1] += kd / filter_time
+            a[0, 3] = -kd / filter_time
+            a[3, 1], a[3, 3] = 1.0 / filter_time, -1.0 / filter_time
+        elif kd:
+            a[0, 0] -= kd
+            r[0] = kd * speed
+    a[0] /= inertia
+    r[0] /= inertia
+    if not np.any(a[0, 1:]):
+        kept = [0]
+    return a[np.ix_(kept, kept)], r[kept]
+
+
+def released(axis: Axis, controller: Controller, states: int) -> np.ndarray:
+    """State x (n,) from which the axis is released: at rest, away from the reference."""
+    x = np.zeros(states)
+    if states > 1:
+        x[1] = RELEASED_AT * highest_level(axis.friction) / max(controller.stiffness, 1e-9)
+    if isinstance(controller, Pid) and controller.filter_time and controller.kd and states > 2:
+        x[-1] = x[1]  # the filter has settled
+    return x
+
+
+def servo_cycle(axis: Axis, controller: Controller, speed: float = 0.0) -> JointCycle:
+    """The final motion of the axis, released at rest away from its reference.
+
+    ``peak_to_peak`` is that of the error. Raises what :func:`servo_joint` raises.
+    """
+    loop = servo_joint(axis, controller, speed)
+    return joint_cycle(loop, released(axis, controller, len(loop.loop.b)))
+
+
+def poles(axis: Axis, controller: Controller) -> np.ndarray:
+    """Poles of the loop without dry friction [1/s]."""
+    a, _ = _closed(controller, axis.inertia, 0.0)
+    a[0, 0] -= axis.friction.viscous / axis.inertia
+    return np.linalg.eigvals(a)
+
+
+def axis_report(cycle: JointCycle) -> dict[str, Any]:
+    """The cycle of an axis by the names of the command line."""
+    report = cycle.report()
+    report["peak_to_peak_rad"] = report.pop("peak_to_peak")
+    return report
