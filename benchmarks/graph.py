@@ -22,6 +22,7 @@ from furuta_sim.settings.settings import Settings, default_settings
 
 ROUNDS = 7
 ROUND_SECONDS = 1.5
+LOCKSTEP_SECONDS = 12.0  # simulated in a round
 # Sample time in real time [s].
 PERIOD = 0.001
 # Time to process what is waiting before and after a pause of the graph [s].
@@ -37,7 +38,7 @@ def lockstep() -> dict[str, float]:
 
         def rates() -> tuple[float, float, float]:
             return (
-                _rate(graph.executor, lambda: graph.plant.sample),
+                _graph_rate(graph),
                 _rate(bare.executor, lambda: bare.count),
                 _rate(raw.executor, lambda: raw.count),
             )
@@ -73,7 +74,7 @@ def _costs(graph: SimulatedGraph) -> dict[str, float]:
         for subscription in node.subscriptions:
             subscription.callback = timed(node.get_name(), subscription.callback)
     samples, start = graph.plant.sample, thread_time()
-    _spin_for(graph.executor, ROUND_SECONDS)
+    _graph_rate(graph)
     samples = graph.plant.sample - samples
     costs = {f"cost_{name}_us": seconds / samples * 1e6 for name, seconds in spent.items()}
     return costs | {"cost_sample_us": (thread_time() - start) / samples * 1e6}
@@ -155,11 +156,14 @@ def machine_late_fraction() -> float:
 
 def _run_for(graph: SimulatedGraph, seconds: float) -> None:
     """Let the paused graph continue for a while; deadlines in the pause do not count."""
-    plant = graph.plant
     _spin_for(graph.executor, PAUSE)
-    plant.set_parameters([Parameter("run_until", value=plant.time + seconds)])
-    spin_until(graph.executor, lambda: plant.paused)
+    _run_until(graph, graph.plant.time + seconds)
     _spin_for(graph.executor, PAUSE)
+
+
+def _run_until(graph: SimulatedGraph, time: float) -> None:
+    graph.plant.set_parameters([Parameter("run_until", value=time)])
+    spin_until(graph.executor, lambda: graph.plant.paused)
 
 
 def _pace(bare: BareChain, tick: Callable[[], None]) -> None:
@@ -188,8 +192,15 @@ def _bare_chain(serialised: bool = False) -> BareChain:
 def _settings(clock: str) -> Settings:
     settings = default_settings()
     settings["plant"]["clock"] = clock
-    settings["plant"]["run_until"] = 0.0 if clock == "realtime" else 1e9
+    settings["plant"]["run_until"] = 0.0
     return settings
+
+
+def _graph_rate(graph: SimulatedGraph) -> float:
+    """Samples per second in lock-step. Before and after no message is on its way."""
+    before, start = graph.plant.sample, perf_counter()
+    _run_until(graph, graph.plant.time + LOCKSTEP_SECONDS)
+    return (graph.plant.sample - before) / (perf_counter() - start)
 
 
 def _rate(executor: Executor, count: Callable[[], int]) -> float:

@@ -25,7 +25,7 @@ from furuta_control.estimate_matching import Answer, EstimateMatching
 from furuta_control.estimation import covers_circle
 from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, for_types_of
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
@@ -88,7 +88,9 @@ class ControllerNode(SampleNode[ControllerParameters]):
         """Redesign the controller; its memory is kept."""
         self._design = block(design_controller(parameters))
         self.compute_with(_take, self._memory)
-        _control(self._memory.copy(), self.received, 0.0, self._design, self.answer.copy())
+        self._control = for_types_of(
+            _control, self._memory, self.received, 0.0, self._design, self.answer
+        )
         begins = parameters.mode == swing_up.MODE.name != self._mode
         if begins and self._estimator.service_is_ready():
             asked = self._estimator.call_async(GetParameters.Request(names=SEEN))
@@ -166,7 +168,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
     def _compute(self, friction: float) -> None:
         if not self._applied:
             forget_integrals(self._memory[0])
-        mode = _control(self._memory, self.received, friction, self._design, self.answer)
+        mode = self._control(self._memory, self.received, friction, self._design, self.answer)
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()

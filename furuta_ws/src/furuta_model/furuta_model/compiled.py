@@ -93,6 +93,21 @@ def inlined(function: Function, **options: Any) -> Function:
     return compiled(function, forceinline=True, _nrt=False, **options)
 
 
+def for_types_of(function: Function, *arguments: Any) -> Function:
+    """The machine code of ``function`` for arguments of these types, to be called from Python.
+
+    A compiled function looks at the types of its arguments at every call, which takes most of the
+    time of a short one.
+    """
+    config: Any = numba.config
+    if config.DISABLE_JIT:
+        return function
+    dispatcher: Any = function
+    types = tuple(map(numba.typeof, arguments))
+    dispatcher.compile(types)
+    return cast(Function, dispatcher.get_overload(types))
+
+
 def make_intrinsic(
     function: Callable[..., Any], in_python: Callable[..., Any] | None = None
 ) -> Any:

@@ -2,14 +2,13 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from copy import deepcopy
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.node import FurutaNode
@@ -51,10 +50,10 @@ class SampleNode(FurutaNode[Group]):
         (:data:`~furuta_ros.wire.UNUSUAL` to ``ANEW``), its stamp [ns], and what :meth:`report` is
         to say about it, 0 for nothing.
         """
-        self._take, self._arguments = take, arguments
-        # Load the compiled code before the first sample.
-        received, answer, others = deepcopy((self.received, self.answer, arguments))
-        take(self._usual.tobytes(), self.stamp, received, answer, *others)
+        self._arguments = arguments
+        self._take = for_types_of(
+            take, self._usual.tobytes(), self.stamp, self.received, self.answer, *arguments
+        )
 
     def take_samples(self, topic: Topic, answers: Topic) -> None:
         """Take a step for each sample on one topic, and publish the answers on another."""

@@ -8,7 +8,7 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta_model.block import block, new_memory
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, for_types_of
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher, sender
@@ -57,7 +57,6 @@ class PlantNode(PacedNode):
         self._memory = initial_plant(self.parameters.plant)
         self._send_measurement = sender(self.publish_on(MEASUREMENT))
         self._truth_publisher = LoopPublisher(self, GROUND_TRUTH)
-        self._compile()
         self.create_service(Trigger, "~/reset", self._reset)
         self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
         self.subscribe_to(COMMAND, self._on_command, raw=True)
@@ -66,6 +65,17 @@ class PlantNode(PacedNode):
         """Apply the new parameters between two samples."""
         self._rig = parameters.plant
         self._block = block(design_plant(self._rig))
+        self._read = for_types_of(
+            _read,
+            self._memory,
+            np.zeros(NOISE_CHANNELS),
+            self._block,
+            self._measurement,
+            self._torque,
+            0,
+            *self._messages,
+        )
+        self._move = for_types_of(_move, self._memory, 0.0, self._block)
         self.paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
         self.on_change()
 
@@ -79,7 +89,7 @@ class PlantNode(PacedNode):
         """Read the sensors and publish the measurement and the true state."""
         measurement, truth = self._messages
         stamp, noise = self.stamp, self._noise()
-        _read(
+        self._read(
             self._memory,
             noise,
             self._block,
@@ -100,7 +110,7 @@ class PlantNode(PacedNode):
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = _move(self._memory, command, self._block)
+            self._torque = self._move(self._memory, command, self._block)
         self.sample += 1
 
     def _on_command(self, data: bytes) -> None:
@@ -117,13 +127,6 @@ class PlantNode(PacedNode):
         response.success = True
         response.message = "held in the initial state until the next command"
         return response
-
-    def _compile(self) -> None:
-        """Load all compiled code before the first sample."""
-        memory = initial_plant(self._rig)
-        noise = np.zeros(NOISE_CHANNELS)
-        _read(memory, noise, self._block, self._measurement, 0.0, 0, *self._messages)
-        _move(memory, 0.0, self._block)
 
 
 @compiled
