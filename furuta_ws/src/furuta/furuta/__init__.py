@@ -35,6 +35,7 @@ from furuta.recordings import (
     write_series,
 )
 from furuta_hw.rigs.rig import Rig
+from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError
@@ -51,6 +52,7 @@ __all__ = [
     "Friction",
     "FurutaPendulum",
     "IdealLoop",
+    "Law",
     "LimitCycle",
     "Loop",
     "ParameterError",

@@ -1,6 +1,6 @@
 """Makes closed loops from parameters by name and from rigs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +8,15 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_hw.rigs.rig import Rig
+from furuta_model.friction.law import Law
 from furuta_model.friction.laws import analysed_law
+from furuta_model.own_functions import part_name
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import checked_feedback, transfer
 from furuta_sim.simulation.closed_loop import Loop
+
+# A function of the user's own, or a law made of some.
+Part = Callable[..., Any] | Law
 
 
 def rig_names() -> list[str]:
@@ -52,7 +57,8 @@ def make_loop(
 
     Args:
         values: Parameters by name, in the units that docs/parameters.md lists. ``alpha0`` sets the
-            parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction.
+            parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction. A choice
+            of a part, such as ``friction.law``, can be a function or :class:`furuta.Law`.
         rig: A rig, its name or its file; by default the rig of the paper.
         files: ROS parameter files. Later ones take precedence, ``values`` over all of them.
 
@@ -69,6 +75,27 @@ def make_loop(
     base = None if rig is None else settings.rig_settings(rig)
     given = settings.collect_settings(map(Path, files), [], base)
     return settings.loop_with(given, {k: _plain(value) for k, value in (values or {}).items()})
+
+
+def with_parts(
+    loop: Loop,
+    friction: Part | None = None,
+    compensation: Part | None = None,
+    controller: Part | None = None,
+    estimator: Part | None = None,
+) -> Loop:
+    """The loop with parts of one's own, which :func:`furuta.simulate` describes."""
+    plant, estimation, observer, control = loop
+    if friction is not None:
+        law = plant.friction._replace(law=part_name(friction))
+        plant = plant._replace(friction=law)
+    if compensation is not None:
+        observer = observer._replace(compensation=part_name(compensation))
+    if controller is not None:
+        control = control._replace(mode=part_name(controller))
+    if estimator is not None:
+        estimation = estimation._replace(method=part_name(estimator))
+    return Loop(plant, estimation, observer, control)
 
 
 def ideal_loop(
@@ -118,9 +145,11 @@ def require_stabilising(ideal: IdealLoop) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A value without numpy: text, or a number or list."""
+    """A value without numpy: text, or a number or list. A part is its name."""
     if isinstance(value, str):
         return value
+    if callable(value) or isinstance(value, Law):
+        return part_name(value)
     plain = np.asarray(value).tolist()
     if plain is None or isinstance(plain, (dict, complex)):
         raise ParameterError(f"a parameter must be a number, text or list, given {value!r}")

@@ -11,7 +11,7 @@ from furuta.limit_cycles import limit_cycle as cycles
 from furuta.limit_cycles import periodic_orbit
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
-from furuta.loops import ideal_loop
+from furuta.loops import Part, ideal_loop, with_parts
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
@@ -22,12 +22,15 @@ if TYPE_CHECKING:
     from furuta.studies.tuning.tuning import ProgressCallback
 
 
-def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
+def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part) -> Record:
     """Simulate a loop sample by sample, with its sensors and drive, from its initial state.
 
     Args:
         loop: The loop; by default that of the paper.
         seconds: Simulated time [s], at least one sample.
+        parts: Functions of your own (docs/library.md): ``friction`` g(v, p) or a
+            :class:`furuta.Law`, ``compensation`` F̂(memory, x, p), ``controller`` u(memory, x, F̂, p)
+            [V], and ``estimator`` (memory, x, measurement, p), which changes x.
 
     Returns:
         Series of n samples: ``time`` (n,) [s], ``state`` (n, 4) [rad, rad/s], ``estimate`` (n, 5),
@@ -35,31 +38,35 @@ def simulate(loop: Loop | None = None, seconds: float = 60.0) -> Record:
         where there is no sensor.
 
     Raises:
-        ParameterError: ``seconds`` is not above 0 and finite.
+        ParameterError: ``seconds`` is not above 0 and finite, or a part cannot be compiled.
     """
     _check_seconds(seconds)
-    return closed_loop.simulate(loop or Loop(), seconds)
+    return closed_loop.simulate(with_parts(loop or Loop(), **parts), seconds)
 
 
-def measure(loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.5) -> Outcome:
+def measure(
+    loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.5, **parts: Part
+) -> Outcome:
     """Simulate a loop and measure its oscillation, without keeping the series.
 
     Args:
         loop: The loop; by default that of the paper.
         seconds: Simulated time [s], at least one sample.
         settled: Fraction of the run that is measured, at its end; above 0, at most 1.
+        parts: As for :func:`simulate`.
 
     Returns:
         Peak to peak of arm and pendulum [rad], period [s], rms of command [V], whether the
         pendulum fell, and whether the guard switched the compensation off.
 
     Raises:
-        ParameterError: ``seconds`` or ``settled`` is outside its range.
+        ParameterError: ``seconds`` or ``settled`` is outside its range, or a part cannot be
+            compiled.
     """
     _check_seconds(seconds)
     if not 0.0 < settled <= 1.0:
         raise ParameterError(f"settled must be above 0 and at most 1, given {settled:g}")
-    return closed_loop.outcome(loop or Loop(), seconds, settled)
+    return closed_loop.outcome(with_parts(loop or Loop(), **parts), seconds, settled)
 
 
 def limit_cycle(loop: Loop | IdealLoop | None = None, theta: float = 0.05) -> LimitCycle:

@@ -35,6 +35,15 @@ VERBS = {
 }
 
 
+# The extra of the wheel that brings a package.
+EXTRAS = {
+    **dict.fromkeys(("viser", "websockets", "xacro", "urdf_parser_py"), "view"),
+    "distributed": "cluster",
+    "pyarrow": "parquet",
+    "gymnasium": "gym",
+}
+
+
 def _load(verb: str) -> click.Command:
     try:
         module = importlib.import_module(f"furuta_bringup.verbs.{verb.replace('-', '_')}")
@@ -48,7 +57,14 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     """What to raise if ``verb`` imports what is not installed."""
     if (error.name or "").startswith("furuta"):
         return error
-    return UserError(f"furuta {verb} needs {error.name}, which is not installed")
+    name = (error.name or "").partition(".")[0]
+    of_ros = (
+        name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
+    )
+    extra = "ros" if of_ros else EXTRAS.get(name)
+    remedy = f"pip install 'furuta[{extra}]'" if extra else f"pip install {name}"
+    ros = "ROS 2 Jazzy, or on Linux x86-64 " if of_ros else ""
+    return UserError(f"furuta {verb} needs {name}, which is not installed: {ros}{remedy}")
 
 
 class Verbs(click.Group):

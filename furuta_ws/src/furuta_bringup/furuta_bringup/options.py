@@ -65,8 +65,17 @@ def parameter_options(function: Function) -> Function:
     )(function)
 
 
+def _law(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    if value and ":" not in value:
+        return click.Choice(LAWS).convert(value, param, ctx)
+    return value
+
+
 law_option = click.option(
-    "--law", type=click.Choice(LAWS), help="Friction law; default: plant.friction.law."
+    "--law",
+    callback=_law,
+    metavar="NAME",
+    help=f"Friction law: {', '.join(LAWS)}, or module:function; default: plant.friction.law.",
 )
 
 feedback_option = click.option(

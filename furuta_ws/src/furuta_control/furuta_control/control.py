@@ -11,6 +11,7 @@ from math import ceil, isfinite, pi
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from numba import float64
 
 from furuta_control.excitation import (
     TWO_PI,
@@ -20,12 +21,14 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, super_twisting, swing_up, without_feedback
+from furuta_control.modes import balance, own, super_twisting, swing_up, without_feedback
 from furuta_control.modes.balance import Balance, BalanceMemory
 from furuta_control.modes.mode import Mode
+from furuta_control.modes.own import OwnControl
 from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 
@@ -38,13 +41,15 @@ MODES: tuple[Mode, ...] = (
 
 _NAMES = tuple(mode.name for mode in MODES)
 _MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
-_FEEDBACK = tuple(mode.feedback for mode in MODES)
-_mode_command = by_kind([mode.command for mode in MODES])
+# Kind of a mode of the user's own, and its name for those who watch.
+_OWN, _OWN_NAME = len(MODES), "own"
+_FEEDBACK = (*(mode.feedback for mode in MODES), False)
+_mode_command = by_kind([*(mode.command for mode in MODES), own.command])
 
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
-ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES)))
-_ACTIVE = tuple(ACTIVE_MODES.index(name) for name in _NAMES)
+ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, _OWN_NAME)))
+_ACTIVE = tuple(ACTIVE_MODES.index(name) for name in (*_NAMES, _OWN_NAME))
 _BALANCE, _SWING_UP = MODES.index(balance.MODE), MODES.index(swing_up.MODE)
 
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
@@ -58,7 +63,7 @@ class ControllerParameters(NamedTuple):
     enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
     mode: Annotated[
         str,
-        About(_MEANINGS, choices=_NAMES),
+        About(_MEANINGS, choices=_NAMES, own=True),
     ] = "balance"
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
@@ -129,6 +134,7 @@ class ControllerParameters(NamedTuple):
                 "no gain can be computed for these poles and this model; given "
                 f"{shortened(self.poles)}, {shortened(self.model)}"
             )
+        _own_function(self)
         if self.catch_angle > self.fall_angle:
             raise ParameterError(
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
@@ -154,13 +160,15 @@ class ControllerParameters(NamedTuple):
 
 
 class ControllerDesign(NamedTuple):
-    """The controller as :func:`control` uses it."""
+    """The controller as :func:`control` uses it; ``function`` is the address of an own mode."""
 
     enabled: bool
     mode: int
+    function: int
     balance: Balance
     excitation: Excitation
     voltage_limit: float
+    sample_time: float
     swing_up: SwingUp
 
 
@@ -171,6 +179,7 @@ class ControllerMemory:
     phase: float = 0.0
     balance: BalanceMemory = field(default_factory=BalanceMemory)
     swing_up: SwingUpMemory = field(default_factory=SwingUpMemory)
+    own: OwnMemory = field(default_factory=OwnMemory)
 
 
 def design_controller(p: ControllerParameters) -> ControllerDesign:
@@ -179,10 +188,12 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
     open_loop = p.mode == without_feedback.OPEN_LOOP.name
     return ControllerDesign(
         enabled=p.enabled,
-        mode=_NAMES.index(p.mode),
+        mode=_NAMES.index(p.mode) if p.mode in _NAMES else _OWN,
+        function=_own_function(p),
         balance=balancing,
         excitation=design_excitation(p.excitation, p.sample_time, any_tilt=open_loop),
         voltage_limit=p.voltage_limit,
+        sample_time=p.sample_time,
         swing_up=swing_up.design(
             p.swing_up,
             p.model,
@@ -193,6 +204,13 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
             own_gain=p.gain == POLE_PLACEMENT,
         ),
     )
+
+
+def _own_function(p: ControllerParameters) -> int:
+    """Address of an own mode, 0 for the others."""
+    if p.mode in _NAMES:
+        return 0
+    return sample_function(own_part(p.mode, Mode, "own").command, OwnControl, float64)
 
 
 def _balance(p: ControllerParameters) -> Balance:
@@ -254,6 +272,7 @@ def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
 @inlined
 def reset(memory: ControllerMemory) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
+    forget_own(memory.own)
     balance.reset(memory.balance)
     swing_up.reset(memory.swing_up)
 

@@ -13,14 +13,22 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from furuta_control import readings
-from furuta_control.estimators import kalman, lowpass, whole_circle
+from furuta_control.estimators import kalman, lowpass, own, whole_circle
 from furuta_control.estimators.kalman import Kalman, KalmanParameters
 from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
-from furuta_control.estimators.method import Method, NominalRig
+from furuta_control.estimators.method import Method, NominalRig, no_prediction, nothing
+from furuta_control.estimators.own import OwnEstimation
 from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import by_kind, compiled, inlined
+from furuta_model.own_functions import (
+    ADDRESS,
+    OwnMemory,
+    forget_own,
+    own_part,
+    sample_function,
+)
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -41,13 +49,15 @@ METHODS: tuple[Method, ...] = (
     whole_circle.METHOD,
 )
 
-_NAMES = tuple(method.name for method in METHODS)
+METHOD_NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
-_OBSERVES_FRICTION = tuple(method.observes_friction for method in METHODS)
-_COVERS_CIRCLE = tuple(method.covers_circle for method in METHODS)
-update = by_kind([method.update for method in METHODS])
-_begin = by_kind([method.begin for method in METHODS])
-_improve_prediction = by_kind([method.predict for method in METHODS])
+# Kind of a method of the user's own, which is filtered even with ideal sensors.
+_OWN = len(METHODS)
+_OBSERVES_FRICTION = (*(method.observes_friction for method in METHODS), True)
+_COVERS_CIRCLE = (*(method.covers_circle for method in METHODS), False)
+update = by_kind([*(method.update for method in METHODS), own.update])
+_begin = by_kind([*(method.begin for method in METHODS), nothing])
+_improve_prediction = by_kind([*(method.predict for method in METHODS), no_prediction])
 
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
@@ -58,7 +68,7 @@ LOST: Final = 1 << SIGNALS
 class EstimatorParameters(NamedTuple):
     """Parameters of the node ``estimator``."""
 
-    method: Annotated[str, About(_MEANINGS, choices=_NAMES)] = "kalman"
+    method: Annotated[str, About(_MEANINGS, choices=METHOD_NAMES, own=True)] = "kalman"
     model: FurutaPendulum = FurutaPendulum()
     model_viscous: Annotated[
         float,
@@ -97,24 +107,28 @@ class EstimatorParameters(NamedTuple):
     @property
     def chosen(self) -> Method:
         """The method that the parameters select."""
-        return METHODS[_NAMES.index(self.method)]
+        if self.method in METHOD_NAMES:
+            return METHODS[METHOD_NAMES.index(self.method)]
+        return own_part(self.method, Method, "own")
 
 
 def covers_circle(name: str) -> bool:
     """Whether the method of that name follows the pendulum through all angles."""
-    return name in _NAMES and _COVERS_CIRCLE[_NAMES.index(name)]
+    return name in METHOD_NAMES and _COVERS_CIRCLE[METHOD_NAMES.index(name)]
 
 
 class EstimatorDesign(NamedTuple):
-    """The estimator as :func:`estimate_state` uses it."""
+    """The estimator as :func:`estimate_state` uses it; ``function`` is that of an own method."""
 
     method: int
+    function: int
     ideal: bool
     readings: ReadingLimits
     sample_time: float
     lowpass: Lowpass
     kalman: Kalman
     whole_circle: WholeCircle
+    own: OwnEstimation
 
 
 @dataclass
@@ -126,25 +140,30 @@ class EstimatorMemory:
         running: The running method, an index of :data:`METHODS` plus 1; :data:`NOT_RUNNING`
             without an estimate, :data:`UNFILTERED` while ideal measurements are the estimate.
         readings: Memory of the check of readings.
+        own: Memory of an own method.
     """
 
     estimate: np.ndarray = zeros(SIGNALS)
     running: int = NOT_RUNNING
     readings: ReadingMemory = field(default_factory=ReadingMemory)
+    own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @lru_cache(maxsize=64)
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
     rig, covers_circle = p.rig, p.chosen.covers_circle
+    is_own = p.method not in METHOD_NAMES
     return EstimatorDesign(
-        method=_NAMES.index(p.method),
+        method=_OWN if is_own else METHOD_NAMES.index(p.method),
+        function=sample_function(p.chosen.update, OwnEstimation, ADDRESS) if is_own else 0,
         ideal=p.sensors.ideal,
         readings=reading_limits(rig, p.chosen.needs_applied_torque),
         sample_time=p.sample_time,
         lowpass=lowpass.design(rig, p.lowpass),
         kalman=kalman.design(rig, p.kalman),
         whole_circle=(whole_circle.design if covers_circle else whole_circle.unused)(rig, p.kalman),
+        own=OwnEstimation(p.model, p.model_viscous, p.sample_time),
     )
 
 
@@ -261,6 +280,7 @@ def unusable_readings(memory: EstimatorMemory) -> int:
 def restart(memory: EstimatorMemory) -> None:
     """Forget the estimate: the next measurement starts a new one."""
     memory.running = NOT_RUNNING
+    forget_own(memory.own)
 
 
 @compiled

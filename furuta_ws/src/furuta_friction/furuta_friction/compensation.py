@@ -2,11 +2,12 @@
 
 A compensator computes the friction estimate F̂ [V] from the state estimate. To add one, write its
 file in ``compensators/`` and add it to :data:`ALL`. What it remembers and its parameters, if it has
-any, are fields of the groups here.
+any, are fields of the groups here. A function of the user's own needs none of that
+(:mod:`furuta_model.own_functions`).
 """
 
 from dataclasses import dataclass, field
-from math import isnan
+from math import inf, isnan
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -20,14 +21,17 @@ from furuta_friction.compensators import (
     coulomb,
     disturbance_observer,
     none,
+    own,
     stiction,
 )
 from furuta_friction.compensators.adaptive import AdaptiveMemory
 from furuta_friction.compensators.combined import Combined, CombinedMemory, CombinedParameters
+from furuta_friction.compensators.own import OwnCompensation
 from furuta_friction.guard import Guard, GuardMemory, guarded
 from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
+from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, About
 from furuta_model.state import PHI, PHI_DOT
 
@@ -43,15 +47,17 @@ ALL: tuple[Compensator, ...] = (
 
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
-_RUNS_OBSERVER = tuple(compensator.runs_observer for compensator in ALL)
-_LARGEST_FACTOR = tuple(compensator.largest_factor for compensator in ALL)
-compensate = by_kind([compensator.estimate for compensator in ALL])
+# Kind of a compensator of the user's own.
+_OWN = len(ALL)
+_RUNS_OBSERVER = (*(compensator.runs_observer for compensator in ALL), False)
+_LARGEST_FACTOR = (*(compensator.largest_factor for compensator in ALL), inf)
+compensate = by_kind([*(compensator.estimate for compensator in ALL), own.estimate])
 
 
 class ObserverParameters(NamedTuple):
     """Parameters of the node ``friction_observer``."""
 
-    compensation: Annotated[str, About(_MEANINGS, choices=COMPENSATIONS)] = "none"
+    compensation: Annotated[str, About(_MEANINGS, choices=COMPENSATIONS, own=True)] = "none"
     friction: Annotated[Friction, INLINE] = Friction()
     observer_gain: Annotated[
         float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
@@ -67,10 +73,16 @@ class ObserverParameters(NamedTuple):
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
 
+    def check(self) -> None:
+        """Reject an own compensator that cannot be compiled."""
+        design_compensator(self)
+
     @property
     def chosen(self) -> Compensator:
         """The compensator that the parameters select."""
-        return ALL[COMPENSATIONS.index(self.compensation)]
+        if self.compensation in COMPENSATIONS:
+            return ALL[COMPENSATIONS.index(self.compensation)]
+        return own_part(self.compensation, Compensator, "own")
 
     @property
     def is_guarded(self) -> bool:
@@ -89,9 +101,13 @@ class ObserverParameters(NamedTuple):
 
 
 class CompensationDesign(NamedTuple):
-    """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL."""
+    """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL.
+
+    ``function`` is the address of an own compensator.
+    """
 
     kind: int
+    function: int
     friction: Friction
     observer_gain: float
     adaptation_gain: float
@@ -107,13 +123,16 @@ class CompensationMemory:
     bristle: float = 0.0
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
     combined: CombinedMemory = field(default_factory=CombinedMemory)
+    own: OwnMemory = field(default_factory=OwnMemory)
     guard: GuardMemory = field(default_factory=GuardMemory)
 
 
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
     """The compensation that the parameters describe."""
+    is_own = p.compensation not in COMPENSATIONS
     return CompensationDesign(
-        kind=COMPENSATIONS.index(p.compensation),
+        kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),
+        function=sample_function(p.chosen.estimate, OwnCompensation) if is_own else 0,
         friction=p.friction,
         observer_gain=p.observer_gain,
         adaptation_gain=p.adaptation_gain,
@@ -128,6 +147,7 @@ def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
     memory.bristle = 0.0
     memory.combined.rest = 0.0
+    forget_own(memory.own)
     allow(memory)
 
 

@@ -38,7 +38,9 @@ class ParameterError(ValueError):
 class About:
     """Meaning, unit and allowed values of a parameter.
 
-    ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start.
+    ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start. With
+    ``own`` the name of a part of one's own is allowed beside the choices, which the group's
+    ``check`` compiles (:mod:`furuta_model.own_functions`).
     """
 
     meaning: str
@@ -47,12 +49,14 @@ class About:
     high: float = math.inf
     choices: tuple[str, ...] = ()
     read_only: bool = False
+    own: bool = False
 
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
         if self.choices:
-            return "one of " + ", ".join(self.choices)
+            own = " or an own one as module:function" if self.own else ""
+            return f"one of {', '.join(self.choices)}{own}"
         if self.low == -math.inf:
             return "any" if self.high == math.inf else f"at most {self.high:g}"
         if self.high == math.inf:
@@ -100,7 +104,8 @@ class Declared(NamedTuple):
             raise ParameterError(
                 f"{self.name} must be a {self.kind.__name__}, given {shortened(value)}"
             )
-        if self.about.choices and value not in self.about.choices:
+        is_own = self.about.own and ":" in str(value)
+        if self.about.choices and value not in self.about.choices and not is_own:
             raise ParameterError(
                 f"{self.name} must be {self.about.allowed}, given {shortened(value)}"
             )

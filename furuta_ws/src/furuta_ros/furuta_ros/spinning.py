@@ -1,12 +1,10 @@
 """Running nodes in a process: one executor, a clean end, errors in one line."""
 
 import gc
-import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
-from types import FrameType
 
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
@@ -19,7 +17,8 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
-from furuta_ros.process_start import own_arguments, program_name, set_interrupt_handler
+from furuta_ros.process_start import own_arguments, program_name
+from furuta_ros.stop_signal import StopSignal
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
@@ -69,32 +68,6 @@ def freeze_startup_objects() -> None:
     """Exclude all present objects from garbage collection, which would delay samples."""
     gc.collect()
     gc.freeze()
-
-
-class StopSignal:
-    """Becomes true when the process receives SIGINT or SIGTERM; it ignores further ones.
-
-    Otherwise one that arrives while Python ends would kill the process.
-    """
-
-    def __init__(self) -> None:
-        self._received = 0
-        set_interrupt_handler(self._receive)
-        signal.signal(signal.SIGTERM, self._receive)
-
-    def _receive(self, number: int, frame: FrameType | None) -> None:
-        self._received = number
-        for further in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(further, signal.SIG_IGN)
-
-    def __call__(self) -> bool:
-        """Whether the process has received a signal to stop."""
-        return self._received != 0
-
-    @property
-    def status(self) -> int:
-        """Exit status of a process that the signal has ended before it was ready."""
-        return 128 + self._received
 
 
 def run_node(make: Callable[[], Node]) -> int:

@@ -6,7 +6,7 @@ The defaults are those of the paper's rig (Section 4).
 from math import pi
 from typing import Annotated, NamedTuple
 
-from furuta_model.friction.laws import LAWS
+from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
@@ -39,10 +39,16 @@ class InitialState(NamedTuple):
 class PlantFriction(NamedTuple):
     """Friction in the arm's joint: the law, the parameters that all laws share, and variation."""
 
-    law: Annotated[str, About("friction law of the simulated arm", choices=LAWS)] = "lugre"
+    law: Annotated[str, About("friction law of the simulated arm", choices=LAWS, own=True)] = (
+        "lugre"
+    )
     parameters: Annotated[Friction, INLINE] = Friction()
     springs: Annotated[int, About("maxwell_slip: number of springs", "", 1, MAX_SPRINGS)] = 4
     variation: FrictionVariation = FrictionVariation()
+
+    def check(self) -> None:
+        """Reject an own law that cannot be compiled."""
+        find_law(self.law)
 
 
 class PlantParameters(NamedTuple):

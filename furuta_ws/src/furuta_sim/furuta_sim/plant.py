@@ -13,9 +13,8 @@ import numpy as np
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import (
-    HAS_SPRINGS,
-    LAWS,
     FrictionLaw,
+    find_law,
     friction_force,
     friction_law,
 )
@@ -121,7 +120,7 @@ def _design_parts(
     table = waves.table
     on = any(part != type(part)() for part in (variation, drive, cogging, pendulum_friction, tilt))
     return Parts(
-        any=on or HAS_SPRINGS[LAWS.index(law)] or pushes.number > 0 or len(table) > 0,
+        any=on or find_law(law).springs or pushes.number > 0 or len(table) > 0,
         springs=springs,
         variation=variation,
         drive=drive,

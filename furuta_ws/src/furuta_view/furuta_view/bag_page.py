@@ -1,12 +1,16 @@
 """The page over a recording, with a time line to drag."""
 
 from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
 
 from furuta_description.robot_description import robot_description
+from furuta_recordings.table_files import SUFFIXES
+from furuta_ros.stop_signal import StopSignal
 from furuta_view.bag_samples import BagSamples
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import Values, exact_cycle, model_of
@@ -14,6 +18,7 @@ from furuta_view.figures import figures
 from furuta_view.page_layout import Layout, status_html
 from furuta_view.samples import PHI, THETA
 from furuta_view.scene import Scene
+from furuta_view.series_samples import SeriesSamples
 from furuta_view.server import PageServer
 
 # Time between two drawings [s], and between two points of the time line.
@@ -21,10 +26,21 @@ PERIOD = 1.0 / 30.0
 STEP = 0.01
 
 
+def run_bag_page(server: PageServer, bag: Path, opens: bool) -> None:
+    """Show a recording, or the series of a simulation, until Ctrl-C. It needs no ROS."""
+    stop = StopSignal()
+    kind = SeriesSamples if bag.suffix in SUFFIXES else BagSamples
+    with closing(kind(bag)) as samples:
+        page = BagPage(server, samples)
+        server.announce(opens)
+        page.run(stop)
+    server.stop()
+
+
 class BagPage:
     """Draws a recording at the time that the user has chosen."""
 
-    def __init__(self, server: PageServer, bag: BagSamples) -> None:
+    def __init__(self, server: PageServer, bag: BagSamples | SeriesSamples) -> None:
         self._server, self._bag = server, bag
         gui = server.gui
         layout = self._layout = Layout(server, live=False)

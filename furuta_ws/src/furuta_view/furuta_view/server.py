@@ -8,7 +8,9 @@ the header ``Host``.
 import contextlib
 import http
 import io
+import os
 import socket
+import webbrowser
 from collections.abc import Callable, Iterator
 from functools import wraps
 from typing import Any
@@ -45,6 +47,12 @@ class PageServer(viser.ViserServer):
             self.stop()
             raise ParameterError(f"port {free} was taken meanwhile; try again")
         self.address = f"http://{ADDRESS}:{free}"
+
+    def announce(self, opens: bool) -> None:
+        """Print the address, and open the browser where there is one."""
+        print(self.address, flush=True)
+        if opens and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
+            webbrowser.open(self.address)
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse to share the page through a server elsewhere."""

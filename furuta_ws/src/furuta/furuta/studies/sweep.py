@@ -36,7 +36,7 @@ def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
     if not separator or not rest:
         raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, given {text!r}")
     (_, first), *_ = parameters_named(name)
-    if ":" not in rest:
+    if ":" not in rest or (first.about.own and rest[0].isalpha()):
         return SweptParameter(name, tuple(rest.split(",")))
     if first.kind not in (float, int):
         raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")

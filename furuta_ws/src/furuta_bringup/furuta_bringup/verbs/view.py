@@ -19,8 +19,8 @@ NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 
 @click.command()
 @click.option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
-@click.option("--bag", type=click.Path(path_type=Path), metavar="DIR",
-    help="Show a recording instead of a graph.")  # fmt: skip
+@click.option("--bag", type=click.Path(path_type=Path), metavar="DIR|FILE",
+    help="Show a recording, or a file of simulate --out, without ROS.")  # fmt: skip
 @click.option("--no-open", is_flag=True, help="Open no browser.")
 @click.option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
@@ -41,7 +41,7 @@ def command(
     if bag and (attach or options or namespace):
         raise click.UsageError("--bag shows no graph: it takes no other option of one")
     if bag:
-        from furuta_view.page_process import run_bag_page
+        from furuta_view.bag_page import run_bag_page
         from furuta_view.server import PageServer
 
         run_bag_page(PageServer(port), bag, opens=not no_open)

@@ -15,7 +15,7 @@ _COULOMB = LAWS.index("coulomb")
 @inlined
 def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V] with asymmetry and viscous part; 0 at v = 0."""
-    return steady_friction(x[PHI_DOT], FrictionLaw(_COULOMB, p.friction))
+    return steady_friction(x[PHI_DOT], FrictionLaw(_COULOMB, p.friction, 0, 0))
 
 
 COMPENSATOR = Compensator("coulomb", "eq. (4) with level alpha0", estimate)

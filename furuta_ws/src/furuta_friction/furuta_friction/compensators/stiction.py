@@ -26,7 +26,7 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
         return coulomb.estimate(memory, x, p)
     if isnan(observed):
         return 0.0
-    law = FrictionLaw(_STICTION, p.friction)
+    law = FrictionLaw(_STICTION, p.friction, 0, 0)
     return min(max(observed, -breakaway_level(-1.0, law)), breakaway_level(1.0, law))
 
 

@@ -24,11 +24,12 @@ class Law(NamedTuple):
     r"""A friction law.
 
     ``level`` (compiled) is g(v, p) [V] at speed v [rad/s] with parameters p. ``breakaway``
-    (compiled) is the level [V], from p, up to which a stuck arm is held. With ``bristle`` the arm
-    moves a bristle before it slides; without ``damped`` σ₁ does not act; with ``springs`` several
-    springs take the bristle's place, and analysis is not defined. With ``constant`` the level does
-    not depend on the speed. The last three are closed forms, Python functions of an amplitude or a
-    speed [rad/s] and p. Without a closed form they are computed from ``level``:
+    (compiled) is the level [V], from p, up to which a stuck arm is held, by default g(0); functions
+    of an own law need not be compiled. With ``bristle`` the arm moves a bristle before it slides;
+    without ``damped`` σ₁ does not act; with ``springs`` several springs take the bristle's place,
+    and analysis is not defined. With ``constant`` the level does not depend on the speed. The last
+    three are closed forms, Python functions of an amplitude or a speed [rad/s] and p. Without a
+    closed form they are computed from ``level``:
 
     - ``fundamental``: the constant level [V] with the same fundamental under v = A sin ωt,
       :math:`\int_0^{π/2} g(A\sin x)\sin x\,dx`;
@@ -38,7 +39,7 @@ class Law(NamedTuple):
 
     name: str
     level: Callable[[float, Friction], float]
-    breakaway: Callable[[Friction], float]
+    breakaway: Callable[[Friction], float] | None = None
     bristle: bool = False
     constant: bool = False
     damped: bool = True

@@ -11,18 +11,22 @@ lugre       bristle dynamics, eq. (5); at steady speed the  (none: it creeps)
 ==========  ==============================================  =====================
 
 Each law adds the viscous part σ₂v and the factor 1 ± asymmetry by direction. To add a law, write
-its file and add it to :data:`ALL`.
+its file and add it to :data:`ALL`, or give a function (:mod:`furuta_model.own_functions`).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numba
 
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
 from furuta_model.friction.bristle import decay_fractions, deflection_rate
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction, copied
+from furuta_model.own_functions import address_of, call_own, own_part
 from furuta_model.parameters import ParameterError
 
 ALL: tuple[Law, ...] = (
@@ -35,32 +39,39 @@ ALL: tuple[Law, ...] = (
 )
 
 LAWS = tuple(law.name for law in ALL)
-HAS_BRISTLE = tuple(law.bristle for law in ALL)
-HAS_CONSTANT_LEVEL = tuple(law.constant and not law.bristle for law in ALL)
-HAS_SPRINGS = tuple(law.springs for law in ALL)
+# Kinds of own laws, which truly stick or have a bristle.
+OWN, OWN_WITH_BRISTLE = len(ALL), len(ALL) + 1
+HAS_BRISTLE = (*(law.bristle for law in ALL), False, True)
+HAS_CONSTANT_LEVEL = (*(law.constant and not law.bristle for law in ALL), False, False)
+HAS_SPRINGS = (*(law.springs for law in ALL), False, False)
 # Laws for which describing functions and exact limit cycles are defined.
 ANALYSED_LAWS = tuple(law.name for law in ALL if not law.springs)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
 _level = by_kind([law.level for law in ALL])
-_breakaway = by_kind([law.breakaway for law in ALL])
+_breakaway = by_kind([law.breakaway for law in ALL if law.breakaway is not None])
 
 
 class FrictionLaw(NamedTuple):
-    """A law (index into :data:`LAWS`) with its parameters, for compiled code."""
+    """A law (index into :data:`LAWS`) with its parameters, for compiled code.
+
+    ``level`` and ``breakaway`` are the addresses of an own law's functions.
+    """
 
     kind: int = LAWS.index("lugre")
     parameters: Friction = Friction()
+    level: int = 0
+    breakaway: int = 0
 
     @property
     def law(self) -> Law:
         """The law itself."""
-        return ALL[self.kind]
+        return ALL[self.kind] if self.kind < OWN else _own_laws[self.level, self.breakaway]
 
     @property
     def name(self) -> str:
         """The law's name."""
-        return LAWS[self.kind]
+        return self.law.name
 
     @property
     def bristle(self) -> bool:
@@ -73,19 +84,47 @@ class FrictionLaw(NamedTuple):
 
 
 def friction_law(name: str, parameters: Friction) -> FrictionLaw:
-    """The law with this name, one of :data:`LAWS`, and these parameters.
+    """The law with this name, one of :data:`LAWS` or an own one, and these parameters.
 
     A law without damping has σ₁ = 0, whatever is given.
     """
-    kind = LAWS.index(name)
-    if not ALL[kind].damped:
+    law = find_law(name)
+    if not law.damped:
         parameters = parameters._replace(sigma1=0.0)
-    return FrictionLaw(kind, parameters)
+    if name in LAWS:
+        return FrictionLaw(LAWS.index(name), parameters)
+    return FrictionLaw(OWN_WITH_BRISTLE if law.bristle else OWN, parameters, *_addresses(law))
+
+
+def find_law(name: str) -> Law:
+    """The law with this name, one of :data:`LAWS` or an own one (``module:function``)."""
+    if name in LAWS:
+        return ALL[LAWS.index(name)]
+    law = own_part(name, Law)
+    _own_laws[_addresses(law)] = law
+    return law
+
+
+_own_laws: dict[tuple[int, int], Law] = {}
+
+
+def _addresses(law: Law) -> tuple[int, int]:
+    """Addresses of the level and of the breakaway level of an own law."""
+    parameters = numba.typeof(Friction())
+    level = address_of(law.level, numba.float64, parameters)
+    if law.breakaway is None:
+        return level, address_of(law.level, parameters, entry=_level_at_rest)
+    return level, address_of(law.breakaway, parameters)
+
+
+def _level_at_rest(level: Any) -> Callable[[Friction], float]:
+    """The breakaway level of a law that has none of its own: g(0)."""
+    return lambda p: level(0.0, p)
 
 
 def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
     """The law, for analysis: raises :class:`ParameterError` where analysis is not defined."""
-    if name not in ANALYSED_LAWS:
+    if name in LAWS and name not in ANALYSED_LAWS:
         raise ParameterError(
             f"limit cycles and describing functions are not defined for the friction law {name}; "
             f"give --law with one of {', '.join(ANALYSED_LAWS)}, or simulate"
@@ -108,6 +147,8 @@ def has_constant_level(law: FrictionLaw) -> bool:
 @inlined
 def symmetric_level(v: float, law: FrictionLaw) -> float:
     """Level [V] at sliding speed v [rad/s], without asymmetry and viscous part."""
+    if law.kind >= OWN:
+        return call_own(law.level, (v, copied(law.parameters)))
     return _level(law.kind, v, law.parameters)
 
 
@@ -124,6 +165,8 @@ def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
 @inlined
 def breakaway_level(direction: float, law: FrictionLaw) -> float:
     """Torque [V] up to which a stuck arm is held against motion in ``direction`` (±1)."""
+    if law.kind >= OWN:
+        return call_own(law.breakaway, (copied(law.parameters),)) * _factor(direction, law)
     return _breakaway(law.kind, law.parameters) * _factor(direction, law)
 
 

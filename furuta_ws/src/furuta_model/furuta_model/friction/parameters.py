@@ -40,3 +40,9 @@ def with_levels(p: Friction, alpha0: float, alpha1: float, asymmetry: float) -> 
         viscous=p.viscous,
         asymmetry=asymmetry,
     )
+
+
+@inlined
+def copied(p: Friction) -> Friction:
+    """The parameters as a named tuple, also from a block."""
+    return with_levels(p, p.alpha0, p.alpha1, p.asymmetry)

@@ -66,4 +66,6 @@ def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) ->
     return FrictionLaw(
         law.kind,
         with_levels(levels, levels.alpha0 * factor, levels.alpha1 * factor, levels.asymmetry),
+        law.level,
+        law.breakaway,
     )

@@ -6,8 +6,9 @@ and as many samples. Up to 64 loops of a group run in one block
 own.
 
 Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and others) or
-springs, and controllers with another mode or an excitation run singly. So do loops whose stages
-are not compiled yet, until their runs would have taken longer than the compilation.
+springs, controllers with another mode or an excitation, and own compensators and estimators run
+singly. So do loops whose stages are not compiled yet, until their runs would have taken longer than
+the compilation.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -19,8 +20,8 @@ from numba import types
 from numba.core import cgutils
 
 from furuta_control.control import design_controller
-from furuta_control.estimation import EstimatorParameters, design_estimator
-from furuta_friction.compensation import design_compensator
+from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
+from furuta_friction.compensation import COMPENSATIONS, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parts.converter import Actuator
@@ -104,6 +105,8 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     """The loop for a lane, or None if it has to run singly."""
     control = loop.controller
     if not control.enabled or control.mode != "balance" or control.excitation.kind != "none":
+        return None
+    if loop.observer.compensation not in COMPENSATIONS or loop.estimator.method not in METHOD_NAMES:
         return None
     samples = max(1, round(seconds / loop.plant.sample_time))
     if samples < FEWEST_SAMPLES:

@@ -131,7 +131,7 @@ def _set(candidate: Candidate, setting: str) -> None:
         )
     for match in _beside_plant(name):
         full = f"{match.node}.{match.parameter.name}"
-        if ":" in value:
+        if ":" in value and match.parameter.kind is not str:
             candidate.ranges[full] = _checked_range(match.parameter, value)
         else:
             candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))

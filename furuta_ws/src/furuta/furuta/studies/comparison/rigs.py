@@ -141,9 +141,10 @@ class RandomRigs:
             yield from self.uncertainty.draws(_DRAWN, generator)
 
     def _truth(self, number: int, nominal: PlantValues) -> PlantValues:
-        """Friction law, friction parameters and pendulum."""
+        """Friction law, unless the settings have an own one, friction parameters and pendulum."""
         r = self._stream(number, 0)
-        chosen: PlantValues = {"friction.law": LAWS[int(r.integers(len(LAWS)))]}
+        law, own = LAWS[int(r.integers(len(LAWS)))], nominal["friction.law"]
+        chosen: PlantValues = {"friction.law": law if own in LAWS else own}
         errors = {f"friction.{name}": FRICTION_ERROR for name in _FRICTION}
         errors |= {f"model.{name}": MODEL_ERROR for name in _MODEL}
         for name, error in errors.items():

@@ -1,0 +1,31 @@
+"""A compensator of the user's own: a function F̂ = f(memory, x, p), called by its address."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import inlined
+from furuta_model.friction.parameters import Friction, copied
+from furuta_model.own_functions import begin_own, call_own
+
+if TYPE_CHECKING:
+    from furuta_friction.compensation import CompensationDesign, CompensationMemory
+
+
+class OwnCompensation(NamedTuple):
+    """What an own compensator gets as ``p``."""
+
+    friction: Friction = Friction()
+    observer_gain: float = 0.0
+    adaptation_gain: float = 0.0
+    sample_time: float = 0.0
+
+
+@inlined
+def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V] for the state estimate ``x`` (5,)."""
+    given = OwnCompensation(copied(p.friction), p.observer_gain, p.adaptation_gain, p.sample_time)
+    begin_own(memory.own, p.function)
+    return call_own(p.function, (memory.own.numbers, x, given))

@@ -1,0 +1,215 @@
+"""Functions of the user's own as parts of a loop: found by name, compiled, called by address.
+
+A part is a Python function, or an entry of a registry with such functions. Its name in a parameter
+is ``module:function``; a part that is given as an object has such a name in this process. The loop
+is compiled once for all such parts, because it calls them by their addresses, which are numbers of
+its design. So nothing changes for the parts of the house.
+
+The first argument of a function with memory is a record of the fields of a dataclass, if it is
+annotated with one, or else an array of :data:`OWN_NUMBERS` numbers. All numbers start at zero.
+"""
+
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from itertools import count
+from operator import attrgetter
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+
+import numba
+import numpy as np
+from numba import types
+from numba.core import cgutils
+
+from furuta_model.block import block, zeros
+from furuta_model.compiled import inlined, make_intrinsic
+from furuta_model.parameters import ParameterError
+from furuta_model.state import SIGNALS
+
+Entry = TypeVar("Entry")
+
+# Numbers that the memory of an own function holds.
+OWN_NUMBERS = 32
+# Numba's type of an array that an own function gets.
+ADDRESS = types.CPointer(types.float64)
+_LOCATION = re.compile(r'File "(.+?)", line (\d+)')
+
+_given: dict[str, Any] = {}
+
+
+@dataclass
+class OwnMemory:
+    """Address of the own function that has run last, and what it remembers."""
+
+    function: int = 0
+    numbers: np.ndarray = zeros(OWN_NUMBERS)
+
+
+def part_name(part: Any) -> str:
+    """The name of a part that is given as an object; it is valid in this process."""
+    name = getattr(part, "name", None) or f"{part.__module__}:{part.__qualname__}"
+    name = name if ":" in name else f"own:{name}"
+    for number in count(1):
+        unique = name if number == 1 else f"{name} {number}"
+        if _given.setdefault(unique, part) == part:
+            return unique
+    raise AssertionError
+
+
+def own_part(name: str, kind: Callable[..., Entry], *meaning: str) -> Entry:
+    """The entry with the name ``module:function``; a function becomes one with that ``meaning``.
+
+    Raises:
+        ParameterError: There is no such part.
+    """
+    part = _given[name] if name in _given else _imported(name)
+    if isinstance(part, kind):  # type: ignore[arg-type]
+        return part._replace(name=name)  # type: ignore[attr-defined, no-any-return]
+    if not callable(part):
+        raise ParameterError(f"{name} must be a function, given {type(part).__name__}")
+    return kind(name, *meaning, part)
+
+
+@cache
+def _imported(name: str) -> Any:
+    """The object ``module:name``; modules of the working directory are found too."""
+    module, _, attribute = name.partition(":")
+    sys.path.append("")
+    try:
+        return attrgetter(attribute)(import_module(module))
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise ParameterError(f"cannot load {name} as module:function: {reason}") from None
+    finally:
+        sys.path.remove("")
+
+
+@cache
+def compiled_part(function: Callable[..., Any]) -> Any:
+    """An own function, compiled with the arithmetic of the house."""
+    is_compiled = hasattr(function, "py_func")
+    return function if is_compiled else numba.njit(nogil=True, error_model="numpy")(function)
+
+
+@cache
+def address_of(
+    function: Callable[..., Any], *arguments: Any, entry: Callable[..., Any] | None = None
+) -> int:
+    """Address of an own function as code with numba's types ``arguments``, which gives a float64.
+
+    ``entry`` makes the code from the compiled function, by default the function itself.
+
+    Raises:
+        ParameterError: The function cannot be compiled; the message names its line.
+    """
+    inner = compiled_part(function)
+    try:
+        code = numba.cfunc(types.float64(*arguments), error_model="numpy")(
+            entry(inner) if entry else inner.py_func
+        )
+    except Exception as error:  # numba raises many kinds
+        raise ParameterError(_one_line(function, str(error))) from None
+    _code.append(code)
+    address: Any = code.address
+    return int(address)
+
+
+_code: list[Any] = []
+
+
+@cache
+def sample_function(function: Callable[..., Any], given: type, *others: Any) -> int:
+    """Address of an own function (memory, x, *others, p) that runs every sample.
+
+    It gives a number, or changes x if ``others`` (numba's types) has an array. Arrays have
+    :data:`SIGNALS` numbers; p is a ``given``.
+    """
+    memory = _memory_view(function)
+    array = numba.njit(lambda address: numba.carray(address, SIGNALS))
+
+    def entry(inner: Any) -> Callable[..., float]:
+        def update(own: Any, x: Any, measurement: Any, p: Any) -> float:
+            inner(memory(own), array(x), array(measurement), p)
+            return 0.0
+
+        if ADDRESS in others:
+            return update
+        if others:
+            return lambda own, x, number, p: inner(memory(own), array(x), number, p)
+        return lambda own, x, p: inner(memory(own), array(x), p)
+
+    return address_of(function, types.voidptr, ADDRESS, *others, numba.typeof(given()), entry=entry)
+
+
+def _memory_view(function: Callable[..., Any]) -> Any:
+    """A compiled function that makes the memory of an own function from its address."""
+    first: Any = next(iter(_hints(function).values()), None)
+    if not hasattr(first, "__dataclass_fields__"):
+        return numba.njit(lambda address: numba.carray(address, OWN_NUMBERS, np.float64))
+    initial = block(first())
+    kind = initial.dtype
+    if kind.itemsize > 8 * OWN_NUMBERS or any(initial.tobytes()):
+        raise ParameterError(
+            f"memory {first.__name__} must start at zero and have at most {OWN_NUMBERS} numbers"
+        )
+    return numba.njit(lambda address: numba.carray(address, 1, kind)[0])
+
+
+def _hints(function: Callable[..., Any]) -> dict[str, Any]:
+    plain = getattr(function, "py_func", function)
+    return {name: kind for name, kind in get_type_hints(plain).items() if name != "return"}
+
+
+def _one_line(function: Callable[..., Any], message: str) -> str:
+    """Numba's message as one line, with the innermost file and line that it names."""
+    plain = getattr(function, "py_func", function)
+    places = [place for place in _LOCATION.findall(message) if place[0] != __file__]
+    code = plain.__code__
+    file, line = places[-1] if places else (code.co_filename, code.co_firstlineno)
+    lines = [text.strip() for text in re.sub(r"\x1b\[\d*m", "", message).splitlines()]
+    reason = next((text for text in lines if text and not text.startswith("Failed in")), message)
+    return (
+        f"{plain.__qualname__} cannot be compiled ({Path(file).resolve()}, line {line}): {reason}"
+    )
+
+
+def _calling(_: Any, address: Any, arguments: Any) -> Any:
+    """Call an own function: arrays by the addresses of their numbers, all else as it is."""
+
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        ir: Any = cgutils.ir
+        given = [
+            context.make_array(kind)(context, builder, value).data
+            if isinstance(kind, types.Array)
+            else value
+            for kind, value in zip(arguments, cgutils.unpack_tuple(builder, values[1]), strict=True)
+        ]
+        code = ir.FunctionType(ir.DoubleType(), [value.type for value in given])
+        call = builder.call(builder.inttoptr(values[0], code.as_pointer()), given)
+        # The code around it is optimised for the parts of the house. (A name unknown to llvmlite.)
+        set.add(call.attributes, "cold")
+        return call
+
+    return types.float64(types.intp, arguments), generate
+
+
+call_own: Callable[[int, tuple[Any, ...]], float] = make_intrinsic(_calling)
+
+
+@inlined
+def begin_own(memory: OwnMemory, function: int) -> None:
+    """Prepare the memory of an own function: zeros, if another one has run before."""
+    if memory.function != function:
+        memory.function = function
+        for i in range(OWN_NUMBERS):
+            memory.numbers[i] = 0.0
+
+
+@inlined
+def forget_own(memory: OwnMemory) -> None:
+    """Let the own function start anew."""
+    memory.function = 0

@@ -1,0 +1,209 @@
+"""Functions of one's own as parts of a loop: equal to the parts of the house, and to Python."""
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+import numpy as np
+import pytest
+from random_loops import random_loop
+
+import furuta
+from furuta.studies.comparison.candidates import parse_candidates
+from furuta.studies.sweep import parse_swept_parameter
+from furuta_model.elementary import exp
+from furuta_model.friction import laws
+from furuta_model.own_functions import part_name
+from furuta_sim.lanes.lanes import prepare, run_block
+from furuta_sim.settings.settings import default_settings, load_settings, loop
+from furuta_sim.simulation.closed_loop import SETTLED, Simulation, outcome
+
+
+def stribeck(v: float, p: Any) -> float:
+    """The arithmetic of the law of that name."""
+    ratio = v / p.stribeck_velocity
+    if ratio * ratio > 50.0:
+        return p.alpha0
+    return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
+
+
+def breakaway(p: Any) -> float:
+    """That of stiction."""
+    return p.alpha0 + p.alpha1
+
+
+LUGRE = furuta.Law("own_lugre", stribeck, breakaway, bristle=True)
+
+
+@dataclass
+class Count:
+    """Samples so far and the sum of the arm's speed [rad/s]."""
+
+    samples: int = 0
+    speed: float = 0.0
+
+
+def counting(memory: Count, x: Any, p: Any) -> float:
+    """Depends on everything that it gets."""
+    memory.samples += 1
+    memory.speed += x[1]
+    return p.friction.alpha0 * memory.speed / memory.samples + p.sample_time * x[3]
+
+
+def array_counting(memory: Any, x: Any, p: Any) -> float:
+    """The same with an array as memory."""
+    memory[0] += 1
+    memory[1] += x[1]
+    return p.friction.alpha0 * memory[1] / memory[0] + p.sample_time * x[3]
+
+
+def feedback(memory: Any, x: Any, friction: float, p: Any) -> float:
+    """U = −Lx + F̂."""
+    return -(p.l1 * x[0] + p.l2 * x[1] + p.l3 * x[2] + p.l4 * x[3]) + friction
+
+
+def differences(memory: Any, x: Any, measurement: Any, p: Any) -> None:
+    """Filtered differences of θ."""
+    x[3] += 0.2 * ((measurement[2] - x[2]) / p.sample_time - x[3])
+    x[0], x[1], x[2], x[4] = measurement[0], measurement[1], measurement[2], nan
+
+
+def misspelt(v: float, p: Any) -> float:
+    """Uses a parameter that there is not."""
+    level = p.alpha0
+    return level + p.alpha7 * v
+
+
+@pytest.mark.parametrize(("law", "own"), [("stribeck", stribeck), ("lugre", LUGRE)])
+def test_law_with_the_arithmetic_of_the_house_has_its_bits(law: str, own: Any) -> None:
+    """In the simulation, and its limit cycle is the same."""
+    plain = furuta.make_loop({"plant.friction.law": law})
+    named = furuta.make_loop({"friction.law": own})
+    np.testing.assert_array_equal(
+        furuta.simulate(named, 5.0).state, furuta.simulate(plain, 5.0).state
+    )
+    ours, theirs = furuta.limit_cycle(named), furuta.limit_cycle(plain)
+    assert ours.phi_peak_to_peak_rad == pytest.approx(theirs.phi_peak_to_peak_rad, rel=1e-9)
+    assert ours.period_s == pytest.approx(theirs.period_s, rel=1e-9)
+
+
+def test_describing_function_of_an_own_law_is_an_integral_of_its_level() -> None:
+    """For the law of a constant level, 4α₀/(πA)."""
+    law = laws.friction_law(part_name(lambda v, p: p.alpha0), furuta.Friction())
+    for amplitude in (0.1, 3.0):
+        expected = 4.0 * 0.21 / (np.pi * amplitude)
+        assert furuta.describing_function(amplitude, 2.0, law) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("function", [counting, array_counting])
+def test_compensator_is_the_function_in_python(function: Any) -> None:
+    """Sample by sample, with what it remembers."""
+    run = furuta.simulate(seconds=2.0, compensation=function)
+    memory = Count() if function is counting else np.zeros(2)
+    p = furuta.Loop().observer
+    expected = [function(memory, x, p) for x in run.estimate]
+    np.testing.assert_allclose(run.friction_estimate, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_controller_is_the_feedback_of_the_house() -> None:
+    """While nothing is at a limit."""
+    own = furuta.simulate(seconds=5.0, controller=feedback)
+    house = furuta.simulate(seconds=5.0)
+    np.testing.assert_allclose(own.command, house.command, rtol=1e-9, atol=1e-9)
+
+
+def test_estimator_is_the_function_in_python() -> None:
+    """From the first measurement on."""
+    run = furuta.simulate(seconds=2.0, estimator=differences)
+    x = run.estimate[0].copy()
+    for k, measurement in enumerate(run.measurement[1:], start=1):
+        differences(None, x, measurement, furuta.Loop().estimator)
+        np.testing.assert_allclose(run.estimate[k], x, rtol=1e-12, atol=1e-15)
+
+
+def test_memory_starts_at_zero_for_another_function() -> None:
+    """A function does not find what the one before it has left."""
+    changing = Simulation(furuta.make_loop({"compensation": array_counting}))
+    changing.run(1.0)
+    changing.loop = furuta.make_loop({"compensation": counting})
+    run = changing.run(1.0)
+    memory = Count()
+    expected = [counting(memory, x, changing.loop.observer) for x in run.estimate]
+    np.testing.assert_allclose(run.friction_estimate, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_functions_of_one_name_are_different() -> None:
+    """Such as those that a function makes."""
+    low, high = (lambda v, p, c=c: c for c in (0.1, 0.3))
+    names = {part_name(low), part_name(high)}
+    assert len(names) == 2
+    assert part_name(low) in names
+    sizes = [furuta.measure(seconds=60.0, friction=law).phi_peak_to_peak_rad for law in (low, high)]
+    assert sizes[1] > 1.5 * sizes[0]
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (misspelt, r"misspelt cannot be compiled \(.*test_own_functions.py, line 74\): .*alpha7"),
+        ("no_such_module:law", "cannot load no_such_module:law as module:function: .*no_such"),
+        ("math:no_such_function", "cannot load math:no_such_function"),
+        ("math:pi", "math:pi must be a function, given float"),
+        ("bumpy", "one of coulomb, .* or an own one as module:function, given 'bumpy'"),
+    ],
+)
+def test_bad_part_is_one_line(part: Any, message: str) -> None:
+    """With the file and the line of the error."""
+    with pytest.raises(furuta.ParameterError, match=message) as error:
+        furuta.make_loop({"friction.law": part})
+    assert "\n" not in str(error.value)
+
+
+def test_memory_of_the_wrong_size_or_start_is_refused() -> None:
+    """It would be silently wrong otherwise."""
+
+    def started(memory: Started, x: Any, p: Any) -> float:
+        return 0.0
+
+    with pytest.raises(furuta.ParameterError, match="Started must start at zero"):
+        furuta.simulate(seconds=1.0, compensation=started)
+
+
+@dataclass
+class Started:
+    """A memory that does not start at zero."""
+
+    level: float = 1.0
+
+
+def test_names_in_studies() -> None:
+    """A colon in the name of a part is no range."""
+    name = f"{__name__}:array_counting"
+    part_name(array_counting)
+    (candidate,) = parse_candidates([f"mine=compensation={name}"], default_settings(), True)
+    applied = loop(candidate.applied_to(default_settings()))
+    assert applied.observer.compensation == name
+    swept = parse_swept_parameter(f"compensation=none,{name}", 2)
+    assert swept.values == ("none", name)
+    assert loop(load_settings([], [f"compensation={name}"])).observer.compensation == name
+
+
+@pytest.mark.long
+def test_own_law_in_lanes_has_the_bits_of_single_runs() -> None:
+    """Loops with different functions share a block."""
+    r = np.random.default_rng(1)
+    loops = [random_loop(r, "lugre", "none", "kalman", False) for _ in range(8)]
+    names = [part_name(LUGRE), part_name(LUGRE._replace(level=lambda v, p: p.alpha0))]
+    first = loops[0]
+    for k, each in enumerate(loops):
+        plant = each.plant._replace(
+            friction=each.plant.friction._replace(law=names[k % 2]),
+            actuator=first.plant.actuator,
+            sensors=first.plant.sensors,
+        )
+        loops[k] = each._replace(plant=plant, estimator=first.estimator)
+    ready = [prepare(each, 2.0) for each in loops]
+    assert len({each.group for each in ready if each}) == 1
+    found = run_block([each for each in ready if each], SETTLED)
+    for each, single in zip(found, (outcome(one, 2.0) for one in loops), strict=True):
+        np.testing.assert_array_equal(each, single)
