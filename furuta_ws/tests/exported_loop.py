@@ -27,6 +27,8 @@ from furuta_sim.simulation.control_system import (
 )
 
 WARNINGS = "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"
+# Functions of math.h are those of this process: to build the C library would take long.
+LIBRARY = "-std=c99", "-O2", "-shared", "-fPIC", "-nostdlib", *WARNINGS
 REPLAY = Path(__file__).with_name("export_replay.c")
 NOTHING, RESET, FORGET = range(3)
 # Probabilities per sample of a missing reading, an outlier, a gap of all, a kick, and a reset.
@@ -126,16 +128,9 @@ def _disturb(measurement: np.ndarray, random: np.random.Generator, counts: np.nd
 class CompiledLoop:
     """An exported loop as a library of this computer."""
 
-    def __init__(
-        self, loop: Loop, directory: Path, precision: Precision = DOUBLE, *options: str
-    ) -> None:
-        sources = write_loop(loop, directory, precision)
-        library = directory / "loop.so"
-        run_compiler(
-            "cc", "-std=c99", "-O2", "-shared", "-fPIC", *WARNINGS, *options, f"-I{directory}",
-            "-o", library, *sources, REPLAY,
-        )  # fmt: skip
-        self._library = ctypes.CDLL(str(library))
+    def __init__(self, loop: Loop, directory: Path, precision: Precision = DOUBLE) -> None:
+        write_loop(loop, directory, precision)
+        self._library = load(directory, directory / "loop.c", REPLAY)
         self._real = np.float32 if precision is FLOAT else np.float64
         self._memory = np.zeros(self._library.memory_size(), dtype=np.uint8)
         self._library.loop_init(_pointer(self._memory))
@@ -150,12 +145,17 @@ class CompiledLoop:
         return commands
 
 
-def write_loop(loop: Loop, directory: Path, precision: Precision = DOUBLE) -> list[Path]:
-    """Write the files of a loop; returns the sources but for the test."""
-    directory.mkdir(parents=True, exist_ok=True)
-    for name, content in loop_files(loop, precision, "a test").items():
+def write_loop(loop: Loop, directory: Path, precision: Precision = DOUBLE) -> None:
+    """Write the files of a loop."""
+    for name, content in loop_files(loop, precision, "Loop of a test.").items():
         (directory / name).write_text(content)
-    return [directory / "loop.c"]
+
+
+def load(directory: Path, *sources: str | Path) -> ctypes.CDLL:
+    """Compile sources beside a loop to a library, and load it."""
+    library = directory / f"{len(list(directory.iterdir()))}.so"  # a name is loaded only once
+    run_compiler("cc", *LIBRARY, f"-I{directory}", "-o", library, *sources)
+    return ctypes.CDLL(str(library))
 
 
 def _pointer(array: np.ndarray) -> ctypes.c_void_p:

@@ -46,10 +46,14 @@ class Expressions:
 
     def value(self, node: ast.expr) -> Any:
         """The value of any expression."""
+        return self._method(node)(node)
+
+    def _method(self, node: ast.AST) -> Callable[..., Any]:
+        """What translates nodes of this type."""
         method = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
             raise ExportError(f"no {type(node).__name__} in C")
-        return method(node)
+        return method  # type: ignore[no-any-return]
 
     def number(self, node: ast.expr) -> Number:
         """The value of an expression that is a number."""

@@ -183,11 +183,8 @@ class _Function(Expressions):
     def _block(self, statements: list[ast.stmt]) -> bool:
         """Translate statements; return whether they end with a return."""
         for statement in statements:
-            method = getattr(self, f"_{type(statement).__name__.lower()}", None)
-            if method is None:
-                raise ExportError(f"no {type(statement).__name__} in C")
             try:
-                if method(statement, statements):
+                if self._method(statement)(statement, statements):
                     return True
             except ExportError as error:
                 raise self._located(error, statement) from None
