@@ -13,6 +13,7 @@ import numpy as np
 from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT, Precision
 from furuta_control import control as controller
+from furuta_hw.rigs.rig import Rig
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
@@ -26,6 +27,7 @@ from furuta_sim.simulation.control_system import (
     design_control_system,
 )
 
+PAPER = Rig()
 WARNINGS = "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"
 # Functions of math.h are those of this process: to build the C library would take long.
 LIBRARY = "-std=c99", "-O2", "-shared", "-fPIC", "-nostdlib", *WARNINGS
@@ -145,9 +147,11 @@ class CompiledLoop:
         return commands
 
 
-def write_loop(loop: Loop, directory: Path, precision: Precision = DOUBLE) -> None:
+def write_loop(
+    loop: Loop, directory: Path, precision: Precision = DOUBLE, rig: Rig = PAPER
+) -> None:
     """Write the files of a loop."""
-    for name, content in loop_files(loop, precision, "Loop of a test.").items():
+    for name, content in loop_files(loop, rig, precision, "Loop of a test.").items():
         (directory / name).write_text(content)
 
 

@@ -7,6 +7,7 @@ the method, the compensation and the mode that the parameters select.
 
 from __future__ import annotations
 
+from math import expm1
 from typing import Any
 
 from furuta.export.functions import CFunction, Translation
@@ -15,6 +16,7 @@ from furuta.export.text import comment
 from furuta.export.values import REAL, Array, ExportError, Known, Memory, Precision, Value
 from furuta.export.vectors import test_program
 from furuta_control.control import ControllerMemory, forget_integrals
+from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import declared, values
 from furuta_sim.simulation.closed_loop import Loop
 from furuta_sim.simulation.control_system import (
@@ -39,8 +41,13 @@ _HEADER = """\
 #include <stdbool.h>
 #include <stdint.h>
 
+#define LOOP_REAL {real}
+
 /* Time between two calls of loop_step [s]. */
 #define LOOP_SAMPLE_TIME {sample_time}
+
+/* Calibration of the rig: value = (code - zero) * per_code [rad, rad/s, rad, V]. */
+{calibration}
 
 /* What the sensors say; NAN where a reading is missing or there is no sensor. */
 typedef struct {{
@@ -137,8 +144,10 @@ void loop_forget_integrals(loop_memory *memory) {{
 """
 
 
-def loop_files(loop: Loop, precision: Precision, about: str) -> dict[str, str]:
-    """Header, source and test by file name; ``about`` says what the loop is.
+def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[str, str]:
+    """Header, source and test by file name; ``origin`` says where the parameters are from.
+
+    ``rig`` gives the calibration of sensors and drive, for those who have their codes.
 
     Raises:
         ParameterError: Something in the loop cannot be exported.
@@ -170,7 +179,8 @@ def loop_files(loop: Loop, precision: Precision, about: str) -> dict[str, str]:
         forget_integrals=forget.name,
     )
     header = _HEADER.format(
-        about=_description(loop, about),
+        about=_description(loop, origin),
+        calibration=_calibration(rig, precision),
         sample_time=precision.literal(loop.controller.sample_time),
         real=precision.name,
         structures=structures(whole, ControlMemory),
@@ -212,6 +222,29 @@ def _design(loop: Loop, precision: Precision) -> ControlSystem:
     return system._replace(estimator=system.estimator._replace(readings=limits))
 
 
+def _calibration(rig: Rig, precision: Precision) -> str:
+    """Macros for the channels of a rig.
+
+    The share is that of a new difference in the low-pass filter on the arm's speed, 0 with a
+    tachometer.
+    """
+    parts: dict[str, Any] = {
+        "arm": rig.arm,
+        "speed": rig.speed,
+        "pendulum": rig.pendulum,
+        "drive": rig.drive,
+    }
+    macros: dict[str, str | int] = {}
+    for name, part in parts.items():
+        macros[f"{name}_per_code"] = precision.literal(part.channel.per_code)
+        macros[f"{name}_zero"] = precision.literal(part.channel.zero)
+    tachometer = rig.speed.sensor == "tachometer"
+    share = 0.0 if tachometer else -expm1(-rig.speed.bandwidth * rig.line.sample_time)
+    macros["speed_share"] = precision.literal(share)
+    macros |= {"drive_low": rig.drive.channel.low, "drive_high": rig.drive.channel.high}
+    return "\n".join(f"#define LOOP_{name.upper()} {value}" for name, value in macros.items())
+
+
 def _description(loop: Loop, origin: str) -> str:
     """A comment with all parameters, their units and meanings."""
     lines = [origin]
@@ -223,7 +256,7 @@ def _description(loop: Loop, origin: str) -> str:
     for node, group in groups.items():
         lines.append(f"{node}:")
         given = values(group)
-        for name, _, _, about in declared(type(group)):
+        for name, _, _, about in declared(type(group)):  # type: ignore[arg-type]
             meaning = about.meaning.partition(";")[0]
             lines.append(f"  {name} = {given[name]} {about.unit}".rstrip() + f": {meaning}")
     texts = (comment(line)[3:].removesuffix(" */") for line in lines)

@@ -1,6 +1,7 @@
 """``furuta export``."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -8,7 +9,10 @@ from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT
 from furuta_bringup.options import json_option, model_options
 from furuta_bringup.printing import show
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_ros.whole_files import whole_file
+from furuta_ros.yaml_files import read_yaml
 from furuta_sim.settings.settings import load_settings, loop
 
 
@@ -35,13 +39,24 @@ def c(
     The C is translated from the functions that the nodes run. In double it gives the same commands
     to the last bit. loop_test.c replays a simulated run and compares.
     """
-    settings = load_settings(files, assignments)
-    sources = [f"from {file.name}" for file in files] + [f"with {text}" for text in assignments]
-    about = f"Control system of the Furuta pendulum {', '.join(sources)}".strip()
-    contents = loop_files(loop(settings), FLOAT if single else DOUBLE, f"{about}.")
+    exported = loop(load_settings(files, assignments))
+    given, rig = {file: read_yaml(file, "parameter file") for file in files}, Rig()
+    for file in filter(lambda file: is_rig_file(given[file]), files):
+        rig, _ = rig_from_content(given[file], file)
+    origin = ["Control system of the Furuta pendulum.", *map(_origin, given.items()), *assignments]
+    contents = loop_files(exported, rig, FLOAT if single else DOUBLE, " ".join(origin))
     for name, content in contents.items():
         with whole_file(out / name) as path:
             path.write_text(content, encoding="utf-8")
     written = [out / name for name in contents]
     total = sum(path.stat().st_size for path in written)
     show({"files": list(map(str, written)), "bytes": total}, as_json)
+
+
+def _origin(given: tuple[Path, Any]) -> str:
+    """A parameter file, with the name of a rig and the sources of its values."""
+    file, content = given
+    sources = "; ".join(content.get("sources", []))
+    return (
+        f"{file.name}: {content.get('name', '')}, from {sources}." if sources else f"{file.name}."
+    )
