@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from elf import Elf
 from exported_loop import WARNINGS, CompiledLoop, Recorder, Run, load, write_loop
+from sources import ROOT
 
 import furuta
 from furuta.export.functions import Translation
@@ -51,6 +52,8 @@ TARGETS = {
     "RISC-V": ("-target", "riscv32-freestanding-none", "-mcpu=baseline_rv32-d"),
 }
 BOARD = Path(__file__).with_name("export_board.c")
+STAND_INS = Path(__file__).with_name("ros2_control")
+EXAMPLE = ROOT / "examples" / "ros2_control" / "furuta_loop_controller.cpp"
 X86 = "-target", "x86_64-freestanding-none"
 ALONE = "-std=c99", "-O2", "-ffreestanding", "-fno-math-errno", "-fno-unwind-tables", *WARNINGS
 PRECISIONS = {"double": DOUBLE, "float": FLOAT}
@@ -126,6 +129,23 @@ def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> 
         '#include "loop.h"\nvoid (*step)(loop_memory *) = loop_init;'
     )
     run_compiler("c++", "-std=c++17", *WARNINGS[:4], header, "-c", "-o", out, tmp_path / "user.cpp")
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_ros2_control_example_compiles(precision: str, tmp_path: Path) -> None:
+    """Against stand-ins for the headers of ros2_control, which are not installed here."""
+    write_loop(loop_of(USUAL["lugre"]), tmp_path, PRECISIONS[precision])
+    for header in (
+        "controller_interface/controller_interface.hpp",
+        "pluginlib/class_list_macros.hpp",
+    ):
+        (tmp_path / header).parent.mkdir()
+    stand_in = STAND_INS / "controller_interface.hpp"
+    shutil.copy(stand_in, tmp_path / "controller_interface")
+    macro = "#define PLUGINLIB_EXPORT_CLASS(Class, Base) static Base *made() { return new Class; }"
+    (tmp_path / "pluginlib/class_list_macros.hpp").write_text(f"{macro}\n")
+    options = "-std=c++17", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", f"-I{tmp_path}"
+    run_compiler("c++", *options, "-c", "-o", tmp_path / "controller.o", EXAMPLE)
 
 
 class LoopOnProcessor:
