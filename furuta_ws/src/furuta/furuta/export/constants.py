@@ -88,12 +88,13 @@ class Constants:
         return "\n".join(lines)
 
     def _integer(self, name: str, value: int, remark: str) -> Number:
-        self._define(name, f"enum {{ {name} = {value} }};", remark)
+        self._definitions.setdefault(name, (f"enum {{ {name} = {value} }};", remark))
         return Number(INTEGER, name, value=value)
 
     def _real(self, name: str, value: float, remark: str) -> Number:
-        literal = self.precision.literal(value)
-        self._define(name, f"static const {self.precision.name} {name} = {literal};", remark)
+        of = self.precision
+        definition = f"static const {of.name} {name} = {of.literal(value)};"
+        self._definitions.setdefault(name, (definition, remark))
         return Number(REAL, name, value=value)
 
     def _array(self, name: str, value: np.ndarray, remark: str) -> Array:
@@ -101,16 +102,13 @@ class Constants:
         size = "".join(f"[{n}]" for n in value.shape)
         numbers = self._braces(value.tolist())
         definition = f"static const {self.precision.type_of(kind)} {name}{size} = {numbers};"
-        self._define(name, wrapped(definition), remark)
+        self._definitions.setdefault(name, (wrapped(definition), remark))
         return Array(kind, name, is_constant=True)
 
     def _braces(self, value: Any) -> str:
         if isinstance(value, list):
             return "{" + ", ".join(map(self._braces, value)) + "}"
         return self.precision.literal(value) if isinstance(value, float) else str(value)
-
-    def _define(self, name: str, definition: str, remark: str) -> None:
-        self._definitions.setdefault(name, (definition, remark))
 
 
 @cache

@@ -117,6 +117,7 @@ class _Function(Expressions):
         self.parameters: dict[str, Value] = {}
 
     def translate(self) -> CFunction:
+        """Translate it, and add its C to the whole."""
         for name, value in self.arguments.items():
             self.names[name] = self._parameter(name, value)
         self._block(self.tree.body)
@@ -150,6 +151,7 @@ class _Function(Expressions):
         return inside
 
     def call(self, function: Any, arguments: list[Value], named: dict[str, Value]) -> Any:
+        """Call a function that is translated too."""
         python = getattr(function, "py_func", function)
         if not inspect.isfunction(python) or not python.__module__.startswith("furuta"):
             name = getattr(function, "__name__", repr(function))

@@ -115,9 +115,8 @@ class Operations:
         bits = BITS in (left.kind, right.kind)
         if value is not None and left.kind == INTEGER and (left.text + right.text).isdigit():
             return Number(INTEGER, str(value), Rank.ATOM if value >= 0 else Rank.UNARY, value)
-        tight = (
-            Rank.UNARY if rank < Rank.SUM else rank
-        )  # compilers warn of mixed bits and comparisons
+        # Compilers warn of bits that are mixed with other operators.
+        tight = Rank.UNARY if rank < Rank.SUM else rank
         text = f"{left.within(tight)} {symbol} {right.within(Rank(max(tight, rank + 1)))}"
         return Number(BITS if bits else left.kind, text, rank, value)
 
