@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 from furuta.export.constants import Constants
 from furuta.export.expressions import Expressions
-from furuta.export.operations import HELPER_CODE
-from furuta.export.text import KEPT, comment, summary, wrapped
+from furuta.export.text import KEPT, comment, filled, summary, wrapped
 from furuta.export.values import (
     INTEGER,
     REAL,
@@ -80,12 +79,9 @@ class Translation:
 
     def helpers(self, code: str) -> list[str]:
         """The definitions of the helpers that some code uses."""
-        types = {"real": self.precision.name, "bits": self.precision.bits}
-        return [
-            re.sub(r"\b(real|bits)\b", lambda found: types[found[0]], text)
-            for name, text in HELPER_CODE.items()
-            if re.search(rf"\b{name}\(", code)
-        ]
+        given = filled("helpers.c", real=self.precision.name, bits=self.precision.bits)
+        names = {text: text.partition("(")[0].split()[-1] for text in given.strip().split("\n\n")}
+        return [text for text, name in names.items() if f"{name}(" in code]
 
 
 class _Return(NamedTuple):

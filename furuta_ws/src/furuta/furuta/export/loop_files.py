@@ -12,7 +12,7 @@ from typing import Any
 
 from furuta.export.functions import CFunction, Translation
 from furuta.export.structures import initialisation, structures
-from furuta.export.text import comment
+from furuta.export.text import comment, filled
 from furuta.export.values import REAL, Array, ExportError, Known, Memory, Precision, Value
 from furuta.export.vectors import test_program
 from furuta_control.control import ControllerMemory, forget_integrals
@@ -32,116 +32,6 @@ PREFIX = "loop_"
 MODES = ("balance", "swing_up")
 # Tolerance of floats for rounding, relative.
 FLOAT_ROUNDING = 1e-6
-
-_HEADER = """\
-{about}
-#ifndef FURUTA_LOOP_H
-#define FURUTA_LOOP_H
-
-#include <stdbool.h>
-#include <stdint.h>
-
-#define LOOP_REAL {real}
-
-/* Time between two calls of loop_step [s]. */
-#define LOOP_SAMPLE_TIME {sample_time}
-
-/* Calibration of the rig: value = (code - zero) * per_code [rad, rad/s, rad, V]. */
-{calibration}
-
-/* What the sensors say; NAN where a reading is missing or there is no sensor. */
-typedef struct {{
-    {real} phi;       /* arm angle [rad] */
-    {real} phi_dot;   /* arm speed [rad/s] */
-    {real} theta;     /* pendulum angle, 0 upright [rad] */
-    {real} theta_dot; /* pendulum speed [rad/s], NAN unless all sensors are ideal */
-    {real} torque;    /* voltage that the drive has applied since the reading before [V] */
-}} loop_reading;
-
-/* The command, and what it was computed from. */
-typedef struct {{
-    {real} voltage;     /* command u [V] */
-    {real} friction;    /* friction estimate [V] */
-    {real} estimate[5]; /* phi, phi_dot, theta, theta_dot, observed friction; NAN if unknown */
-}} loop_command;
-
-{structures}
-
-/* All that the loop remembers. */
-typedef {memory} loop_memory;
-
-#ifdef __cplusplus
-extern "C" {{
-#endif
-
-/* Prepare for the first reading. */
-void loop_init(loop_memory *memory);
-
-/* One sample: the command for a reading. */
-void loop_step(loop_memory *memory, const loop_reading *reading, loop_command *command);
-
-/* Prepare for a reading that does not continue the ones before; what has been learned is kept. */
-void loop_reset(loop_memory *memory);
-
-/* Call it before loop_step while commands are not applied: nothing is integrated meanwhile. */
-void loop_forget_integrals(loop_memory *memory);
-
-#ifdef __cplusplus
-}}
-#endif
-
-#endif
-"""
-
-_SOURCE = """\
-/* Generated with loop.h, which says from what. Integers have 64 bits, as in the original. */
-#include "loop.h"
-
-#if defined(__FAST_MATH__)
-#error "compile without fast-math: NAN marks what is not known"
-#endif
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#endif
-
-#if __STDC_HOSTED__
-#include <math.h>
-#else /* the compiler's own */
-#define NAN __builtin_nanf("")
-#define isnan(x) __builtin_isnan(x)
-#define copysign{s} __builtin_copysign{s}
-#define fabs{s} __builtin_fabs{s}
-#define floor{s} __builtin_floor{s}
-#define fma{s} __builtin_fma{s}
-#define sqrt{s} __builtin_sqrt{s}
-#endif
-
-{constants}
-
-{functions}
-
-void loop_init(loop_memory *memory) {{
-    const loop_memory zero = {{0}};
-    *memory = zero;{initial}
-}}
-
-void loop_step(loop_memory *memory, const loop_reading *reading, loop_command *command) {{
-    {real} measurement[5] = {{
-        reading->phi, reading->phi_dot, reading->theta, reading->theta_dot, reading->torque,
-    }};
-    const {step}_result result = {step}(memory, measurement, command->estimate);
-    command->friction = result.part0;
-    command->voltage = result.part1;
-}}
-
-void loop_reset(loop_memory *memory) {{
-    {reset}(memory);
-}}
-
-void loop_forget_integrals(loop_memory *memory) {{
-    {forget_integrals}(&memory->controller);
-}}
-"""
 
 
 def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[str, str]:
@@ -168,7 +58,8 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
     forget = _translated(whole, forget_integrals, Memory(ControllerMemory, "memory", "memory->"))
     code = "\n\n".join(whole.code)
     code = "\n\n".join([*whole.helpers(code), code])
-    source = _SOURCE.format(
+    source = filled(
+        "loop.c",
         s=precision.suffix,
         real=precision.name,
         constants=whole.constants.text(code),
@@ -178,7 +69,8 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
         reset=reset_loop.name,
         forget_integrals=forget.name,
     )
-    header = _HEADER.format(
+    header = filled(
+        "loop.h",
         about=_description(loop, origin),
         calibration=_calibration(rig, precision),
         sample_time=precision.literal(loop.controller.sample_time),

@@ -50,26 +50,16 @@ OF_MATH_H: dict[Any, str] = {
     elementary.fma: "fma",
     math.sqrt: "sqrt",
     math.copysign: "copysign",
-    np.sqrt: "sqrt",
     np.floor: "floor",
     builtins.abs: "fabs",
 }
-# Functions that are defined in the generated code, with the kind of their result.
+# Functions of templates/helpers.c, with the kind of their result.
 HELPERS: dict[Any, tuple[str, str]] = {
     builtins.min: ("smaller", REAL),
     builtins.max: ("larger", REAL),
     np.sign: ("sign", REAL),
     elementary.bits_of_double: ("bits_of", BITS),
     elementary.double_of_bits: ("real_of", REAL),
-}
-HELPER_CODE = {
-    "smaller": "static real smaller(real a, real b) {\n    return b < a ? b : a;\n}",
-    "larger": "static real larger(real a, real b) {\n    return b > a ? b : a;\n}",
-    "sign": "static real sign(real a) {\n    return a > 0 ? 1 : a < 0 ? -1 : a;\n}",
-    "bits_of": "static bits bits_of(real a) {\n    const union {\n        real number;\n"
-    "        bits digits;\n    } both = {.number = a};\n    return both.digits;\n}",
-    "real_of": "static real real_of(bits a) {\n    const union {\n        bits digits;\n"
-    "        real number;\n    } both = {.digits = a};\n    return both.number;\n}",
 }
 
 

@@ -1,8 +1,9 @@
-"""Comments and long lines of C."""
+"""Comments, long lines and the unchanging parts of C."""
 
 import inspect
 import re
 import textwrap
+from pathlib import Path
 from typing import Any
 
 WIDTH = 100
@@ -36,3 +37,9 @@ def wrapped(line: str) -> str:
         break_on_hyphens=False,
     )
     return "\n".join(lines).replace(KEPT, " ")
+
+
+def filled(template: str, **values: object) -> str:
+    """A file of ``templates`` with each @name@ replaced by its value."""
+    text = (Path(__file__).parent / "templates" / template).read_text(encoding="utf-8")
+    return re.sub(r"@(\w+)@", lambda found: str(values[found[1]]), text)
