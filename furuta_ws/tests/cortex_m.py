@@ -32,16 +32,12 @@ STACK, STACK_SIZE = 0x40000000, 0x10000
 FRAME = 32
 
 
-class CortexM:
-    """A processor with the firmware on the emulated board in its memory."""
+class Processor:
+    """A processor with a program in its memory."""
 
-    def __init__(self, processor: str, directory: Path, stepping: bool = False) -> None:
+    def __init__(self, processor: str, elf: Elf, stepping: bool = False) -> None:
         # unicorn stops after a number of instructions only in code that it has translated for this.
         self._limit = 2**40 if stepping else 0
-        file = directory / f"{processor}.elf"
-        options = *MACHINE, f"-mcpu={processor}", "-g", "-Wl,-e,emulated_replay"
-        compile_firmware(emulated_sources(), file, *options)
-        elf = Elf(file)
         self.functions = elf.functions()
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(PROCESSORS[processor])
@@ -59,13 +55,35 @@ class CortexM:
         self.uc.reg_write(UC_ARM_REG_LR, RETURN | 1)
         self.uc.reg_write(UC_ARM_REG_PC, self.functions[function] | 1)
 
+    def call(self, function: str, *arguments: int) -> None:
+        """Call a function."""
+        self._begin(function, *arguments)
+        self._run()
+        assert self._ended()
+
+    def _run(self, instructions: int | None = None) -> None:
+        """Continue for so many instructions, or to the end."""
+        start = self.uc.reg_read(UC_ARM_REG_PC) | 1
+        self.uc.emu_start(start, RETURN, count=instructions or self._limit)
+
+    def _ended(self) -> bool:
+        return bool(self.uc.reg_read(UC_ARM_REG_PC) == RETURN)
+
+
+class CortexM(Processor):
+    """A processor with the firmware on the emulated board in its memory."""
+
+    def __init__(self, processor: str, directory: Path, stepping: bool = False) -> None:
+        file = directory / f"{processor}.elf"
+        options = *MACHINE, f"-mcpu={processor}", "-g", "-Wl,-e,emulated_replay"
+        compile_firmware(emulated_sources(), file, *options)
+        super().__init__(processor, Elf(file), stepping)
+
     def replay(self, script: bytes) -> bytes:
         """Replay a script; returns the log."""
         assert LOG_FACTOR * len(script) < BLOCK
         self.uc.mem_write(SCRIPT, script)
-        self._begin("emulated_replay", SCRIPT, len(script), LOG)
-        self._run()
-        assert self._ended()
+        self.call("emulated_replay", SCRIPT, len(script), LOG)
         size = self.uc.reg_read(UC_ARM_REG_R0)
         return bytes(self.uc.mem_read(LOG, size))
 
@@ -122,14 +140,6 @@ class CortexM:
         self.uc.context_restore(registers)
         self._run()
         return True
-
-    def _run(self, instructions: int | None = None) -> None:
-        """Continue for so many instructions, or to the end."""
-        start = self.uc.reg_read(UC_ARM_REG_PC) | 1
-        self.uc.emu_start(start, RETURN, count=instructions or self._limit)
-
-    def _ended(self) -> bool:
-        return bool(self.uc.reg_read(UC_ARM_REG_PC) == RETURN)
 
     def _locked(self) -> bool:
         return self.uc.mem_read(self.functions["locks"], 1) != b"\0"

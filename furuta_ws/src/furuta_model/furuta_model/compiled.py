@@ -47,12 +47,19 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
 def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
     """Return a compiled function ``f(kind, *arguments)`` that calls ``functions[kind]``.
 
-    All functions take and return the same types: numbers and named tuples of numbers.
+    All functions take and return the same types: numbers and named tuples of numbers. The returned
+    function has them as ``furuta_choices``.
     """
+    dispatcher: Any = _by_kind(functions)
+    dispatcher.furuta_choices = tuple(functions)
+    return cast(Callable[..., Any], dispatcher)
+
+
+def _by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
     first, *others = functions
     if not others:
         return inlined(lambda kind, *arguments: first(*arguments), cached=False)
-    rest = by_kind(others)
+    rest = _by_kind(others)
 
     def dispatch(kind: int, *arguments: Any) -> Any:
         if kind == 0:

@@ -28,8 +28,10 @@ from numba import types
 
 from furuta_model.compiled import inlined, make_intrinsic
 
+# Bits of a double's fraction, and what is added to its exponent.
+FRACTION_BITS, BIAS = 52, 1023
 # Adding and subtracting it rounds to an integer, which is then in the lowest bits [0 … 2⁵¹].
-ROUND = 1.5 * 2.0**52
+ROUND = 1.5 * 2.0**FRACTION_BITS
 # 1/ln 2 and 2/π; ln 2 and π/2 as a double and what that leaves.
 PER_LN2 = 1.4426950408889634
 LN2, LN2_REST = 0.6931471805599453, 2.3190468138462996e-17
@@ -85,14 +87,14 @@ def _double_in_python(bits: int) -> float:
 
 
 fma: Callable[[float, float, float], float] = make_intrinsic(_fma, exact_fma)
-_bits: Callable[[float], int] = make_intrinsic(_bits_of, _bits_in_python)
+bits_of_double: Callable[[float], int] = make_intrinsic(_bits_of, _bits_in_python)
 double_of_bits: Callable[[int], float] = make_intrinsic(_double_of, _double_in_python)
 
 
 @inlined
 def power_of_two(exponent: int) -> float:
     """2 to the power of an integer, −1022 … 1023."""
-    return double_of_bits((exponent + 1023) << 52)
+    return double_of_bits((exponent + BIAS) << FRACTION_BITS)
 
 
 @inlined
@@ -114,7 +116,7 @@ def reduced_exponential(x: float) -> tuple[float, float, float]:
     odd = fma(s, odd, 1.0 / 5040.0)
     odd = fma(s, odd, 1.0 / 120.0)
     odd = fma(s, odd, 1.0 / 6.0)
-    scale = power_of_two(_bits(rounded))
+    scale = power_of_two(bits_of_double(rounded))
     return r, fma(r, odd, even), scale
 
 
@@ -160,7 +162,7 @@ def sin_cos(x: float) -> tuple[float, float]:
     cosine = fma(s, cosine, -1.0 / 720.0)
     cosine = fma(s, cosine, 1.0 / 24.0)
     cosine = fma(s, fma(s, cosine, -0.5), 1.0)
-    quarter = _bits(rounded)
+    quarter = bits_of_double(rounded)
     odd = (quarter & 1) != 0
     first, second = (cosine, sine) if odd else (sine, cosine)
     first = -first if (quarter & 2) != 0 else first

@@ -10,7 +10,6 @@ acceleration. The printed equation has a wrong sign and a wrong factor; they are
 Lagrangian T = ½αφ̇² + ½β(θ̇² + sin²θ φ̇²) + γ cosθ φ̇θ̇, V = δ cosθ.
 """
 
-from math import cos, sin
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -69,7 +68,8 @@ def accelerations(
     phi_dot: float, theta: float, theta_dot: float, torque: float, p: FurutaPendulum
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²] from eq. (1); ``torque`` is u − F [V]."""
-    return accelerations_at(phi_dot, sin(theta), cos(theta), theta_dot, torque, p)
+    s, c = sin_cos(theta)
+    return accelerations_at(phi_dot, s, c, theta_dot, torque, p)
 
 
 @inlined
@@ -127,7 +127,7 @@ def arm_dynamics(
     The inertia is that of the arm with the pendulum free in its joint. This is partial feedback
     linearisation (Spong 1994).
     """
-    s, c = sin(theta), cos(theta)
+    s, c = sin_cos(theta)
     coupling = p.gamma * c
     inertia = p.alpha + p.beta * s * s - coupling * coupling / p.beta
     torque = (

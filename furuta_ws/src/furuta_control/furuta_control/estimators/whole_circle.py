@@ -13,7 +13,6 @@ the joints, on which the entries of K between arm and pendulum depend, is propor
 well. The arm angle is treated as there: integrated, and kept within half a count of the encoder.
 """
 
-from math import cos
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +21,7 @@ from furuta_control.estimators import kalman
 from furuta_control.estimators.kalman import KalmanParameters
 from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
+from furuta_model.elementary import sin_cos
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -101,7 +101,8 @@ def _correct(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
     """Correct the prediction ``x`` (5,) by the readings of arm speed and pendulum angle."""
     speed = measurement[PHI_DOT] - x[PHI_DOT]
     angle = measurement[THETA] - x[THETA]
-    share = 0.5 + 0.5 * cos(x[THETA])
+    _, cosine = sin_cos(x[THETA])
+    share = 0.5 + 0.5 * cosine
     for i in range(CORRECTED):
         of_speed = p.hanging[i, 0] + share * (p.upright[i, 0] - p.hanging[i, 0])
         of_angle = p.hanging[i, 1] + share * (p.upright[i, 1] - p.hanging[i, 1])

@@ -14,13 +14,14 @@ there, and lowered when the pendulum passes upright too fast to be caught.
 """
 
 from dataclasses import dataclass
-from math import cos, pi, sqrt
+from math import pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_control.modes.arm_limits import ArmLimits
 from furuta_model.compiled import inlined
+from furuta_model.elementary import sin_cos
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -90,7 +91,7 @@ def design(model: FurutaPendulum, voltage: float, limits: ArmLimits) -> EnergySh
 def acceleration(memory: EnergyShapingMemory, x: np.ndarray, p: EnergyShaping) -> float:
     """Acceleration of the arm [rad/s²] for state ``x``."""
     theta, w = x[THETA], x[THETA_DOT]
-    c = cos(theta)
+    _, c = sin_cos(theta)
     if not memory.started:
         memory.started, memory.target = True, FIRST_TARGET
         memory.sign = 1.0 if x[PHI] < 0.0 else -1.0

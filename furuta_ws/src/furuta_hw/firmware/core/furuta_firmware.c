@@ -1,4 +1,7 @@
 #include "furuta_firmware.h"
+#ifdef FURUTA_ON_BOARD
+#include "furuta_on_board.h"
+#endif
 
 /* The interrupt changes these; outside of it they are used while it is locked. */
 static struct furuta_rig rig;
@@ -36,6 +39,11 @@ void furuta_tick(void) {
     newest.status = rig.status;
     unsent = rig.in_session;
     ticked = true;
+#ifdef FURUTA_ON_BOARD
+    const struct furuta_frame answer = furuta_answer(&newest);
+    (void)furuta_execute(&rig, &answer); /* not while the rig is disarmed */
+    board_drive(rig.code);
+#endif
 }
 
 static bool take_newest(struct furuta_sample *sample) {
@@ -63,6 +71,11 @@ static void welcome(uint16_t session) {
 }
 
 static void execute(const struct furuta_frame *frame) {
+#ifdef FURUTA_ON_BOARD
+    if (frame->type == FURUTA_DRIVE) {
+        return; /* the board answers its samples itself */
+    }
+#endif
     const bool hello = frame->type == FURUTA_HELLO;
     board_lock();
     const uint32_t period_us = rig.period_us;

@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from furuta_hw.protocol.frames import ARMED, WATCHDOG
-from furuta_sim.emulator.firmware_compiler import compile_firmware, emulated_sources
+from furuta_sim.emulator.firmware_compiler import (
+    compile_firmware,
+    emulated_sources,
+    on_board_options,
+)
 
 # The operations and the log of firmware/boards/emulated/emulated.c.
 POWER_ON = struct.Struct("<chhhIIH")
@@ -43,10 +47,11 @@ class CompiledFirmware:
     """Drop-in replacement of :class:`furuta_sim.emulator.firmware.Firmware`.
 
     Each object loads a copy of its own, because the firmware keeps its state in static memory.
+    With ``loop``, the folder of an exported loop, that loop runs on the board.
     """
 
-    def __init__(self, low: int, high: int, zero: int) -> None:
-        self._replay = load_replay()
+    def __init__(self, low: int, high: int, zero: int, loop: Path | None = None) -> None:
+        self._replay = load_replay(*(on_board_options(loop) if loop else ()))
         self._codes = (low, high, zero)
         self.fault = False
         self._driven_before = 0  # a reboot
@@ -106,7 +111,7 @@ class CompiledFirmware:
         return bool(self._state.status & WATCHDOG)
 
 
-def load_replay(*options: str) -> Callable[[bytes], bytes]:
+def load_replay(*options: str | Path) -> Callable[[bytes], bytes]:
     """Compile the emulated board and load it; returns a function from script to log."""
     with tempfile.TemporaryDirectory() as directory:
         library = Path(directory) / "firmware.so"

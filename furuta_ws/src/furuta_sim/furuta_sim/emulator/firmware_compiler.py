@@ -34,6 +34,13 @@ def emulated_sources() -> list[Path]:
     return [*core_sources(), firmware_directory() / "boards" / "emulated" / "emulated.c"]
 
 
+def on_board_options(loop: Path) -> tuple[str | Path, ...]:
+    """Options and sources for a loop on the board; ``loop`` is the folder of an exported one."""
+    folder = firmware_directory() / "on_board"
+    include = f"-I{folder}", f"-I{loop}"
+    return "-DFURUTA_ON_BOARD", *include, folder / "furuta_on_board.c", loop / "loop.c"
+
+
 def compiler() -> Path:
     """The executable of the compiler. Raises :class:`ParameterError` if it is not installed."""
     if ziglang is None:
@@ -43,7 +50,7 @@ def compiler() -> Path:
     return Path(ziglang.__file__).parent / "zig"
 
 
-def compile_firmware(sources: list[Path], out: Path, *options: str) -> None:
+def compile_firmware(sources: list[Path], out: Path, *options: str | Path) -> None:
     """Compile C files into ``out``. Raises :class:`ParameterError` with what the compiler says."""
     core = firmware_directory() / "core"
     run_compiler("cc", *OPTIONS, *options, f"-I{core}", "-o", out, *sources)

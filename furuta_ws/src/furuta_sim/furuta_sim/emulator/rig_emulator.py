@@ -12,6 +12,7 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -69,6 +70,9 @@ def _parse_arguments() -> argparse.Namespace:
     parser.add_argument(
         "--firmware", action="store_true", help="run the C firmware for boards, not the reference"
     )
+    parser.add_argument(
+        "--loop", type=Path, metavar="DIR", help="run this exported loop in the C firmware"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the sensors' noise")
     parser.add_argument("--initial", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME=VALUE")
@@ -87,7 +91,9 @@ def _make_rig(options: argparse.Namespace) -> RunningRig:
     rig = load_rig(options.rig) if options.rig else Rig()
     plant = plant_of(rig, initial_state_of(_values(options.initial)), options.seed)
     faults = with_faults(Faults(), _values(options.fault))
-    make_firmware = CompiledFirmware if options.firmware else Firmware
+    make_firmware: Callable[..., Any] = Firmware
+    if options.firmware or options.loop:
+        make_firmware = partial(CompiledFirmware, loop=options.loop)
     return RunningRig(EmulatedRig(rig, plant, faults, make_firmware), rig.line.sample_time)
 
 

@@ -1,0 +1,155 @@
+"""The control system of a loop as C: estimator, friction observer, guard and controller.
+
+Three files: ``loop.h``, ``loop.c`` and ``loop_test.c``, which replays a simulated run. The C is
+translated from the functions that nodes and simulation run (:mod:`furuta.export.functions`), for
+the method, the compensation and the mode that the parameters select.
+"""
+
+from __future__ import annotations
+
+from math import expm1
+from typing import Any
+
+from furuta.export.functions import CFunction, Translation
+from furuta.export.structures import initialisation, structures
+from furuta.export.text import comment, filled
+from furuta.export.values import REAL, Array, ExportError, Known, Memory, Precision, Value
+from furuta.export.vectors import test_program
+from furuta_control.control import ControllerMemory, forget_integrals
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import declared, values
+from furuta_sim.simulation.closed_loop import Loop
+from furuta_sim.simulation.control_system import (
+    ControlMemory,
+    ControlSystem,
+    control_sample,
+    design_control_system,
+    reset,
+)
+
+PREFIX = "loop_"
+# Modes that feed the state back.
+MODES = ("balance", "swing_up")
+# Tolerance of floats for rounding, relative.
+FLOAT_ROUNDING = 1e-6
+
+
+def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[str, str]:
+    """Header, source and test by file name; ``origin`` says where the parameters are from.
+
+    ``rig`` gives the calibration of sensors and drive, for those who have their codes.
+
+    Raises:
+        ParameterError: Something in the loop cannot be exported.
+    """
+    _check(loop)
+    whole = Translation(precision, PREFIX)
+    memory = Memory(ControlMemory, "memory", "memory->")
+    measurement, estimate = (Array(REAL, n) for n in ("measurement", "estimate"))
+    step = _translated(
+        whole,
+        control_sample,
+        memory,
+        measurement,
+        Known(_design(loop, precision), "loop"),
+        estimate,
+    )
+    reset_loop = _translated(whole, reset, memory)
+    forget = _translated(whole, forget_integrals, Memory(ControllerMemory, "memory", "memory->"))
+    code = "\n\n".join(whole.code)
+    code = "\n\n".join([*whole.helpers(code), code])
+    source = filled(
+        "loop.c",
+        s=precision.suffix,
+        real=precision.name,
+        constants=whole.constants.text(code),
+        functions=code,
+        initial=initialisation(whole, ControlMemory),
+        step=step.name,
+        reset=reset_loop.name,
+        forget_integrals=forget.name,
+    )
+    header = filled(
+        "loop.h",
+        about=_description(loop, origin),
+        calibration=_calibration(rig, precision),
+        sample_time=precision.literal(loop.controller.sample_time),
+        real=precision.name,
+        structures=structures(whole, ControlMemory),
+        memory=whole.structure_name(ControlMemory),
+    )
+    return {"loop.h": header, "loop.c": source, "loop_test.c": test_program(loop, precision)}
+
+
+def _translated(whole: Translation, function: Any, *arguments: Value) -> CFunction:
+    """Translate a function for arguments in its order."""
+    python = getattr(function, "py_func", function)
+    names = python.__code__.co_varnames
+    return whole.function(python, dict(zip(names, arguments, strict=False)))
+
+
+def _check(loop: Loop) -> None:
+    """Refuse what is for experiments only."""
+    if loop.controller.mode not in MODES:
+        raise ExportError(
+            f"controller.mode must be one of {', '.join(MODES)} to be exported, given "
+            f"{loop.controller.mode}"
+        )
+    if loop.controller.excitation.kind != "none":
+        raise ExportError(
+            "excitation.kind must be none to be exported: the signal is for identification; given "
+            f"{loop.controller.excitation.kind}"
+        )
+
+
+def _design(loop: Loop, precision: Precision) -> ControlSystem:
+    """The control system, with limits of the readings that allow for the rounding of floats."""
+    system = design_control_system(loop.estimator, loop.observer, loop.controller)
+    if not precision.suffix:
+        return system
+    limits = system.estimator.readings
+    limits = limits._replace(
+        end=limits.end * (1.0 - FLOAT_ROUNDING), largest=limits.largest * (1.0 + FLOAT_ROUNDING)
+    )
+    return system._replace(estimator=system.estimator._replace(readings=limits))
+
+
+def _calibration(rig: Rig, precision: Precision) -> str:
+    """Macros for the channels of a rig.
+
+    The share is that of a new difference in the low-pass filter on the arm's speed, 0 with a
+    tachometer.
+    """
+    parts: dict[str, Any] = {
+        "arm": rig.arm,
+        "speed": rig.speed,
+        "pendulum": rig.pendulum,
+        "drive": rig.drive,
+    }
+    macros: dict[str, str | int] = {}
+    for name, part in parts.items():
+        macros[f"{name}_per_code"] = precision.literal(part.channel.per_code)
+        macros[f"{name}_zero"] = precision.literal(part.channel.zero)
+    tachometer = rig.speed.sensor == "tachometer"
+    share = 0.0 if tachometer else -expm1(-rig.speed.bandwidth * rig.line.sample_time)
+    macros["speed_share"] = precision.literal(share)
+    macros |= {"drive_low": rig.drive.channel.low, "drive_high": rig.drive.channel.high}
+    return "\n".join(f"#define LOOP_{name.upper()} {value}" for name, value in macros.items())
+
+
+def _description(loop: Loop, origin: str) -> str:
+    """A comment with all parameters, their units and meanings."""
+    lines = [origin]
+    groups: dict[str, Any] = {
+        "estimator": loop.estimator,
+        "friction_observer": loop.observer,
+        "controller": loop.controller,
+    }
+    for node, group in groups.items():
+        lines.append(f"{node}:")
+        given = values(group)
+        for name, _, _, about in declared(type(group)):  # type: ignore[arg-type]
+            meaning = about.meaning.partition(";")[0]
+            lines.append(f"  {name} = {given[name]} {about.unit}".rstrip() + f": {meaning}")
+    texts = (comment(line)[3:].removesuffix(" */") for line in lines)
+    return "/* " + "\n * ".join(texts) + "\n */"

@@ -1,0 +1,247 @@
+"""Exported C gives the commands of the nodes: to the last bit in double, nearly in float."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from elf import Elf
+from exported_loop import WARNINGS, CompiledLoop, Recorder, Run, load, write_loop
+from sources import ROOT
+
+import furuta
+from furuta.export.functions import Translation
+from furuta.export.values import DOUBLE, FLOAT, REAL, ExportError, Number, Precision
+from furuta_sim.emulator.firmware_compiler import run_compiler
+from furuta_sim.simulation.closed_loop import Loop
+
+pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
+unicorn = pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
+
+SWING_UP = {"rig": "paper_full_turn", "mode": "swing_up", "method": "whole_circle"}
+USUAL: dict[str, dict[str, Any]] = {
+    "lugre": {"compensation": "lugre"},
+    "lowpass": {"method": "lowpass", "compensation": "coulomb"},
+    "qube": {"rig": "qube_servo_2", "compensation": "combined"},
+    "swing_up": {**SWING_UP, "swing_up.recover": True, "compensation": "adaptive"},
+}
+FURTHER: dict[str, dict[str, Any]] = {
+    **{name: {"compensation": name} for name in ("none", "coulomb", "stiction", "adaptive")},
+    **{name: {"compensation": name} for name in ("disturbance_observer", "combined")},
+    "whole_circle": {"method": "whole_circle", "compensation": "lugre"},
+    "super_twisting": {"super_twisting": 20.0, "integral_time": 1.0},
+    "ideal": {"sensors.ideal": True, "compensation": "lugre"},
+    "ideal_lowpass": {"sensors.ideal": True, "method": "lowpass", "compensation": "stiction"},
+    "swing_up_once": {**SWING_UP, "compensation": "lugre"},
+    "odrive": {"rig": "odrive_furuta", "compensation": "adaptive"},
+    "disabled": {"enabled": False},
+}
+CASES = USUAL | FURTHER
+# Samples of all cases together, in parts.
+ALL_SAMPLES, PART = 10_000_000, 100_000
+# Largest deviation of a float's command where no sign or threshold differs [V]; the drive of the
+# paper has steps of 0.005 V.
+FLOAT_DEVIATION = 1e-4
+TARGETS = {
+    "Cortex-M4": ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
+    "Cortex-M0+": ("-target", "thumb-freestanding-eabi", "-mcpu=cortex_m0plus"),
+    "RISC-V": ("-target", "riscv32-freestanding-none", "-mcpu=baseline_rv32-d"),
+}
+BOARD = Path(__file__).with_name("export_board.c")
+STAND_INS = Path(__file__).with_name("ros2_control")
+EXAMPLE = ROOT / "examples" / "ros2_control" / "furuta_loop_controller.cpp"
+X86 = "-target", "x86_64-freestanding-none"
+ALONE = "-std=c99", "-O2", "-ffreestanding", "-fno-math-errno", "-fno-unwind-tables", *WARNINGS
+PRECISIONS = {"double": DOUBLE, "float": FLOAT}
+
+
+def loop_of(case: dict[str, Any]) -> Loop:
+    return furuta.make_loop({k: v for k, v in case.items() if k != "rig"}, rig=case.get("rig"))
+
+
+def assert_same(loop: CompiledLoop, run: Run) -> None:
+    """Command, friction estimate and state estimate have the same bits, or are NaN."""
+    results = loop.run(run.readings, run.actions)
+    assert not np.any((results != run.results) & ~(np.isnan(results) & np.isnan(run.results)))
+
+
+@pytest.mark.parametrize("case", USUAL)
+def test_commands_have_the_same_bits(case: str, tmp_path: Path) -> None:
+    """In a noisy loop with missing readings, outliers, gaps, kicks, falls and resets."""
+    loop = loop_of(CASES[case])
+    run = Recorder(loop).run(25_000)
+    assert_same(CompiledLoop(loop, tmp_path), run)
+    assert np.isnan(run.results).any() and len(np.unique(run.results[:, 0])) > 1000
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", CASES)
+def test_commands_have_the_same_bits_for_long(case: str, tmp_path: Path) -> None:
+    """Ten million samples, shared by all cases."""
+    loop = loop_of(CASES[case])
+    recorder, exported = Recorder(loop, seed=1), CompiledLoop(loop, tmp_path)
+    for _ in range(-(-ALL_SAMPLES // (PART * len(CASES)))):
+        assert_same(exported, recorder.run(PART))
+
+
+@pytest.mark.parametrize("case", ["lugre", "swing_up"])
+def test_floats_deviate_little(case: str, tmp_path: Path) -> None:
+    """On the same readings, over falls and resets."""
+    loop = loop_of(CASES[case])
+    run = Recorder(loop).run(25_000)
+    results = CompiledLoop(loop, tmp_path, FLOAT).run(run.readings, run.actions)
+    assert (np.isnan(results) == np.isnan(run.results)).all()
+    assert np.nanmax(np.abs(results[:, :2] - run.results[:, :2])) < FLOAT_DEVIATION
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_the_test_program_finds_a_wrong_gain(precision: str, tmp_path: Path) -> None:
+    """It passes as it is, and fails if the gain is changed by 1 %."""
+    loop = loop_of(USUAL["lugre"])
+    write_loop(loop, tmp_path, PRECISIONS[precision])
+    sources = tmp_path / "loop.c", tmp_path / "loop_test.c"
+    assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 0
+    gain = f"loop_controller_balance_l3 = {loop.controller.feedback_gain[2]:.4}"
+    text = sources[0].read_text()
+    assert gain in text
+    sources[0].write_text(text.replace(gain, f"{gain[:-1]}9"))
+    assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 1
+
+
+@pytest.mark.parametrize(("case", "precision"), [("lugre", "float"), ("swing_up", "double")])
+def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> None:
+    """Compiled without warnings and without a C library; no static memory."""
+    write_loop(loop_of(CASES[case]), tmp_path, PRECISIONS[precision])
+    warnings = ["-Wdouble-promotion"] if precision == "float" else []
+    out, source = tmp_path / "loop.o", tmp_path / "loop.c"
+    for target in TARGETS.values():
+        run_compiler("cc", *ALONE, *warnings, *target, "-c", "-o", out, source)
+        elf = Elf(out)
+        assert 2000 < elf.code_size() < 25_000
+        assert elf.memory_size() == 0
+    run_compiler("cc", *ALONE, *warnings, *X86, "-c", "-o", out, source)
+    header = f"-I{tmp_path}"
+    (tmp_path / "user.cpp").write_text(
+        '#include "loop.h"\nvoid (*step)(loop_memory *) = loop_init;'
+    )
+    run_compiler("c++", "-std=c++17", *WARNINGS[:4], header, "-c", "-o", out, tmp_path / "user.cpp")
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_ros2_control_example_compiles(precision: str, tmp_path: Path) -> None:
+    """Against stand-ins for the headers of ros2_control, which are not installed here."""
+    write_loop(loop_of(USUAL["lugre"]), tmp_path, PRECISIONS[precision])
+    for header in (
+        "controller_interface/controller_interface.hpp",
+        "pluginlib/class_list_macros.hpp",
+    ):
+        (tmp_path / header).parent.mkdir()
+    stand_in = STAND_INS / "controller_interface.hpp"
+    shutil.copy(stand_in, tmp_path / "controller_interface")
+    macro = "#define PLUGINLIB_EXPORT_CLASS(Class, Base) static Base *made() { return new Class; }"
+    (tmp_path / "pluginlib/class_list_macros.hpp").write_text(f"{macro}\n")
+    options = "-std=c++17", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", f"-I{tmp_path}"
+    run_compiler("c++", *options, "-c", "-o", tmp_path / "controller.o", EXAMPLE)
+
+
+class LoopOnProcessor:
+    """An exported loop on an emulated Cortex-M4 with its floating-point unit."""
+
+    def __init__(self, directory: Path) -> None:
+        elf, sources = directory / "loop.elf", (directory / "loop.c", BOARD)
+        options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", "-Wl,-e,board_start", f"-I{directory}"
+        run_compiler("cc", *ALONE, *options, "-o", elf, *sources)
+        from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn
+
+        self._processor = Processor("cortex_m4", Elf(elf))
+        self._memory, self._reading, self._command = SCRIPT, SCRIPT + 0x10000, LOG
+        self.instructions = 0
+        self._processor.uc.hook_add(unicorn.UC_HOOK_CODE, self._count)
+        self._processor.call("loop_init", self._memory)
+
+    def _count(self, *_: object) -> None:
+        self.instructions += 1
+
+    def step(self, reading: np.ndarray) -> np.ndarray:
+        """Command, friction estimate and estimate (7,) for a reading (5,)."""
+        self._processor.uc.mem_write(self._reading, reading.astype(np.float32).tobytes())
+        self.instructions = 0
+        self._processor.call("loop_step", self._memory, self._reading, self._command)
+        return np.frombuffer(self._processor.uc.mem_read(self._command, 28), np.float32)
+
+
+def test_cost_on_a_cortex_m4(tmp_path: Path) -> None:
+    """Floats have the bits of this computer's; below 1000 instructions in a usual sample."""
+    loop = loop_of(USUAL["lugre"])
+    run = Recorder(loop).run(1500)
+    actions = np.zeros_like(run.actions)
+    expected = CompiledLoop(loop, tmp_path, FLOAT).run(run.readings, actions)
+    machine = LoopOnProcessor(tmp_path)
+    costs = []
+    for reading, result in zip(run.readings, expected, strict=True):
+        assert np.array_equal(machine.step(reading), result, equal_nan=True)
+        costs.append(machine.instructions)
+    assert 300 < np.median(costs) < 1000
+    assert max(costs) < 3000
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"mode": "off"}, "controller.mode must be one of balance, swing_up"),
+        ({"excitation.kind": "sine"}, "excitation.kind must be none"),
+    ],
+)
+def test_what_is_refused(values: dict[str, Any], message: str, tmp_path: Path) -> None:
+    """With one line that says what is allowed."""
+    with pytest.raises(ExportError, match=message):
+        write_loop(furuta.make_loop(values), tmp_path)
+
+
+def translate(function: Any, precision: Precision = DOUBLE) -> str:
+    """The C of a function of one real x."""
+    whole = Translation(precision, "")
+    whole.function(function, {"x": Number(REAL, "x")})
+    return "\n".join(whole.code)
+
+
+def with_while(x: float) -> float:
+    while x > 1.0:
+        x *= 0.5
+    return x
+
+
+def with_sine(x: float) -> float:
+    y = 2.0 * x
+    return float(np.sin(y))
+
+
+def test_errors_name_line_and_reason() -> None:
+    """Of what no C can do to the last bit, and of statements outside the subset."""
+    for function, reason in ((with_while, "no While in C"), (with_sine, "sin is no function")):
+        with pytest.raises(ExportError, match=rf"test_export, line \d+, .*{reason}") as caught:
+            translate(function)
+        line = function.__code__.co_firstlineno + (1 if function is with_while else 2)
+        assert f"line {line}," in str(caught.value)
+
+
+@pytest.mark.long
+def test_other_compilers(tmp_path: Path) -> None:
+    """The system's gcc accepts both files with all warnings, and the test passes."""
+    if shutil.which("gcc") is None:
+        pytest.skip("needs gcc")
+    for precision in PRECISIONS.values():
+        write_loop(loop_of(USUAL["swing_up"]), tmp_path, precision)
+        sources = tmp_path / "loop.c", tmp_path / "loop_test.c"
+        program = tmp_path / "test"
+        subprocess.run(
+            ["gcc", "-std=c99", "-O3", *WARNINGS, "-o", program, *sources, "-lm"], check=True
+        )
+        assert (
+            "largest deviation"
+            in subprocess.run([program], check=True, capture_output=True, text=True).stdout
+        )
