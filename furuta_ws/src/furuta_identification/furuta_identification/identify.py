@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from furuta_identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
-from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
@@ -44,13 +43,6 @@ def identify_files(
             findings += remarks
     fitted = [model.predict(recording) for recording in model.recordings]
     return model._replace(findings=findings + model.findings), fitted, held_out
-
-
-def free_swing_of_files(paths: tuple[Path, ...], names: Mapping, options: Options) -> FreeSwing:
-    """Fit the pendulum's own motion to the recordings at ``paths``."""
-    recordings, findings = _read_all(paths, names)
-    swing = identify_free_swing(recordings, options)
-    return swing._replace(findings=[*findings, *swing.findings])
 
 
 def _read_all(paths: tuple[Path, ...], names: Mapping) -> tuple[list[Recording], list[str]]:

@@ -15,14 +15,10 @@ LONGEST_GAP = 10.0
 LARGEST_COMMAND = 100.0
 
 
-def cleaned(recording: Recording, driven: bool = True) -> tuple[Recording, list[str]]:
-    """The usable part of a recording and findings; raises :class:`ParameterError` without one.
-
-    A recording that was not ``driven`` needs no command.
-    """
+def cleaned(recording: Recording) -> tuple[Recording, list[str]]:
+    """The usable part of a recording and findings; raises :class:`ParameterError` without one."""
     recording, findings = _with_usable_samples(recording)
-    if driven:
-        recording = _with_usable_commands(recording)
+    recording = _with_usable_commands(recording)
     _interpolate_missing_speeds(recording)
     gap = float(np.max(np.diff(recording.time)))
     if gap > LONGEST_GAP * recording.interval:

@@ -12,7 +12,7 @@ from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta.studies.sweep import Sweep, parse_swept_parameter, run_locally
 from furuta.studies.sweep_journal import Journal
 from furuta_bringup.file_types import OutputFile
-from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options
+from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
@@ -23,17 +23,11 @@ DEFAULT_COUNT = 10
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
-@click.option(
-    "--seconds",
-    type=SIMULATED_SECONDS,
-    default=60.0,
-    show_default=True,
-    help="Simulated time of each run [s].",
-)
-@click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
-@click.option(
+@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time of each run [s].")
+@option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+@option(
     "--out", type=OutputFile(*SUFFIXES),
-    default=Path("output/sweep.csv"), show_default=True,
+    default=Path("output/sweep.csv"),
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
 @model_options

@@ -8,15 +8,10 @@ from furuta_ros.topic_names import JOINTS
 
 # Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")
-# Name of the command if the motor was not driven.
-NO_COMMAND = "none"
 
 
 class Mapping(NamedTuple):
-    """Names given by the user: joints, topic of the states, topic or column of the command.
-
-    ``command`` is "none" if the motor was not driven. ``time`` is the column of a table's time.
-    """
+    """Names given by the user: joints, command (topic or column), states (topic), time (column)."""
 
     arm: str | None = None
     pendulum: str | None = None

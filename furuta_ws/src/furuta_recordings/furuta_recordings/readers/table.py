@@ -19,7 +19,7 @@ from furuta_recordings.readers.columns import (
     joint_column,
     joint_names,
 )
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
@@ -37,9 +37,8 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
     (arm, pendulum), notes = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
     stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
-    command = None if mapping.command == NO_COMMAND else _command_column(path, columns, mapping)
-    source = f"command from column {command}" if command else "no command"
-    notes.append(f"{path.name}: {source}, times from {stamps}")
+    command = _command_column(path, columns, mapping)
+    notes.append(f"{path.name}: command from column {command}, times from {stamps}")
     series = []
     for joint, angle in zip((arm, pendulum), angles, strict=True):
         series.append(in_si(path, columns, angle, ANGLE_UNITS))
