@@ -89,11 +89,6 @@ STAND_INS: dict[str, tuple[type[Any], ...]] = {
 }
 
 
-def launch_arguments(monkeypatch: pytest.MonkeyPatch) -> list[DeclareLaunchArgument]:
-    """The arguments of the launch file, as ``--show-args`` lists them."""
-    return [each for each in _entities(monkeypatch) if isinstance(each, DeclareLaunchArgument)]
-
-
 def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
     """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
     return _started(_entities(monkeypatch), arguments)

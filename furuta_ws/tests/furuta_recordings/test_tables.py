@@ -145,6 +145,7 @@ def test_the_stamp_of_the_states(tmp_path: Path, ending: str) -> None:
         (table().replace("command", "torque"), "name its column with --command"),
         ("time,a\n", "no table in it"),
         (bytes(range(128, 256)), "not a text file"),
+        (b"time,a\n" + b"1," * 2**20, "a line has more than 1048576 characters"),
     ],
 )
 def test_what_cannot_be_read_says_what_to_do(tmp_path: Path, text: str | bytes, words: str) -> None:

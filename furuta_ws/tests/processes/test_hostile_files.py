@@ -10,7 +10,6 @@ from typing import Any
 
 import hostile_files as hostile
 import limited_verbs
-import numpy as np
 import pytest
 
 # Longest time [s] that a refusal may take on a busy machine.
@@ -40,31 +39,6 @@ UNREAD = {"zstd_bomb", "zstd_liar", "lz4_bomb", "lz4_liar", "long_record"}
 HARMLESS = {
     "info": {"claimed_array", "fixed_array", *UNREAD},
     "recompute": {"fixed_array"},
-}
-TEXTS = {
-    "billion_laughs": "more than 200000 values",
-    "deep": "nested deeper than 32 levels",
-    "itself": "*a in line 1 contains itself",
-    "large": "larger than 2097152 bytes",
-    "number": "a number of 199999 characters",
-    "python": "not YAML",
-    "twice": "alpha0 is given twice in line 2",
-    "names": "",
-}
-TABLES: dict[str, tuple[Make, str]] = {
-    "long_line": (hostile.csv_file(b"time,a\n" + b"1," * 2**20), "a line has more than"),
-    "long_field": (hostile.csv_file(b'time,a\n1,"' + b"x\n" * 2**18), "field larger than"),
-    "no_line": (hostile.csv_file(bytes(2**22)), "a line has more than"),
-    "pipe.csv": (hostile.pipe, "a device or pipe"),
-    "pickle": (
-        hostile.npz(time=hostile.npy(np.array([hostile.Touch()]))),
-        "Object arrays",
-    ),
-    "claimed_shape": (hostile.npz(time=hostile.npy_claiming((10**9,))), "cannot read"),
-    "claimed_product": (hostile.npz(time=hostile.npy_claiming((10**9,) * 4)), "cannot read"),
-    "zeros": (hostile.large_series, "at most 536870912 are read"),
-    "ticks": (hostile.csv_file(b"time,arm,pendulum,command\n0,0,0,0\n1,1e308,0,0\n"), ""),
-    "no_archive": (hostile.broken_archive, "is not an npz file"),
 }
 
 
@@ -170,33 +144,3 @@ def test_a_recovery_writes_through_no_link(tmp_path: Path) -> None:
         assert (report["status"], len(report["err"].splitlines())) == (1, 1), report
     assert not list(outside.iterdir())
     assert not (tmp_path / "nothing").exists()
-
-
-@pytest.mark.parametrize(
-    "verb",
-    [("simulate", "--seconds", "1", "--params"), ("run", "--lockstep", "--rig")],
-    ids=" ".join,
-)
-def test_hostile_parameter_and_rig_files(tmp_path: Path, verb: tuple[str, ...]) -> None:
-    """The line says what is wrong and where."""
-    calls = [["linearize"]]
-    for name in TEXTS:
-        file = tmp_path / f"{name}.yaml"
-        file.write_text(hostile.YAML[name])
-        calls.append([*verb, str(file)])
-    calls.append([*verb, str(hostile.pipe(tmp_path / "pipe.yaml"))])
-    reasons = [*TEXTS.values(), "a device or pipe"]
-    for report, reason in zip(run_limited(tmp_path, calls)[1:], reasons, strict=True):
-        assert_refused(report, reason)
-
-
-def test_hostile_tables_and_series(tmp_path: Path) -> None:
-    """``identify`` and ``plot`` with CSV tables and files of ``simulate --out``."""
-    files = [str(make(tmp_path / name)) for name, (make, _) in TABLES.items()]
-    calls = [["linearize"], *(["identify", file] for file in files)]
-    calls += [["plot", file, "--out", str(tmp_path / "plot.png")] for file in files]
-    reasons = [*(reason for _, reason in TABLES.values()), *[""] * len(files)]
-    for report, reason in zip(run_limited(tmp_path, calls)[1:], reasons, strict=True):
-        print(f"{report['seconds']:.2f} s", report["err"].strip())
-        assert_refused(report, reason)
-    assert not (tmp_path / hostile.SECRET).exists()

@@ -177,15 +177,6 @@ def test_a_bogus_option_is_one_sentence(
     assert len(err.splitlines()) == 1
 
 
-def test_a_bogus_verb_is_one_sentence(furuta: Any) -> None:
-    """The same for a verb that does not exist."""
-    status, _, err = furuta("dance")
-    assert status == 2
-    assert err.startswith("error: No such command 'dance'")
-    assert err.endswith("(see furuta --help)\n")
-    assert len(err.splitlines()) == 1
-
-
 def test_ros_arguments_are_not_own_ones() -> None:
     """Those from ``--ros-args`` to ``--`` or to the end are for ROS."""
     given = ["--a", "--ros-args", "-p", "seed:=1", "--", "b", "--ros-args", "-r", "__ns:=/left"]
