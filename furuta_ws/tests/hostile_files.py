@@ -6,7 +6,6 @@ import struct
 from collections.abc import Callable
 from pathlib import Path
 
-import lz4.frame
 import numpy as np
 import zstandard
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -72,12 +71,6 @@ def parent_path(path: Path) -> Path:
     """metadata.yaml names a file by a path with .."""
     sound_bag(path.parent / SECRET)
     return _renamed_in_metadata(sound_bag(path), f"../{SECRET}/{SECRET}_0.db3")
-
-
-def absolute_path(path: Path) -> Path:
-    """metadata.yaml names a file by an absolute path."""
-    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.db3"
-    return _renamed_in_metadata(sound_bag(path), str(outside))
 
 
 def linked_file(path: Path) -> Path:
@@ -183,8 +176,6 @@ def file_of(content: Callable[[], bytes]) -> Callable[[Path], Path]:
 
 def compressed(compression: str, size: int) -> bytes:
     zeros = bytes(2**20)
-    if compression == "lz4":
-        return bytes(lz4.frame.compress(zeros * (size // 2**20)))
     compressor = zstandard.ZstdCompressor(level=3).compressobj()
     parts = [compressor.compress(zeros) for _ in range(size // 2**20)]
     return b"".join([*parts, compressor.flush()])
@@ -245,9 +236,3 @@ ENDLESS = (
     "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'00010000' AS data FROM n"
 )
 endless_view = altered_sqlite("DROP TABLE messages", f"CREATE VIEW messages AS {ENDLESS}")
-generated_column = altered_sqlite(
-    "DROP TABLE messages",
-    "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, "
-    f"data BLOB GENERATED ALWAYS AS (zeroblob({BILLION - 1})))",
-    "INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)",
-)

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from processes.conftest import wait_until_ready
 
-from furuta_graph.children import Children
 from furuta_graph.processes import executable
 from furuta_ros.process_start import own_arguments
 from furuta_sim.settings.nodes import NODES
@@ -127,30 +126,6 @@ def test_a_failed_node_is_named(processes: Any) -> None:
     status, _, err = end_of(parent)
     assert (status, err.splitlines()[-1]) == (137, "error: estimator was ended by SIGKILL")
     assert not any(runs(pid) for pid in pids)
-
-
-def ended(*codes: str, stopped: bool = False) -> tuple[dict[str, int], list[str]]:
-    """Failures of children that run these lines of shell, and how these have ended."""
-    started = Children()
-    for name, code in zip("abc", codes, strict=False):
-        started.start(name, ["/bin/sh", "-c", code])
-    if not stopped:
-        wait_for(started.any_has_ended)
-    started.end()
-    failures = started.failures(stopped)
-    return failures, [started.describe_end(name) for name in failures]
-
-
-def test_which_child_has_failed() -> None:
-    """One that ends by itself is the cause; one that ends when told to has not failed."""
-    wait = "sleep 60 & wait"
-    assert ended(wait, "exit 3", wait) == ({"b": 3}, ["b failed with status 3"])
-    assert ended(wait, "exit 0") == ({}, [])
-    assert ended(wait, "kill -TERM $$") == ({"b": 143}, ["b was ended by SIGTERM"])
-    crashes = "trap 'exit 7' TERM; sleep 60 & wait"
-    failures, _ = ended(crashes, "exit 3")
-    assert (next(iter(failures)), failures["b"]) == ("b", 3)
-    assert ended(wait, wait, stopped=True) == ({}, [])
 
 
 @pytest.mark.parametrize(
