@@ -55,7 +55,7 @@ def info(bag: Path, as_json: bool) -> None:
 @names_options
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
-    """Write BAG as a table with one row per measurement; docs/bags.md lists its columns."""
+    """Write BAG as a table with one row per measurement; docs/topics.md lists its columns."""
     from furuta.studies.series import load_series
     from furuta_recordings.series_columns import TIME
     from furuta_recordings.table_files import write_columns
