@@ -19,7 +19,7 @@ def display_nodes(rig: str = "", namespace: str = "") -> list[dict[str, Any]]:
     model = find_rig(rig or DEFAULT_RIG).model
     urdf = robot_description(model.arm_length, model.pendulum_length)
     layout = ["-d", str(share("config", "furuta.rviz"))]
-    of_each = {
+    of_each: dict[str, dict[str, Any]] = {
         "robot_state_publisher": {"parameters": [{"robot_description": urdf}]},
         "rviz2": {"arguments": layout},
     }
