@@ -68,24 +68,6 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
     assert "frames were lost or corrupt" in err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["hw", "rig", "nobody"], "no rig nobody; rigs are"),
-        (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-        (["hw", "friction", "--port", "mock", "--arm-range", "0.2"], "arm range must be at least"),
-        (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "has its own clock"),
-        (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-    ],
-)
-def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
-    """Exit status 1, the reason on standard error, nothing on standard output."""
-    status, out, err = furuta(*arguments)
-    assert (status, out) == (1, "")
-    assert reason in err
-    assert len(err.strip().splitlines()) == 1
-
-
 @pytest.mark.realtime
 def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> None:
     """Not armed, it drives nothing; the bag has measurements, commands and parameters."""
