@@ -35,6 +35,7 @@ DISPLAY_PERIOD = 0.1
 REST_SECONDS = 1.0
 
 
+# Numbers that the options take, in SI units.
 SECONDS = FiniteRange(0.0, 3600.0, min_open=True)
 VOLTAGES = FiniteRange(0.0, 1e3, min_open=True)
 ANGLES = FiniteRange(0.01, 1e6)
