@@ -225,7 +225,7 @@ def test_bad_input_is_one_line(
         (["param", "set", "plant", "--sede", "1"], "expected NAME VALUE"),
         (["simulate", "--seconds", "nan"], "'--seconds': nan is not a finite number"),
         (["run", "--namespace", "1st"], "'--namespace': a namespace has letters"),
-        (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .npz, .png"),
+        (["simulate", "--out", "run.txt"], "'--out': run.txt does not end in .csv, .parquet"),
         (["identify", "log.csv", "--zero", "left"], "'--zero': 'left' is not one of auto"),
         (["bag", "replay", "bag", "--remap", "a:=b:=c"], "'--remap': 'a:=b:=c' is not FROM:=TO"),
         (["hw", "check", "--port", "mock", "--seconds", "nan"], "'--seconds': nan is not a finite"),
