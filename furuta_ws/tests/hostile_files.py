@@ -1,15 +1,11 @@
 """Files made to mislead whoever reads them: each small, each claiming or naming too much."""
 
-import io
 import os
 import sqlite3
 import struct
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-import lz4.frame
 import numpy as np
 import zstandard
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -77,12 +73,6 @@ def parent_path(path: Path) -> Path:
     return _renamed_in_metadata(sound_bag(path), f"../{SECRET}/{SECRET}_0.db3")
 
 
-def absolute_path(path: Path) -> Path:
-    """metadata.yaml names a file by an absolute path."""
-    outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.db3"
-    return _renamed_in_metadata(sound_bag(path), str(outside))
-
-
 def linked_file(path: Path) -> Path:
     """The data file is a link to one outside."""
     outside = sound_bag(path.parent / SECRET) / f"{SECRET}_0.db3"
@@ -122,13 +112,8 @@ def billion_laughs(levels: int = 12) -> str:
 
 YAML = {
     "billion_laughs": billion_laughs(),
-    "deep": "[" * 100_000,
     "itself": "a: &a [*a]\n",
-    "large": "# " + "x" * 2**22,
     "number": "plant: {ros__parameters: {seed: " + ":".join(["1"] * 100_000) + "}}\n",
-    "python": "!!python/object/apply:os.system ['touch secret']\n",
-    "twice": "plant:\n  {ros__parameters: {alpha0: 0.1, alpha0: 0.2}}\n",
-    "names": "? " + "n" * 900_000 + "\n: {" + ", ".join(f"a{k}: 1" for k in range(9000)) + "}\n",
 }
 
 
@@ -191,8 +176,6 @@ def file_of(content: Callable[[], bytes]) -> Callable[[Path], Path]:
 
 def compressed(compression: str, size: int) -> bytes:
     zeros = bytes(2**20)
-    if compression == "lz4":
-        return bytes(lz4.frame.compress(zeros * (size // 2**20)))
     compressor = zstandard.ZstdCompressor(level=3).compressobj()
     parts = [compressor.compress(zeros) for _ in range(size // 2**20)]
     return b"".join([*parts, compressor.flush()])
@@ -253,68 +236,3 @@ ENDLESS = (
     "SELECT i AS id, 1 AS topic_id, i AS timestamp, x'00010000' AS data FROM n"
 )
 endless_view = altered_sqlite("DROP TABLE messages", f"CREATE VIEW messages AS {ENDLESS}")
-generated_column = altered_sqlite(
-    "DROP TABLE messages",
-    "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, "
-    f"data BLOB GENERATED ALWAYS AS (zeroblob({BILLION - 1})))",
-    "INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)",
-)
-
-
-# -- tables and series -------------------------------------------------------------------------
-
-
-def npz(**members: bytes) -> Callable[[Path], Path]:
-    def make(path: Path) -> Path:
-        file = path.with_suffix(".npz")
-        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, content in members.items():
-                archive.writestr(f"{name}.npy", content)
-        return file
-
-    return make
-
-
-def npy(array: Any) -> bytes:
-    stream = io.BytesIO()
-    np.save(stream, array, allow_pickle=True)
-    return stream.getvalue()
-
-
-def npy_claiming(shape: tuple[int, ...]) -> bytes:
-    stream = io.BytesIO()
-    about = {"descr": "<f8", "fortran_order": False, "shape": shape}
-    np.lib.format.write_array_header_1_0(stream, about)
-    return stream.getvalue() + bytes(80)
-
-
-def large_series(path: Path) -> Path:
-    """Half a megabyte that stands for more than half a gigabyte."""
-    return npz(time=bytes(2**29 + 2**20))(path)
-
-
-def broken_archive(path: Path) -> Path:
-    file = path.with_suffix(".npz")
-    file.write_bytes(b"PK\x03\x04" + bytes(100))
-    return file
-
-
-class Touch:
-    """Unpickled, it would write a file."""
-
-    def __reduce__(self) -> Any:
-        return os.system, (f"touch {SECRET}",)
-
-
-def csv_file(content: bytes) -> Callable[[Path], Path]:
-    def make(path: Path) -> Path:
-        file = path.with_suffix(".csv")
-        file.write_bytes(content)
-        return file
-
-    return make
-
-
-def pipe(path: Path) -> Path:
-    os.mkfifo(path)
-    return path

@@ -33,8 +33,6 @@ def test_nothing_is_saved_after_an_error(tmp_path: Path) -> None:
     ("name", "label"),
     [
         ("omega1", "ω₁ [rad/s]"),
-        ("zeta1", "ζ₁"),
-        ("viscous", "σ₂ [V s/rad]"),
         ("plant.friction.alpha0", "α₀ of plant.friction [V]"),
         ("adaptation_gain", "adaptation_gain"),
         ("l2", "l₂ [V s/rad]"),

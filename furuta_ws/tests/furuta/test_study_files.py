@@ -131,7 +131,6 @@ def test_swept_parameters_are_parsed() -> None:
     ("text", "reason"),
     [
         ("alpha0", "expected NAME="),
-        ("alpha0=", "expected NAME="),
         ("alpho0=1:2", "no parameter alpho0"),
         ("alpha0=2:1", "LOW < HIGH"),
         ("alpha0=0:1:1", "COUNT"),

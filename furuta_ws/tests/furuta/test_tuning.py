@@ -149,14 +149,6 @@ def test_initial_parameters_are_restored_after_an_interruption() -> None:
     assert rig.applied[-1] == start
 
 
-def test_too_short_a_time_is_rejected() -> None:
-    """Before any parameter is set."""
-    rig = DangerousRig(dangerous=np.inf)
-    with pytest.raises(ParameterError, match="needs at least"):
-        tune(rig, ObserverParameters(), EstimatorParameters(), TuningPlan(seconds=60.0), silent)
-    assert not rig.applied
-
-
 def test_no_gain_is_an_answer() -> None:
     """Where there is no friction, every compensator is worse than none, and none is the result."""
     rig = SimulatedLoop(Loop(plant(Friction(alpha0=0.0, alpha1=0.0), 37)))

@@ -74,9 +74,9 @@ def test_pendulum_stands_where_the_equations_have_it(phi: float, theta: float) -
 def test_display_starts_publisher_and_rviz_in_the_namespace() -> None:
     """RViz gets its layout, the publisher the description of the rig that was named."""
     publisher, rviz = display_nodes("qube_servo_2", "left")
-    assert (publisher.package, publisher.namespace) == ("robot_state_publisher", "/left")
-    assert 'xyz="0.085 0 0"' in publisher.parameters["robot_description"]
-    layout = yaml.safe_load(open(rviz.arguments[1]).read())  # noqa: SIM115
+    assert (publisher["package"], publisher["namespace"]) == ("robot_state_publisher", "/left")
+    assert 'xyz="0.085 0 0"' in publisher["parameters"][0]["robot_description"]
+    layout = yaml.safe_load(open(rviz["arguments"][1]).read())  # noqa: SIM115
     shown = {display["Class"]: display for display in layout["Visualization Manager"]["Displays"]}
     model = shown["rviz_default_plugins/RobotModel"]
     assert model["Description Topic"]["Value"] == "robot_description"

@@ -31,13 +31,13 @@ def test_recordings_of_one_call_share_units() -> None:
 
 
 def test_orientation_is_detected(usual: Recording) -> None:
-    upright = prepare(usual, Options())[0]
+    upright = prepare(usual, Options())
     for zero, direction in ((0.0, 1.0), (np.pi, -1.0), (np.pi, 1.0), (0.0, -1.0)):
-        back, findings = prepare(upright.reoriented(zero, direction, 1.0), Options())
+        back = prepare(upright.reoriented(zero, direction, 1.0), Options())
         np.testing.assert_allclose(
             np.sin(back.measured[:, THETA]), np.sin(upright.measured[:, THETA]), atol=1e-9
         )
-        assert any("(detected)" in finding for finding in findings)
+        assert "(detected)" in back.findings[-1]
     with pytest.raises(ParameterError, match="as if its zero were hanging"):
         prepare(usual, Options(zero="upright"))
 
@@ -47,9 +47,9 @@ def test_an_odd_zero_asks_for_its_option() -> None:
     odd = example("steps", 2.5).reoriented(0.5 * np.pi, 1.0, 1.0)
     with pytest.raises(ParameterError, match=r"hang at a measured angle of 90°; .*--zero"):
         prepare(odd, Options())
-    ready, findings = prepare(odd, Options(zero=0.5 * np.pi))
+    ready = prepare(odd, Options(zero=0.5 * np.pi))
     assert np.cos(ready.measured[0, THETA]) == pytest.approx(-1.0, abs=0.01)
-    assert "90° from hanging" in findings[-1]
+    assert "90° from hanging" in ready.findings[-1]
 
 
 def test_a_direction_that_the_motion_does_not_show() -> None:
@@ -59,14 +59,14 @@ def test_a_direction_that_the_motion_does_not_show() -> None:
     with pytest.raises(ParameterError, match="--direction"):
         prepare(apart, Options())
     both = prepare_all([apart, example("steps", 2.5)], Options())
-    assert "that of the other" in " ".join(both.findings)
+    assert "that of the other" in both.recordings[0].findings[-1]
     assert prepare_all([apart], Options(direction=-1.0)).direction == -1.0
 
 
 def test_regression_on_momenta(usual: Recording) -> None:
     """The first estimate alone: natural frequency within 2 %, lag within 1 ms."""
     assert speed_lag(usual) == pytest.approx(EXAMPLE.lag, abs=1e-3)
-    ready = prepare(usual, Options())[0]
+    ready = prepare(usual, Options())
     fit = momentum_fit(with_speeds(ready, speed_lag(ready)))
     assert np.sqrt(fit.delta / fit.beta) == pytest.approx(np.sqrt(0.22 / 0.0025), rel=0.02)
     assert fit.viscous == pytest.approx(EXAMPLE.viscous, rel=0.1)
@@ -80,10 +80,10 @@ def test_units_signs_and_clock_of_another_rig(usual: Recording) -> None:
         command_time=usual.command_time + 0.05,
     )
     prepared = prepare_all([odd], Options())
-    remarks = " ".join(prepared.findings)
+    remarks = " ".join(prepared.recordings[0].findings)
     for words in ("in deg (detected)", "arm's speed is in rpm", "has the opposite sign"):
         assert words in remarks
-    expected = first_estimate([prepare(usual, Options())[0]], EXAMPLE.lag)
+    expected = first_estimate([prepare(usual, Options())], EXAMPLE.lag)
     estimate = first_estimate(prepared.recordings, EXAMPLE.lag)
     assert estimate.negated
     assert not expected.negated
@@ -95,9 +95,9 @@ def test_units_signs_and_clock_of_another_rig(usual: Recording) -> None:
 
 def test_a_speed_that_does_not_match_its_angle_is_ignored(usual: Recording) -> None:
     odd = usual._replace(measured=usual.measured * [1, 2.0, 1, 1])
-    ready, findings = prepare(odd, Options())
+    ready = prepare(odd, Options())
     assert np.all(np.isnan(ready.measured[:, 1]))
-    assert any("arm's speed is not the slope of its angle" in finding for finding in findings)
+    assert any("arm's speed is not the slope of its angle" in finding for finding in ready.findings)
 
 
 def test_times_since_1970_give_the_same_speeds(usual: Recording) -> None:
@@ -114,7 +114,7 @@ def test_commands_that_cannot_be_volts_are_refused(usual: Recording) -> None:
     odd = usual._replace(command=1000.0 * usual.command)
     with pytest.raises(ParameterError, match="--command-scale"):
         prepare(odd, Options())
-    back = prepare(odd, Options(command_scale=1e-3))[0]
+    back = prepare(odd, Options(command_scale=1e-3))
     np.testing.assert_allclose(back.command, usual.command)
 
 
@@ -133,16 +133,16 @@ def test_dropouts_are_interpolated_and_reported(usual: Recording) -> None:
     measured[500:520, 1] = np.nan
     measured[700, 0] = np.nan
     gappy = usual._replace(time=usual.time[keep], measured=measured[keep])
-    ready, findings = prepare(gappy, Options())
+    ready = prepare(gappy, Options())
     assert np.all(np.isfinite(ready.measured))
-    assert any("dropout of 0.1" in finding for finding in findings)
-    assert any(f"1 of {np.sum(keep)} samples dropped" in finding for finding in findings)
+    assert any("dropout of 0.1" in finding for finding in ready.findings)
+    assert any(f"1 of {np.sum(keep)} samples dropped" in finding for finding in ready.findings)
 
 
 def test_a_log_that_starts_in_motion(usual: Recording) -> None:
-    ready, findings = prepare(usual.between(1.0, np.inf), Options())
+    ready = prepare(usual.between(1.0, np.inf), Options())
     assert ready.commanded_at(ready.time[:1]) != 0.0
-    assert any("in motion at the start" in finding for finding in findings)
+    assert any("in motion at the start" in finding for finding in ready.findings)
 
 
 def test_several_runs_in_one_log_are_split(usual: Recording) -> None:
@@ -154,12 +154,12 @@ def test_several_runs_in_one_log_are_split(usual: Recording) -> None:
         np.concatenate((first.command_time + 100.0, usual.command_time)),
         np.concatenate((first.command, usual.command)),
     )
-    runs, findings = split_into_runs(both)
+    runs = split_into_runs(both)
     assert [run.name for run in runs] == ["both (1)", "both (2)"]
     np.testing.assert_array_equal(runs[0].command, first.command)
     np.testing.assert_array_equal(runs[1].command_time, usual.command_time)
-    assert "2 of 3 runs used" in findings[0]
-    assert split_into_runs(first) == ([first], [])
+    assert "2 of 3 runs used" in runs[0].findings[0]
+    assert split_into_runs(first) == [first]
 
 
 def test_long_recordings_are_fitted_in_excerpts() -> None:
@@ -167,20 +167,20 @@ def test_long_recordings_are_fitted_in_excerpts() -> None:
     measured = np.column_stack([np.sin(3.0 * time)] * 4)
     measured[time < 10.0] = 0.0
     log = Recording("long", time, measured, time[::10], np.arange(10_000.0))
-    assert excerpts_of(log, 100_000) == ([log], [])
-    excerpts, findings = excerpts_of(log, 30_000)
+    assert excerpts_of(log, 100_000) == [log]
+    excerpts = excerpts_of(log, 30_000)
     assert len(excerpts) == EXCERPTS
     for part in excerpts:
         assert len(part.time) == EXCERPT
         assert part.interval == pytest.approx(1e-3)
         assert part.time[0] >= 9.0
         np.testing.assert_array_equal(part.commanded_at(part.time), log.commanded_at(part.time))
-    assert "excerpts of 2.0 s of 50.0 s" in findings[0]
+    assert "excerpts of 2.0 s of 50.0 s" in excerpts[0].findings[0]
 
 
 @pytest.mark.parametrize(("amplitude", "expected"), [(4.5, 3.0), (2.5, np.inf)])
 def test_the_ceiling_shows_in_larger_commands(amplitude: float, expected: float) -> None:
-    ready, _ = prepare(example("chirp", amplitude), Options())
+    ready = prepare(example("chirp", amplitude), Options())
     ceiling = fitted_ceiling([ready], speed_lag(ready), 0.003)
     assert ceiling == pytest.approx(expected, rel=0.05)
 

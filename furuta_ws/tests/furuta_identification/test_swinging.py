@@ -65,16 +65,16 @@ def test_waves_and_zeros(model: Model) -> None:
 
 def test_a_model_predicts_another_recording(model: Model) -> None:
     lost = Readings(first_missing=True)
-    prediction, findings = validate(model, example("step", 2.4, lost), Options())
+    prediction = validate(model, example("step", 2.4, lost), Options())
     fits = prediction.fits(3.0)
     assert fits["arm speed"] > 90.0
     assert fits["pendulum angle"] > 70.0
-    assert any("first command is missing" in finding for finding in findings)
+    assert any("first command is missing" in finding for finding in prediction.recording.findings)
 
 
 def test_an_upright_start_has_the_zero_of_the_fit(model: Model) -> None:
     upright = Readings(zero=0.1, hanging=False)
-    prediction, _ = validate(model, example("steps", 2.4, upright, 3.0), Options())
+    prediction = validate(model, example("steps", 2.4, upright, 3.0), Options())
     assert prediction.fits(2.0)["pendulum angle"] > 90.0
 
 
@@ -84,9 +84,9 @@ def test_a_balanced_recording_stays_upright(model: Model) -> None:
     plant, estimator = PlantParameters(sensors=sensors), EstimatorParameters(sensors=sensors)
     run = simulate(Loop(plant=plant, estimator=estimator), 3.0)
     log = Recording("upright", run.time, run.state[:, :4], run.time, run.command)
-    prediction, findings = validate(model, log, Options())
+    prediction = validate(model, log, Options())
     assert np.max(np.abs(prediction.recording.measured[:, THETA])) < 0.7
-    assert not any("zero differs" in finding for finding in findings)
+    assert not any("zero differs" in finding for finding in prediction.recording.findings)
 
 
 def test_undetermined_parameters_are_withheld(model: Model) -> None:

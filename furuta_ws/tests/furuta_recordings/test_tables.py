@@ -27,7 +27,7 @@ def table(header: str = HEADER, scales: tuple[float, ...] = (1.0,) * 6) -> str:
 def recording_of(path: Path, text: str | bytes, mapping: Mapping = NO_NAMES) -> Recording:
     file = path / "log.csv"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return read(file, mapping)[0]
+    return read(file, mapping)
 
 
 def assert_same(found: Recording) -> None:
@@ -145,6 +145,7 @@ def test_the_stamp_of_the_states(tmp_path: Path, ending: str) -> None:
         (table().replace("command", "torque"), "name its column with --command"),
         ("time,a\n", "no table in it"),
         (bytes(range(128, 256)), "not a text file"),
+        (b"time,a\n" + b"1," * 2**20, "a line has more than 1048576 characters"),
     ],
 )
 def test_what_cannot_be_read_says_what_to_do(tmp_path: Path, text: str | bytes, words: str) -> None:
@@ -162,9 +163,9 @@ def test_times_that_decrease_or_repeat(tmp_path: Path) -> None:
     """Repeated rows are dropped, rows in the wrong order refused."""
     lines = table().splitlines()
     twice = [lines[0], *(line for line in lines[1:] for _ in range(2))]
-    found, notes = cleaned(recording_of(tmp_path, "\n".join(twice)))
+    found = cleaned(recording_of(tmp_path, "\n".join(twice)))
     np.testing.assert_allclose(found.time, TIME, atol=1e-9)
-    assert "200 of 400 samples dropped" in notes[0]
+    assert "200 of 400 samples dropped" in found.findings[-1]
     backward = [lines[0], *reversed(lines[1:])]
     with pytest.raises(ParameterError, match="sort them by time"):
         cleaned(recording_of(tmp_path, "\n".join(backward)))

@@ -39,6 +39,7 @@ def test_ordinary_text_is_read_as_before(text: str) -> None:
         ("a: 0x" + "f" * 1000, "a number of 1002 characters in line 1"),
         ("a: !!python/object/apply:os.getcwd []", "not YAML: .* in line 1"),
         ("a: [1\n", "not YAML: .* in line 2"),
+        ("a: {b: 1, b: 2}", "not YAML: b is given twice in line 1"),
     ],
 )
 def test_the_error_says_what_is_wrong_and_where(text: str, reason: str) -> None:

@@ -52,15 +52,6 @@ def test_passivity(furuta: Any) -> None:
     assert about["exact_model"] is True
 
 
-def test_passivity_takes_feedback_and_parameters(furuta: Any) -> None:
-    settings = ("--set", "observer_gain=-0.5", "--set", "plant.friction.viscous=0.2")
-    given = ("--passivity", "--feedback", "10", "4", "60", "20", *settings)
-    about = answer(furuta("linearize", "--json", *given))["passivity"]
-    assert about["K"] == -0.5
-    assert about["reason"].startswith("-G")
-    assert about["exact_model"] is False
-
-
 @pytest.mark.parametrize(
     ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
 )

@@ -187,9 +187,14 @@ def test_real_time_stabilises(bench: Bench, emulate: Any) -> None:
 
 @pytest.mark.long
 @pytest.mark.realtime
-def test_kill_nine_of_each_node(bench: Bench, processes: Any, emulate: Any, tmp_path: Path) -> None:
+@pytest.mark.parametrize("firmware", [(), ("--firmware",)], ids=["reference", "C"])
+def test_kill_nine_of_each_node(
+    bench: Bench, processes: Any, emulate: Any, tmp_path: Path, firmware: tuple[str, ...]
+) -> None:
     """Under load: 0 V within the watchdog's time after every kill, and the loop recovers."""
-    rig = emulate()
+    if firmware:
+        pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
+    rig = emulate(*firmware)
     bridge = (f"port:={rig.port}", f"rig:={write_rig(tmp_path)}", "autostart:=active")
     start = {
         name: bridge if name == HARDWARE_BRIDGE else () for name, *_ in graph_nodes(HARDWARE_BRIDGE)

@@ -29,16 +29,9 @@ def wait_until(condition: Callable[[], bool]) -> None:
         assert monotonic() < end, "the awaited condition did not come true"
 
 
-def test_rig_as_json_and_as_parameter_file(furuta: Any, tmp_path: Path) -> None:
-    """A rig's model as JSON, and as a parameter file that other verbs read."""
+def test_rig_as_json(furuta: Any) -> None:
     shown = json.loads(furuta("hw", "rig", "paper", "--json")[1])
     assert (shown["a23"], shown["b21"]) == (pytest.approx(-11), pytest.approx(45))
-    file = tmp_path / "qube.yaml"
-    file.write_text(furuta("hw", "rig", "qube_servo_2", "--params")[1])
-    status, out, err = furuta("linearize", "--params", file, "--json")
-    assert status == 0, err
-    qube = json.loads(furuta("hw", "rig", "qube_servo_2", "--json")[1])
-    assert json.loads(out)["alpha"] == qube["alpha"]
 
 
 @pytest.mark.realtime
@@ -73,49 +66,6 @@ def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
     status, _, err = furuta("hw", "check", "--port", rig.port, "--seconds", 1)
     assert status == 1
     assert "frames were lost or corrupt" in err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["hw", "rig", "nobody"], "no rig nobody; rigs are"),
-        (["hw", "check", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-        (["hw", "friction", "--port", "mock", "--arm-range", "0.2"], "arm range must be at least"),
-        (["run", "--plant", "hardware", "--port", "mock", "--lockstep"], "has its own clock"),
-        (["run", "--plant", "hardware", "--port", "/dev/nothing"], "cannot open /dev/nothing"),
-    ],
-)
-def test_bad_input_is_one_line(furuta: Any, arguments: list[str], reason: str) -> None:
-    """Exit status 1, the reason on standard error, nothing on standard output."""
-    status, out, err = furuta(*arguments)
-    assert (status, out) == (1, "")
-    assert reason in err
-    assert len(err.strip().splitlines()) == 1
-
-
-def test_an_unknown_fault_is_one_line(processes: Any) -> None:
-    """The verb becomes the emulator, which says so."""
-    status, out, err = processes.run("hw", "emulate", "--fault", "gremlin=1")
-    assert (status, out) == (1, "")
-    assert "no fault gremlin" in err
-    assert len(err.strip().splitlines()) == 1
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["check", "--seconds", "nan"],
-        ["signs", "--arm-range", "nan"],
-        ["friction", "--rate", "11"],
-    ],
-    ids=" ".join,
-)
-def test_a_number_out_of_range_is_wrong_usage(furuta: Any, arguments: list[str]) -> None:
-    """Exit status 2, with the option's name."""
-    status, out, err = furuta("hw", *arguments, "--port", "mock")
-    assert (status, out) == (2, "")
-    assert "Invalid value for" in err
-    assert f"'{arguments[1]}'" in err
 
 
 @pytest.mark.realtime

@@ -34,16 +34,3 @@ def test_beside_a_page_a_graph_takes_a_priority_where_it_may(
     prior = ("--priority", "80") if not options and may_have_priority(80) else ()
     assert started == [(*prior, *options)]
     assert os.sched_getscheduler(0) == os.SCHED_OTHER
-
-
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["--processes", "--priority", "10"], "--processes cannot be combined"),
-    ],
-)
-def test_what_does_not_go_together(furuta: Any, arguments: list[str], reason: str) -> None:
-    status, _, err = furuta("run", *arguments)
-    assert status == 1
-    assert err.startswith("error: ")
-    assert reason in err

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from processes.conftest import wait_until_ready
 
-from furuta_graph.children import Children
 from furuta_graph.processes import executable
 from furuta_ros.process_start import own_arguments
 from furuta_sim.settings.nodes import NODES
@@ -129,30 +128,6 @@ def test_a_failed_node_is_named(processes: Any) -> None:
     assert not any(runs(pid) for pid in pids)
 
 
-def ended(*codes: str, stopped: bool = False) -> tuple[dict[str, int], list[str]]:
-    """Failures of children that run these lines of shell, and how these have ended."""
-    started = Children()
-    for name, code in zip("abc", codes, strict=False):
-        started.start(name, ["/bin/sh", "-c", code])
-    if not stopped:
-        wait_for(started.any_has_ended)
-    started.end()
-    failures = started.failures(stopped)
-    return failures, [started.describe_end(name) for name in failures]
-
-
-def test_which_child_has_failed() -> None:
-    """One that ends by itself is the cause; one that ends when told to has not failed."""
-    wait = "sleep 60 & wait"
-    assert ended(wait, "exit 3", wait) == ({"b": 3}, ["b failed with status 3"])
-    assert ended(wait, "exit 0") == ({}, [])
-    assert ended(wait, "kill -TERM $$") == ({"b": 143}, ["b was ended by SIGTERM"])
-    crashes = "trap 'exit 7' TERM; sleep 60 & wait"
-    failures, _ = ended(crashes, "exit 3")
-    assert (next(iter(failures)), failures["b"]) == ("b", 3)
-    assert ended(wait, wait, stopped=True) == ({}, [])
-
-
 @pytest.mark.parametrize(
     ("command", "text"),
     [
@@ -174,15 +149,6 @@ def test_a_bogus_option_is_one_sentence(
     assert err.startswith("error: ")
     assert text in err
     assert "--bogus" in err
-    assert len(err.splitlines()) == 1
-
-
-def test_a_bogus_verb_is_one_sentence(furuta: Any) -> None:
-    """The same for a verb that does not exist."""
-    status, _, err = furuta("dance")
-    assert status == 2
-    assert err.startswith("error: No such command 'dance'")
-    assert err.endswith("(see furuta --help)\n")
     assert len(err.splitlines()) == 1
 
 

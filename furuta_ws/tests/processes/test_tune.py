@@ -36,12 +36,6 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb"
 
 
-def test_tuning_needs_a_running_graph(furuta: Furuta) -> None:
-    status, out, err = furuta("tune", "--running")
-    assert (status, out) == (1, "")
-    assert err.startswith("error: no node")
-
-
 def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     """The result is better than the start, printed as JSON, and written to a valid file."""
     file = tmp_path / "tuned.yaml"

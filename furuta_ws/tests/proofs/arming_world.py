@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
+from proofs.explorer import shallow
+
 from furuta_hw.bridge import guarded_rig
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.connection.rig_driver import RigSample
@@ -162,9 +164,9 @@ class Rig:
 
     def copy(self) -> "Rig":
         """An independent copy."""
-        new = _shallow(self)
-        new.firmware, new.host = _shallow(self.firmware), _shallow(self.host)
-        new.host.guard, new.host.connection = _shallow(self.host.guard), Connection(new)
+        new = shallow(self)
+        new.firmware, new.host = shallow(self.firmware), shallow(self.host)
+        new.host.guard, new.host.connection = shallow(self.host.guard), Connection(new)
         return new
 
     def key(self) -> Any:
@@ -176,12 +178,6 @@ class Rig:
             tuple(value for name, value in vars(self.firmware).items() if name != "_reader"),
             (tuple(guard.values()), self.host._reported_stops),
         )
-
-
-def _shallow(instance: Any) -> Any:
-    new = type(instance).__new__(type(instance))
-    new.__dict__.update(instance.__dict__)
-    return new
 
 
 # Each step with what it takes from the budget.

@@ -67,6 +67,13 @@ def explore(
     return Explored(len(parents), transitions)
 
 
+def shallow(instance: Any) -> Any:
+    """An instance with the same attributes; faster than ``copy.copy``."""
+    new = type(instance).__new__(type(instance))
+    new.__dict__.update(instance.__dict__)
+    return new
+
+
 @contextmanager
 def mutated(kind: type, old: str, new: str) -> Iterator[None]:
     """Inside the ``with`` block the class has ``new`` in place of ``old`` in its source."""

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
+from proofs.explorer import shallow
+
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimate_matching import EstimateMatching
 from furuta_ros.wire import ANEW, CONTINUES, REPEATED
@@ -175,17 +177,11 @@ class World:
 
     def copy(self) -> "World":
         """An independent copy."""
-        new = World.__new__(World)
-        new.__dict__.update(self.__dict__)
+        new: World = shallow(self)
         new.message_age, new.queues = Age(), dict(self.queues)
-        new.controller = Controller.__new__(Controller)
-        new.controller.__dict__.update(self.controller.__dict__)
+        new.controller, new.lockstep = shallow(self.controller), shallow(self.lockstep)
         new.controller.world, new.controller.message_age = new, new.message_age
-        matching = EstimateMatching.__new__(EstimateMatching)
-        matching.__dict__.update(self.controller._matching.__dict__)
-        new.controller._matching = matching
-        new.lockstep = LockStep.__new__(LockStep)
-        new.lockstep.__dict__.update(self.lockstep.__dict__)
+        new.controller._matching = shallow(self.controller._matching)
         new.lockstep._plant = new
         return new
 

@@ -7,6 +7,8 @@ the second one bursts of which some are lost. Either starts and ends at any time
 from collections.abc import Iterator
 from typing import Any
 
+from proofs.explorer import shallow
+
 from furuta_ros import one_publisher
 from furuta_ros.one_publisher import NONE_YET, OnePublisher, TopicPublisher
 
@@ -57,10 +59,8 @@ class Publishers:
 
     def copy(self) -> "Publishers":
         """An independent copy."""
-        new = Publishers.__new__(Publishers)
-        new.__dict__.update(self.__dict__)
-        new.sent, new.one = dict(self.sent), OnePublisher.__new__(OnePublisher)
-        new.one.__dict__.update(self.one.__dict__)
+        new: Publishers = shallow(self)
+        new.sent, new.one = dict(self.sent), shallow(self.one)
         new._attach()
         return new
 

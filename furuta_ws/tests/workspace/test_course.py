@@ -9,7 +9,6 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -116,18 +115,3 @@ def test_first_notebook_accepts_right_answers_only() -> None:
 
 def _path() -> str:
     return os.pathsep.join([str(COURSE), os.environ.get("PYTHONPATH", "")])
-
-
-def test_students_keep_their_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Notebooks that exist are not replaced, solutions are."""
-    script = notebooks()
-    monkeypatch.setattr(script, "_notebook", lambda markdown: markdown)
-    monkeypatch.setattr(script, "_save", lambda text, path: path.write_text(text))
-    script.write(tmp_path)
-    for folder in ("exercises", "solutions"):
-        (tmp_path / folder / "1_model.ipynb").write_text("edited")
-    script.write(tmp_path)
-    assert (tmp_path / "exercises" / "1_model.ipynb").read_text() == "edited"
-    assert "Ackermann" in (tmp_path / "solutions" / "1_model.ipynb").read_text()
-    assert EMPTY in (tmp_path / "exercises" / "2_limit_cycle.ipynb").read_text()
-    assert (tmp_path / "exercises" / "lab.py").exists()

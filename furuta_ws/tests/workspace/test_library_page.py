@@ -1,4 +1,4 @@
-"""The pages on the library and on exported series list what there is."""
+"""The page on the library lists what there is."""
 
 import inspect
 import re
@@ -8,7 +8,6 @@ import pytest
 from sources import ROOT
 
 import furuta
-from furuta_recordings.series_columns import column_table
 
 PAGE = (ROOT / "docs" / "library.md").read_text()
 
@@ -27,11 +26,6 @@ def test_library_page_has_every_name() -> None:
     assert {*rows(), "| `COLUMNS` | Unit and meaning of each column, by name |"} == {
         line for line in PAGE.splitlines() if line.startswith("| `")
     }
-
-
-def test_column_table() -> None:
-    """docs/bags.md lists every column with its unit."""
-    assert "\n".join(column_table()) in (ROOT / "docs" / "bags.md").read_text()
 
 
 @pytest.mark.parametrize("number", [1, 2])

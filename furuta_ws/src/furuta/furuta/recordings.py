@@ -41,7 +41,7 @@ def read_recording(
     """
     from furuta_recordings import readers
 
-    return readers.read(Path(path), readers.Mapping(arm, pendulum, command, states))[0]
+    return readers.read(Path(path), readers.Mapping(arm, pendulum, command, states))
 
 
 def identify(

@@ -7,8 +7,8 @@ import click
 
 from furuta_recordings.table_files import SUFFIXES
 
-# Suffixes that help names; others are accepted too.
-USUAL_SUFFIXES = (".png", ".pdf", ".svg", *SUFFIXES)
+# A file or directory that a verb reads or writes.
+PATH = click.Path(path_type=Path)
 
 
 class OutputFile(click.Path):
@@ -20,8 +20,7 @@ class OutputFile(click.Path):
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """What help shows for the value."""
-        usual = [suffix[1:] for suffix in self._suffixes if suffix in USUAL_SUFFIXES]
-        return f"FILE.({'|'.join(usual)})"
+        return f"FILE.({'|'.join(suffix[1:] for suffix in self._suffixes)})"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path."""
@@ -31,7 +30,7 @@ class OutputFile(click.Path):
         return path
 
 
-FIGURE_SUFFIXES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 FIGURE = OutputFile(*FIGURE_SUFFIXES)
 SERIES = OutputFile(*SUFFIXES)
-SERIES_OR_FIGURE = OutputFile(".npz", ".png", ".pdf", ".svg", ".csv", ".mat", ".parquet")
+SERIES_OR_FIGURE = OutputFile(*SUFFIXES, *FIGURE_SUFFIXES)

@@ -1,4 +1,4 @@
-"""Types of numeric options that click's own ranges do not cover."""
+"""Type of numeric options that click's own ranges do not cover."""
 
 import math
 from typing import Any
@@ -16,19 +16,4 @@ class FiniteRange(click.FloatRange):
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
-        return number
-
-
-class NonZero(click.ParamType):
-    """A finite number other than 0."""
-
-    name = "float"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """The number."""
-        number = float(click.FLOAT.convert(value, param, ctx))
-        if not math.isfinite(number) or number == 0.0:
-            self.fail(f"{value} is not a finite number other than 0.", param, ctx)
         return number

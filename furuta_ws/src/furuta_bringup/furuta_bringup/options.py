@@ -7,6 +7,7 @@ from typing import Any, TypeVar, cast
 
 import click
 
+from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError
@@ -15,6 +16,12 @@ from furuta_ros.topic_names import full_namespace
 from furuta_sim.settings.rigs import rig_file
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Function]:
+    """An option whose help shows its default, if it has one."""
+    shown = settings.get("default") not in (None, "")
+    return click.option(*names, help=help, show_default=shown, **settings)
 
 
 # Pendulum time [s] of a simulation, and of one that is measured after its transients.
@@ -59,7 +66,7 @@ def parameter_options(function: Function) -> Function:
         "--params",
         "files",
         multiple=True,
-        type=click.Path(exists=False, path_type=Path),
+        type=PATH,
         metavar="FILE",
         help="ROS parameter file, or rig file; repeatable.",
     )(function)
@@ -104,23 +111,21 @@ namespace_option = click.option(
 
 
 def names_options(function: Function) -> Function:
-    """``--arm``, ``--pendulum``, ``--command``, ``--states``: names in another rig's recording.
-
-    The verb receives them as ``names``.
-    """
+    """Names in another rig's recording; the verb receives them as ``names``."""
 
     @wraps(function)
     def with_names(*args: Any, **others: Any) -> Any:
-        given = (others.pop(name) for name in ("arm", "pendulum", "command_name", "states"))
-        return function(*args, names=Mapping(*given), **others)
+        given = {name: others.pop(f"{name}_name") for name in Mapping._fields}
+        return function(*args, names=Mapping(**given), **others)
 
-    for parameters, text in (
-        (("--states",), "Topic of the joint states."),
-        (("--command", "command_name"), "Topic or column of the command, or `effort`."),
-        (("--pendulum",), "Name of the pendulum's joint."),
-        (("--arm",), "Name of the arm's joint, in a recording of another rig."),
+    for name, text in (
+        ("time", "Column of a table's time."),
+        ("states", "Topic of the joint states."),
+        ("command", "Topic or column of the command, or `effort`."),
+        ("pendulum", "Name of the pendulum's joint."),
+        ("arm", "Name of the arm's joint, in a recording of another rig."),
     ):
-        with_names = click.option(*parameters, help=text)(with_names)
+        with_names = click.option(f"--{name}", f"{name}_name", help=text)(with_names)
     return cast(Function, with_names)
 
 

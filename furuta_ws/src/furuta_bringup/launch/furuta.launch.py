@@ -10,7 +10,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_description.display import DisplayNode, display_nodes
+from furuta_description.display import display_nodes
 from furuta_graph.launching import LOG_LEVELS, LaunchedNode, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
@@ -42,22 +42,8 @@ def nodes(context: LaunchContext) -> list[Node]:
     view = given.pop("view")
     check_choice("view", view, ("true", "false"))
     graph = [_node(launched) for launched in launched_nodes(**given)]
-    return [*graph, *(map(_display_node, _displayed(given)) if view == "true" else [])]
-
-
-def _displayed(given: dict[str, str]) -> list[DisplayNode]:
-    return display_nodes(given["rig"], given["namespace"])
-
-
-def _display_node(display: DisplayNode) -> Node:
-    return Node(
-        package=display.package,
-        executable=display.executable,
-        name=display.executable,
-        namespace=display.namespace or None,
-        parameters=[display.parameters] if display.parameters else [],
-        arguments=display.arguments,
-    )
+    displayed = display_nodes(given["rig"], given["namespace"]) if view == "true" else []
+    return [*graph, *(Node(**arguments) for arguments in displayed)]
 
 
 def _node(launched: LaunchedNode) -> Node:

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from furuta_identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
-from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
@@ -16,7 +15,7 @@ from furuta_identification.regression.speeds import speed_lag
 from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_model.state import PHI, THETA
 from furuta_recordings.readers import Mapping, read
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, findings_of
 from furuta_recordings.splitting import excerpts_of, split_into_runs
 
 # Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
@@ -32,44 +31,33 @@ def identify_files(
     paths: tuple[Path, ...], validation_paths: tuple[Path, ...], names: Mapping, options: Options
 ) -> tuple[Model, list[Prediction], list[Prediction]]:
     """A model of the recordings at ``paths``; its predictions of them and of held-out ones."""
-    recordings, findings = _read_all(paths, names)
-    model = identify(recordings, options)
-    held_out = []
-    others, remarks = _read_all(validation_paths, names)
-    findings += remarks
-    for recording in others:
-        for run in split_into_runs(recording)[0]:
-            prediction, remarks = validate(model, run, options)
-            held_out.append(prediction)
-            findings += remarks
+    model = identify(_read_all(paths, names), options)
+    runs = [run for other in _read_all(validation_paths, names) for run in split_into_runs(other)]
+    held_out = [validate(model, run, options) for run in runs]
     fitted = [model.predict(recording) for recording in model.recordings]
-    return model._replace(findings=findings + model.findings), fitted, held_out
+    findings = model.findings + findings_of([prediction.recording for prediction in held_out])
+    return model._replace(findings=findings), fitted, held_out
 
 
-def free_swing_of_files(paths: tuple[Path, ...], names: Mapping, options: Options) -> FreeSwing:
-    """Fit the pendulum's own motion to the recordings at ``paths``."""
-    recordings, findings = _read_all(paths, names)
-    swing = identify_free_swing(recordings, options)
-    return swing._replace(findings=[*findings, *swing.findings])
-
-
-def _read_all(paths: tuple[Path, ...], names: Mapping) -> tuple[list[Recording], list[str]]:
-    """The recordings, each with a unique name, and how their content was interpreted."""
-    recordings, findings = [], []
+def _read_all(paths: tuple[Path, ...], names: Mapping) -> list[Recording]:
+    """The recordings, each with a unique name."""
+    recordings = []
     for path in paths:
-        recording, remarks = read(path, names)
+        recording = read(path, names)
         ambiguous = sum(other.name == path.name for other in paths) > 1
         recordings.append(recording._replace(name=str(path)) if ambiguous else recording)
-        findings += remarks
-    return recordings, findings
+    return recordings
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
     """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
-    runs, findings = _runs(recordings)
+    runs = [run for recording in recordings for run in split_into_runs(recording)]
+    most = MOST_SAMPLES // len(runs)
+    numbered = (run._replace(number=number) for number, run in enumerate(runs))
+    excerpts = [excerpt for run in numbered for excerpt in excerpts_of(run, most)]
     options.report("finding units and orientation")
-    ready = prepare_all(runs, options)
-    findings += ready.findings
+    ready = prepare_all(excerpts, options)
+    findings = findings_of(ready.recordings)
     lag = float(np.median([speed_lag(recording) for recording in ready.recordings]))
     prepared, regression, delay, negated = first_estimate(ready.recordings, lag)
     if negated:
@@ -98,21 +86,6 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     )
 
 
-def _runs(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
-    """Excerpts of all runs of all recordings, and what was found."""
-    runs, findings = [], []
-    for recording in recordings:
-        own_runs, remarks = split_into_runs(recording)
-        runs += own_runs
-        findings += remarks
-    chosen = []
-    for number, run in enumerate(runs):
-        excerpts, remarks = excerpts_of(run._replace(number=number), MOST_SAMPLES // len(runs))
-        chosen += excerpts
-        findings += remarks
-    return chosen, findings
-
-
 def starting_values(fit: MomentumFit, lag: float, ceiling: float) -> ParameterValues:
     """Values of the unknowns from a regression, moved into their ranges."""
     return ParameterValues.of(
@@ -130,25 +103,27 @@ def starting_values(fit: MomentumFit, lag: float, ceiling: float) -> ParameterVa
     )
 
 
-def validate(model: Model, recording: Recording, options: Options) -> tuple[Prediction, list[str]]:
-    """Simulate the model along a recording that it was not fitted to; and what was found.
+def validate(model: Model, recording: Recording, options: Options) -> Prediction:
+    """Simulate the model along a recording that it was not fitted to.
 
     The recording has the units of the fitted ones, but its own zero, which a hanging pendulum at
     rest shows.
     """
     options = options._replace(angles=model.angles)
-    ready, findings = prepare(recording, options, model.direction)
+    ready = prepare(recording, options, model.direction)
     if model.command_negated:
         ready = ready.with_command_negated()
     ready = ready.with_delayed_command(model.command_delay)
     if is_balanced(ready):
-        return model._replace(window=min(model.window, SEGMENT)).predict(ready), findings
-    model, remarks = _with_own_zero(model, ready)
-    return model.predict(ready), findings + remarks
+        return model._replace(window=min(model.window, SEGMENT)).predict(ready)
+    zero, error = _own_zero(model, ready)
+    if error:
+        ready = ready.noting(f"the pendulum's zero differs by {error:.3f} rad: corrected")
+    return model._replace(values=model.values.with_zero(zero)).predict(ready)
 
 
-def _with_own_zero(model: Model, recording: Recording) -> tuple[Model, list[str]]:
-    """The model with the recording's own zero.
+def _own_zero(model: Model, recording: Recording) -> tuple[float, float]:
+    """The recording's own zero, and by how much it differs from all fitted ones [rad].
 
     That is the zero of the nearest fitted recording. If the pendulum hangs at rest at an angle that
     none of them explains, its encoder was started at another angle.
@@ -158,13 +133,10 @@ def _with_own_zero(model: Model, recording: Recording) -> tuple[Model, list[str]
     at_rest = np.ptp(first[:, THETA]) < LARGEST_ZERO_ERROR
     errors = [_zero_error(model, zero, first) for zero in zeros]
     if not (at_rest and min(np.abs(errors)) < LARGEST_ANGLE):
-        return model._replace(values=model.values.with_zero(float(np.mean(zeros)))), []
+        return float(np.mean(zeros)), 0.0
     best = int(np.argmin(np.abs(errors)))
-    error, findings = errors[best], []
-    if abs(error) > LARGEST_ZERO_ERROR:
-        zeros[best] -= error
-        findings = [f"{recording.name}: the pendulum's zero differs by {error:.3f} rad: corrected"]
-    return model._replace(values=model.values.with_zero(zeros[best])), findings
+    error = errors[best] if abs(errors[best]) > LARGEST_ZERO_ERROR else 0.0
+    return zeros[best] - error, error
 
 
 def _zero_error(model: Model, zero: float, first: np.ndarray) -> float:

@@ -15,24 +15,19 @@ LONGEST_GAP = 10.0
 LARGEST_COMMAND = 100.0
 
 
-def cleaned(recording: Recording, driven: bool = True) -> tuple[Recording, list[str]]:
-    """The usable part of a recording and findings; raises :class:`ParameterError` without one.
-
-    A recording that was not ``driven`` needs no command.
-    """
-    recording, findings = _with_usable_samples(recording)
-    if driven:
-        recording = _with_usable_commands(recording)
+def cleaned(recording: Recording) -> Recording:
+    """The usable part of a recording; raises :class:`ParameterError` without one."""
+    recording = _with_usable_commands(_with_usable_samples(recording))
     _interpolate_missing_speeds(recording)
     gap = float(np.max(np.diff(recording.time)))
     if gap > LONGEST_GAP * recording.interval:
-        findings.append(
+        return recording.noting(
             f"dropout of {gap:.3f} s; the median interval is {recording.interval * 1e3:.2f} ms"
         )
-    return recording, findings
+    return recording
 
 
-def _with_usable_samples(recording: Recording) -> tuple[Recording, list[str]]:
+def _with_usable_samples(recording: Recording) -> Recording:
     """The samples that have both angles and a time after the one before."""
     time, measured = recording.time, recording.measured
     for angle, joint in ((PHI, "arm"), (THETA, "pendulum")):
@@ -46,12 +41,11 @@ def _with_usable_samples(recording: Recording) -> tuple[Recording, list[str]]:
             f"{recording.name}: {np.sum(usable)} usable samples of {len(time)}, at least "
             f"{FEWEST_SAMPLES} needed"
         )
-    findings = []
     if not np.all(usable):
-        findings.append(
+        recording = recording.noting(
             f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time not increasing)"
         )
-    return recording._replace(time=time[usable], measured=measured[usable].copy()), findings
+    return recording._replace(time=time[usable], measured=measured[usable].copy())
 
 
 def _refuse_unordered(recording: Recording) -> None:

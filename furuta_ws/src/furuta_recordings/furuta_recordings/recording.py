@@ -21,7 +21,7 @@ class Recording(NamedTuple):
     φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A
     command holds until the next one; before the first the command is 0 V. ``in_radians`` is True if
     the recording names the unit of its angles, which are then in rad. Recordings with the same
-    ``number`` are excerpts of one run.
+    ``number`` are excerpts of one run. ``findings`` say how the content was interpreted.
     """
 
     name: str
@@ -31,6 +31,11 @@ class Recording(NamedTuple):
     command: np.ndarray
     in_radians: bool = False
     number: int = 0
+    findings: tuple[str, ...] = ()
+
+    def noting(self, finding: str) -> Recording:
+        """With one more finding, which begins with the name."""
+        return self._replace(findings=(*self.findings, f"{self.name}: {finding}"))
 
     @property
     def duration(self) -> float:
@@ -73,15 +78,12 @@ class Recording(NamedTuple):
         """With the command ``delay`` [s] later."""
         return self._replace(command_time=self.command_time + delay)
 
-    def through_drive(self, actuator: Actuator, source: str) -> tuple[Recording, str]:
-        """With the command limited and quantised as the drive does; and a note on that.
-
-        ``source`` says where the drive is described.
-        """
+    def through_drive(self, actuator: Actuator, source: str) -> Recording:
+        """With the command limited and quantised as the drive does that ``source`` describes."""
         command = np.array([drive(float(u), actuator) for u in self.command])
-        return self._replace(command=command), (
-            f"{self.name}: command rounded to the drive's {actuator.bits} bits of "
-            f"±{actuator.voltage_range:g} V (according to {source})"
+        return self._replace(command=command).noting(
+            f"command rounded to the drive's {actuator.bits} bits of ±{actuator.voltage_range:g} V "
+            f"(according to {source})"
         )
 
     def commanded_at(self, time: np.ndarray) -> np.ndarray:
@@ -90,6 +92,11 @@ class Recording(NamedTuple):
             return np.zeros(len(time))
         index = np.searchsorted(self.command_time, time + 1e-9, side="right") - 1
         return np.where(index >= 0, self.command[np.maximum(index, 0)], 0.0)
+
+
+def findings_of(recordings: Sequence[Recording]) -> list[str]:
+    """The findings on all recordings, those on several excerpts of one once."""
+    return list(dict.fromkeys(text for recording in recordings for text in recording.findings))
 
 
 def by_run(recordings: Sequence[Recording]) -> list[list[Recording]]:

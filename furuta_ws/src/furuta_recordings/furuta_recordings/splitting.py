@@ -22,21 +22,21 @@ SHORTEST_INTERVAL = 1e-3
 MOVING_PART = 0.3
 
 
-def split_into_runs(recording: Recording) -> tuple[list[Recording], list[str]]:
-    """The runs in a recording, usually only itself; and what was found."""
+def split_into_runs(recording: Recording) -> list[Recording]:
+    """The runs in a recording, usually only itself."""
     steps = np.diff(recording.time)
     cuts = np.flatnonzero((steps > PAUSE) | (steps < -PAUSE)) + 1
     if not len(cuts):
-        return [recording], []
+        return [recording]
     runs = _runs(recording, cuts)
     usable = [run for run in runs if _is_usable(run)]
-    finding = (
-        f"{recording.name}: pauses or restarts {len(cuts)} times: {len(usable)} of {len(runs)} "
-        f"runs used, those of at least {SHORTEST_RUN:g} s with a command"
+    recording = recording.noting(
+        f"pauses or restarts {len(cuts)} times: {len(usable)} of {len(runs)} runs used, those of "
+        f"at least {SHORTEST_RUN:g} s with a command"
     )
     if not usable:
-        raise ParameterError(finding)
-    return usable, [finding]
+        raise ParameterError(recording.findings[-1])
+    return [run._replace(findings=recording.findings) for run in usable]
 
 
 def _runs(recording: Recording, cuts: np.ndarray) -> list[Recording]:
@@ -80,22 +80,23 @@ def _command_bounds(recording: Recording, cuts: np.ndarray) -> list[int]:
     return [*bounds, len(command_time)]
 
 
-def excerpts_of(run: Recording, most_samples: int) -> tuple[list[Recording], list[str]]:
-    """Excerpts evenly spread over the motion of a run with more samples than that; findings."""
+def excerpts_of(run: Recording, most_samples: int) -> list[Recording]:
+    """Excerpts evenly spread over the motion of a run with more samples than that."""
     n = len(run.time)
     if n <= most_samples:
-        return [run], []
+        return [run]
     every = max(1, int(SHORTEST_INTERVAL / run.interval + 1e-6))
     size = EXCERPT * every
     parts = [slice(start, start + size, every) for start in range(0, n - size + 1, size)]
     parts = _moving(run, parts)
     spread = np.linspace(0, len(parts) - 1, min(EXCERPTS, len(parts))).round().astype(int)
-    excerpts = [_excerpt(run, parts[k]) for k in spread]
     thinned = f", one sample in {every}" if every > 1 else ""
-    return excerpts, [
-        f"{run.name}: {n} samples: fitted in {len(excerpts)} excerpts of "
-        f"{excerpts[0].duration:.1f} s of {run.duration:.1f} s{thinned}"
-    ]
+    length = float(np.ptp(run.time[parts[spread[0]]]))
+    run = run.noting(
+        f"{n} samples: fitted in {len(spread)} excerpts of {length:.1f} s of {run.duration:.1f} s"
+        f"{thinned}"
+    )
+    return [_excerpt(run, parts[k]) for k in spread]
 
 
 def _moving(run: Recording, parts: list[slice]) -> list[slice]:

@@ -9,7 +9,6 @@ from furuta.figures.figure import (
     ESTIMATE,
     FRICTION,
     PENDULUM,
-    mark_half_turns,
     saved_figure,
     style_time_series,
 )
@@ -73,5 +72,4 @@ def label_signals(column: Any) -> None:
     """Label the four axes."""
     for axis, label in zip(column, SIGNALS, strict=True):
         axis.set_ylabel(label)
-    mark_half_turns(column[1])
     column[-1].set_xlabel("time [s]")

@@ -13,7 +13,6 @@ from furuta.figures.figure import (
     FRICTION,
     MEASURED,
     PENDULUM,
-    mark_half_turns,
     saved_figure,
     style_time_series,
 )
@@ -102,8 +101,6 @@ def _draw(time: np.ndarray, rows: Rows, path: Path) -> None:
             for values, style in lines:
                 axis.plot(time, values, **style)
             style_time_series(axis, label)
-            if label.startswith("pendulum θ"):
-                mark_half_turns(axis)
             if len(lines) > 1:
                 axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         axes[-1, 0].set_xlabel("time [s]")

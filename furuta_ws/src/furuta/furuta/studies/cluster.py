@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
-from furuta.studies.sweep import Result, Sweep, finished_run, impossible_run
 from furuta_ros.errors import UserError
 from furuta_sim.lanes.batch import outcomes
 from furuta_sim.simulation.closed_loop import Loop, Outcome
@@ -19,12 +18,9 @@ CONNECT_TIMEOUT = 5.0
 # Attempts per chunk. A cluster blames a task for every worker that dies while running it.
 MAX_ATTEMPTS = 20
 
-# Loops, and the reasons why others are impossible.
-Chunk = list[Loop | str]
 
-
-def run_on_cluster(sweep: Sweep, first: int, address: str) -> Iterator[Result]:
-    """Run everything from number ``first`` on, on the cluster at ``address``; results in order.
+def outcomes_on_cluster(address: str, loops: Iterator[Loop], seconds: float) -> Iterator[Outcome]:
+    """The outcomes of loops on the cluster at ``address``, in order.
 
     A chunk whose worker dies is run again by another worker; finished runs are not repeated.
     """
@@ -35,30 +31,22 @@ def run_on_cluster(sweep: Sweep, first: int, address: str) -> Iterator[Result]:
     except (OSError, ValueError) as error:
         raise UserError(f"no Dask scheduler answers at {address}: {error}") from None
     with client:
-        loops = sweep.loops(first)
         chunks = iter(lambda: list(islice(loops, CHUNK_SIZE)), [])
-        waiting: deque[tuple[Chunk, Any]] = deque()
+        waiting: deque[tuple[list[Loop], Any]] = deque()
         while True:
             most = CHUNKS_PER_THREAD * max(1, sum(client.nthreads().values()))
             for chunk in islice(chunks, max(0, most - len(waiting))):
-                waiting.append((chunk, _submit(client, chunk, sweep.seconds)))
+                waiting.append((chunk, _submit(client, chunk, seconds)))
             if not waiting:
                 return
-            chunk, future = waiting.popleft()
-            finished = iter(_outcomes(client, chunk, future, sweep.seconds))
-            for loop in chunk:
-                if isinstance(loop, str):
-                    yield impossible_run(loop)
-                else:
-                    yield finished_run(next(finished))
+            yield from _outcomes(client, *waiting.popleft(), seconds)
 
 
-def _submit(client: Any, chunk: Chunk, seconds: float) -> Any:
-    loops = [loop for loop in chunk if not isinstance(loop, str)]
-    return client.submit(outcomes, loops, seconds, pure=False)
+def _submit(client: Any, chunk: list[Loop], seconds: float) -> Any:
+    return client.submit(outcomes, chunk, seconds, pure=False)
 
 
-def _outcomes(client: Any, chunk: Chunk, future: Any, seconds: float) -> list[Outcome]:
+def _outcomes(client: Any, chunk: list[Loop], future: Any, seconds: float) -> list[Outcome]:
     """Wait for the outcomes of a chunk, which is submitted again if its worker died."""
     from distributed import KilledWorker
 

@@ -65,7 +65,7 @@ def load_series(path: Path, names: Names | None = None) -> Series:
         return _simulation_file(path, columns)
     if path.suffix.lower() in SUFFIXES and path.suffix.lower() != ".csv":
         raise ParameterError(f"{path} has no series that are known; it has {', '.join(columns)}")
-    return _recorded_series(read(path, names)[0])
+    return _recorded_series(read(path, names))
 
 
 def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
@@ -86,7 +86,7 @@ def _bag_series(path: Path, names: Names) -> Series:
     with Bag(path) as bag:
         of_graph = bool(graph_topics(path, bag))
     if not of_graph or names != Names():
-        return _recorded_series(read(path, names)[0])
+        return _recorded_series(read(path, names))
     recorded = read_recorded_loop(path)
     return known(
         {

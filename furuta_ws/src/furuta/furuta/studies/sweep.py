@@ -1,7 +1,7 @@
 """A sweep: many closed loops over every combination of some values."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice, product
 from math import prod
 from typing import Any, NamedTuple
@@ -20,6 +20,8 @@ NO_OUTCOME = dict.fromkeys(Outcome._fields)
 Point = dict[str, Any]
 # Outcome of a run and the reason, which is empty, why its parameters are impossible.
 Result = dict[str, Any]
+# Gives the outcomes of loops over some seconds, in order.
+Simulate = Callable[[Iterator[Loop], float], Iterator[Outcome]]
 
 
 class SweptParameter(NamedTuple):
@@ -77,18 +79,8 @@ class Sweep(NamedTuple):
                 yield str(error)
 
 
-def finished_run(outcome: Outcome) -> Result:
-    """The result of a run."""
-    return {**outcome._asdict(), "error": ""}
-
-
-def impossible_run(reason: str) -> Result:
-    """The result of a run whose parameters are rejected."""
-    return {**NO_OUTCOME, "error": reason}
-
-
-def run_locally(sweep: Sweep, first: int) -> Iterator[Result]:
-    """Run everything from number ``first`` on, on all cores; yields the results in order."""
+def run(sweep: Sweep, first: int, simulate: Simulate = batch) -> Iterator[Result]:
+    """Run everything from number ``first`` on, by default on all cores; the results in order."""
     waiting: deque[Loop | str] = deque()
 
     def possible_loops() -> Iterator[Loop]:
@@ -97,8 +89,8 @@ def run_locally(sweep: Sweep, first: int) -> Iterator[Result]:
             if not isinstance(loop_or_reason, str):
                 yield loop_or_reason
 
-    for outcome in batch(possible_loops(), sweep.seconds):
+    for outcome in simulate(possible_loops(), sweep.seconds):
         while isinstance(reason := waiting.popleft(), str):
-            yield impossible_run(reason)
-        yield finished_run(outcome)
-    yield from (impossible_run(str(reason)) for reason in waiting)
+            yield {**NO_OUTCOME, "error": reason}
+        yield {**outcome._asdict(), "error": ""}
+    yield from ({**NO_OUTCOME, "error": str(reason)} for reason in waiting)

@@ -8,7 +8,6 @@ import numpy as np
 
 from furuta_control.control import design_controller
 from furuta_hw.rigs.rig import Rig
-from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.lanes.batch import available_cores
@@ -120,26 +119,8 @@ def summary(runs: list[SwingUpRun]) -> StartResults:
     )
 
 
-def with_friction(loop: Loop, factor: float) -> Loop:
-    """The loop with friction levels times ``factor``, both true and in the compensator's model."""
-    plant, observer = loop.plant, loop.observer
-    true = _scaled(plant.friction.parameters, factor, 1.0)
-    return loop._replace(
-        plant=plant._replace(friction=plant.friction._replace(parameters=true)),
-        observer=observer._replace(friction=_scaled(observer.friction, factor, 1.0)),
-    )
-
-
 def _run(loop: Loop) -> SwingUpRun:
     return judge(simulate(loop, RUN_TIME), loop)
-
-
-def _scaled(friction: Friction, levels: float, viscous: float) -> Friction:
-    return friction._replace(
-        alpha0=friction.alpha0 * levels,
-        alpha1=friction.alpha1 * levels,
-        viscous=friction.viscous * viscous,
-    )
 
 
 def _random_start(loop: Loop, generator: np.random.Generator, seed: int) -> Loop:
@@ -148,8 +129,9 @@ def _random_start(loop: Loop, generator: np.random.Generator, seed: int) -> Loop
     model = FurutaPendulum(
         *(value * factor for value, factor in zip(plant.model, factors[:4], strict=True))
     )
-    friction = _scaled(plant.friction.parameters, *factors[4:])
-    changed = plant._replace(model=model, friction=plant.friction._replace(parameters=friction))
+    p, (levels, viscous) = plant.friction.parameters, factors[4:]
+    p = p._replace(alpha0=p.alpha0 * levels, alpha1=p.alpha1 * levels, viscous=p.viscous * viscous)
+    changed = plant._replace(model=model, friction=plant.friction._replace(parameters=p))
     state = _random_state(loop, generator)
     return with_initial(loop._replace(plant=changed), state, seed)
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE, SERIES
+from furuta_bringup.file_types import FIGURE, PATH, SERIES
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, model_options, names_options
+from furuta_bringup.options import json_option, model_options, names_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
@@ -15,7 +15,7 @@ from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
 
-BAG = click.argument("bag", type=click.Path(path_type=Path))
+BAG = click.argument("bag", type=PATH)
 
 
 @click.group()
@@ -45,7 +45,7 @@ def info(bag: Path, as_json: bool) -> None:
 
 @command.command()
 @BAG
-@click.option(
+@option(
     "--out",
     type=SERIES,
     required=True,
@@ -55,7 +55,7 @@ def info(bag: Path, as_json: bool) -> None:
 @names_options
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
-    """Write BAG as a table with one row per measurement; docs/bags.md lists its columns."""
+    """Write BAG as a table with one row per measurement; docs/topics.md lists its columns."""
     from furuta.studies.series import load_series
     from furuta_recordings.series_columns import TIME
     from furuta_recordings.table_files import write_columns
@@ -67,9 +67,7 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
 
 @command.command()
 @BAG
-@click.option(
-    "--out", type=click.Path(path_type=Path), metavar="BAG", help="New bag; default: BAG_recovered."
-)
+@option("--out", type=PATH, metavar="BAG", help="New bag; default: BAG_recovered.")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
     """Copy all readable messages of BAG into a new bag; BAG itself is not changed."""
@@ -93,23 +91,22 @@ def _remappings(
 
 @command.command()
 @BAG
-@click.option(
+@option(
     "--rate",
     type=FiniteRange(0.0, 1e6),
     default=1.0,
-    show_default=True,
     help="Speed relative to the recording; 0: as fast as possible.",
 )
-@click.option("--topic", "topics", multiple=True, help="Replay only this topic; repeatable.")
-@click.option(
+@option("--topic", "topics", multiple=True, help="Replay only this topic; repeatable.")
+@option(
     "--remap",
     multiple=True,
     callback=_remappings,
     metavar="FROM:=TO",
     help="Publish a topic under another name; repeatable.",
 )
-@click.option("--clock", is_flag=True, help="Publish the bag's time on /clock.")
-@click.option("--wait", is_flag=True, help="Wait until every topic has a subscriber.")
+@option("--clock", is_flag=True, help="Publish the bag's time on /clock.")
+@option("--wait", is_flag=True, help="Wait until every topic has a subscriber.")
 @json_option
 def replay(
     bag: Path,
@@ -135,7 +132,7 @@ def replay(
 
 @command.command()
 @BAG
-@click.option("--out", type=FIGURE, help="Draw recorded and recomputed time series.")
+@option("--out", type=FIGURE, help="Draw recorded and recomputed time series.")
 @model_options
 @json_option
 def recompute(

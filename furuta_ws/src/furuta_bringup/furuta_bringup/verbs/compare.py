@@ -20,6 +20,7 @@ from furuta_bringup.options import (
     MEASURED_SECONDS,
     SEED,
     json_option,
+    option,
     parameter_options,
     rig_option,
 )
@@ -48,26 +49,26 @@ HEADINGS = {
 
 
 @click.command()
-@click.option("--truths", is_flag=True,
+@option("--truths", is_flag=True,
     help="Take the named rigs of docs/comparison.md, and list each.")  # fmt: skip
-@click.option("--rigs", "number", type=click.IntRange(1, 1_000_000), default=100, show_default=True,
+@option("--rigs", "number", type=click.IntRange(1, 1_000_000), default=100,
     help="Number of random rigs.")  # fmt: skip
-@click.option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
+@option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
     help="A further disturbance of random rigs; repeatable.")  # fmt: skip
-@click.option("--seed", type=SEED, default=0, show_default=True,
+@option("--seed", type=SEED, default=0,
     help="Seed of the random rigs. plant.seed is that of the sensor noise.")  # fmt: skip
 @rig_option
 @parameter_options
-@click.option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
+@option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
     help=f"A candidate by its settings, or one of {', '.join(STANDARD)}; repeatable "
     "(default: all of these).")  # fmt: skip
-@click.option("--tune-budget", type=click.IntRange(0, 100_000), default=0, show_default=True,
+@option("--tune-budget", type=click.IntRange(0, 100_000), default=0,
     help="Evaluations to tune each candidate, on rigs of their own; 0: as it is set.")  # fmt: skip
-@click.option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
+@option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
     help="Push on the arm [V] of 0.1 s, in a run of its own; repeatable.")  # fmt: skip
-@click.option("--seconds", type=MEASURED_SECONDS, default=30.0, show_default=True,
+@option("--seconds", type=MEASURED_SECONDS, default=30.0,
     help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
-@click.option("--out", type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES),
+@option("--out", type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES),
     help="A table with a row per run, or a picture.")  # fmt: skip
 @json_option
 @click.pass_context
@@ -159,7 +160,8 @@ def _print_truths(table: Table) -> None:
 
 def _reject_random_options(ctx: click.Context) -> None:
     """Reject options that would have no effect."""
-    for option in ctx.command.params:
-        given = ctx.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
-        if given and option.opts[0] in RANDOM_ONLY:
-            raise ParameterError(f"{option.opts[0]} has no effect on the named rigs of --truths")
+    for parameter in ctx.command.params:
+        given = ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
+        name = parameter.opts[0]
+        if given and name in RANDOM_ONLY:
+            raise ParameterError(f"{name} has no effect on the named rigs of --truths")

@@ -11,7 +11,8 @@ from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
 from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta_bringup.demo_run import run_demo, tune_graph
-from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options
+from furuta_bringup.file_types import PATH
+from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
 from furuta_recordings.bags.recorded_loop import read_recorded_run
@@ -33,19 +34,14 @@ HEADINGS = {
 
 
 @click.command()
-@click.option(
-    "--seconds",
-    type=MEASURED_SECONDS,
-    default=40.0,
-    show_default=True,
-    help="Simulated time per compensation [s].",
+@option(
+    "--seconds", type=MEASURED_SECONDS, default=40.0, help="Simulated time per compensation [s]."
 )
-@click.option(
+@option(
     "--out",
     "directory",
     default="output/demo",
-    show_default=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     help="Directory for figure, bag and summary.json. Files of an earlier demo are replaced.",
 )
 @model_options

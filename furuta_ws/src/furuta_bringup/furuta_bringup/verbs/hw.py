@@ -8,15 +8,14 @@ import click
 from rclpy.node import Node
 
 from furuta_bringup.options import json_option, namespace_option
-from furuta_bringup.verbs.hw_commissioning import check, friction, read, show, signs, zero
+from furuta_bringup.printing import show
+from furuta_bringup.verbs.hw_commissioning import check, friction, read, signs, zero
 from furuta_graph.processes import executable
 from furuta_graph.system_client import TRANSITIONS, BridgeClient
-from furuta_hw.rigs.rig import Rig
 from furuta_model.linear import linearize
 from furuta_ros.context import joined_graph
 from furuta_ros.spinning import executor_of
 from furuta_sim.settings.rigs import find_rig
-from furuta_sim.settings.settings import rig_settings
 
 
 @click.group()
@@ -73,14 +72,10 @@ def state(transition: str | None, namespace: str) -> None:
 
 @command.command("rig")
 @click.argument("name", metavar="NAME|FILE")
-@click.option("--params", "as_file", is_flag=True, help="Print a parameter file for --params.")
 @json_option
-def show_rig(name: str, as_file: bool, as_json: bool) -> None:
+def show_rig(name: str, as_json: bool) -> None:
     """Show the normalised model and the friction of a rig file."""
     rig = find_rig(name)
-    if as_file:
-        print(_parameter_file(rig), end="")
-        return
     a, b = linearize(rig.model)
     numbers = {"a23": a[1, 2], "a43": a[3, 2], "b21": b[1], "b41": b[3]}
     show(
@@ -90,13 +85,6 @@ def show_rig(name: str, as_file: bool, as_json: bool) -> None:
         | {"sample_time": rig.line.sample_time, "watchdog": rig.line.watchdog},
         as_json,
     )
-
-
-def _parameter_file(rig: Rig) -> str:
-    import yaml
-
-    nodes = {node: {"ros__parameters": given} for node, given in rig_settings(rig).items() if given}
-    return str(yaml.safe_dump(nodes, sort_keys=False))
 
 
 @command.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})

@@ -10,8 +10,8 @@ import numpy as np
 from rich.console import Console
 
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option
-from furuta_bringup.printing import print_json
+from furuta_bringup.options import json_option, option
+from furuta_bringup.printing import print_json, show
 from furuta_hw.commissioning.friction import (
     RAMP_RATE,
     check_arm_range,
@@ -35,33 +35,25 @@ DISPLAY_PERIOD = 0.1
 REST_SECONDS = 1.0
 
 
+# Numbers that the options take, in SI units.
+SECONDS = FiniteRange(0.0, 3600.0, min_open=True)
+VOLTAGES = FiniteRange(0.0, 1e3, min_open=True)
+ANGLES = FiniteRange(0.01, 1e6)
+RATES = FiniteRange(1e-3, 10.0)
+
+
 def rig_options(function: Function) -> Function:
     """``--port`` and ``--rig``."""
-    rig_help, port_help = "Rig file.", "Port of the rig, or mock for an emulated rig."
-    function = click.option(
-        "--rig", "name", default="paper", show_default=True, metavar="NAME|FILE", help=rig_help
-    )(function)
-    return click.option("--port", required=True, metavar="PORT", help=port_help)(function)
-
-
-def number_option(
-    name: str, numbers: FiniteRange, default: float, text: str
-) -> Callable[[Function], Function]:
-    """An option whose value is one of ``numbers``."""
-    return click.option(name, type=numbers, default=default, show_default=True, help=text)
-
-
-def seconds_option(default: float, text: str) -> Callable[[Function], Function]:
-    """``--seconds``."""
-    return number_option("--seconds", FiniteRange(0.0, 3600.0, min_open=True), default, text)
+    rig = option("--rig", "name", default="paper", metavar="NAME|FILE", help="Rig file.")
+    port = "Port of the rig, or mock for an emulated rig."
+    return option("--port", required=True, metavar="PORT", help=port)(rig(function))
 
 
 def drive_options(function: Function) -> Function:
     """``--voltage`` and ``--arm-range``, the limits of verbs that drive."""
-    voltages, angles = FiniteRange(0.0, 1e3, min_open=True), FiniteRange(0.01, 1e6)
     stop = "Stop when the arm is further than this from its start, in either direction [rad]."
-    function = number_option("--voltage", voltages, 2.0, "Largest voltage [V].")(function)
-    return number_option("--arm-range", angles, 3.0, stop)(function)
+    voltage = option("--voltage", type=VOLTAGES, default=2.0, help="Largest voltage [V].")
+    return option("--arm-range", type=ANGLES, default=3.0, help=stop)(voltage(function))
 
 
 @contextmanager
@@ -75,18 +67,9 @@ def _open_rig(port: str, name: str) -> Iterator[RigSession]:
         raise UserError(str(error)) from None
 
 
-def show(result: dict[str, Any], as_json: bool) -> None:
-    """Print a result as JSON, or as a table."""
-    if as_json:
-        print_json(result)
-        return
-    for name, value in result.items():
-        print(f"{name:28} {value:.6g}" if isinstance(value, float) else f"{name:28} {value}")
-
-
 @click.command()
 @rig_options
-@seconds_option(3.0, "Duration of the check.")
+@option("--seconds", type=SECONDS, default=3.0, help="Duration of the check.")
 @json_option
 def check(port: str, name: str, seconds: float, as_json: bool) -> None:
     """Check the serial line: handshake, sample rate, lost and corrupt frames. Drives nothing."""
@@ -111,7 +94,7 @@ def check(port: str, name: str, seconds: float, as_json: bool) -> None:
 
 @click.command()
 @rig_options
-@seconds_option(10.0, "Duration of reading.")
+@option("--seconds", type=SECONDS, default=10.0, help="Duration of reading.")
 @json_option
 def read(port: str, name: str, seconds: float, as_json: bool) -> None:
     """Show live sensor values, as codes and in SI units. Drives nothing.
@@ -152,10 +135,8 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
 
 @click.command()
 @rig_options
-@seconds_option(2.0, "Duration of averaging.")
-@click.option(
-    "--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle."
-)
+@option("--seconds", type=SECONDS, default=2.0, help="Duration of averaging.")
+@option("--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle.")
 @json_option
 def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
     """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
@@ -178,8 +159,8 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
 @click.command()
 @rig_options
 @drive_options
-@number_option("--rate", FiniteRange(1e-3, 10.0), RAMP_RATE, "Rate of the voltage ramps [V/s].")
-@click.option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
+@option("--rate", type=RATES, default=RAMP_RATE, help="Rate of the voltage ramps [V/s].")
+@option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
 @json_option
 def friction(
     port: str,

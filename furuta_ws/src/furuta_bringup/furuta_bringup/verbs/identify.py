@@ -6,17 +6,16 @@ import click
 import numpy as np
 from rich.console import Console
 
-from furuta_bringup.file_types import FIGURE
-from furuta_bringup.number_types import FiniteRange, NonZero
-from furuta_bringup.options import json_option, names_options
-from furuta_bringup.printing import print_json, show
+from furuta_bringup.file_types import FIGURE, PATH
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import json_option, names_options, option
+from furuta_bringup.printing import print_json
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify import free_swing_of_files, identify_files
+from furuta_identification.identify import identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_identification.result.report import SMALLEST_FIT, UNUSABLE, full_report, report_lines
+from furuta_identification.result.report import UNUSABLE, full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
-from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_ros.errors import UserError
 from furuta_sim.settings.rigs import find_rig
 
@@ -36,77 +35,61 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 
 
 @click.command()
-@click.argument(
-    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="PATH..."
-)
+@click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH...")
 @names_options
-@click.option("--time", help="Column of a table's time.")
-@click.option(
+@option(
     "--zero",
     callback=_zero,
     default="auto",
-    show_default=True,
     help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "
     "angle of the hanging pendulum in degrees.",
 )
-@click.option(
+@option(
     "--direction",
     type=click.Choice(DIRECTIONS),
     default="auto",
-    show_default=True,
     help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
     "direction when the arm accelerates in its positive one.",
 )
-@click.option(
-    "--angles",
-    type=click.Choice(ANGLE_UNITS),
-    default="auto",
-    show_default=True,
-    help="Unit of the angles.",
-)
-@click.option(
+@option("--angles", type=click.Choice(ANGLE_UNITS), default="auto", help="Unit of the angles.")
+@option(
     "--command-scale",
-    type=NonZero(),
+    type=FiniteRange(0.0, min_open=True),
     default=1.0,
-    show_default=True,
     metavar="V",
     help="Voltage that a command of 1 stands for [V].",
 )
-@click.option(
+@option(
     "--ceiling",
     type=FiniteRange(0.0, 1e3, min_open=True),
     metavar="V",
     help="Highest voltage of the drive [V]; default: found, if the data show it.",
 )
-@click.option(
+@option(
     "--window",
     type=FiniteRange(0.05, 1e4),
     help="Length of the segments that are simulated [s]; default: the whole recording, or 0.5 for "
     "a balanced pendulum.",
 )
-@click.option(
+@option(
     "--validate",
     "validation_paths",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="PATH",
     help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
-@click.option(
+@option(
     "--laws",
     is_flag=True,
     help="Compare laws of the arm's friction by their predictions of held-out recordings, or of "
     "held-out halves of a single one.",
 )
-@click.option("--out", type=FIGURE, help="Draw the residuals.")
-@click.option(
-    "--write",
-    type=click.Path(path_type=Path),
-    metavar="FILE.yaml",
-    help="Write a rig file, for --rig of other verbs.",
+@option("--out", type=FIGURE, help="Draw the residuals.")
+@option(
+    "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
 )
-@click.option("--force", is_flag=True, help="Write the rig file of a model that is not usable.")
-@click.option(
+@option(
     "--rig",
     "base",
     default="",
@@ -118,7 +101,6 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 def command(
     paths: tuple[Path, ...],
     names: Mapping,
-    time: str | None,
     zero: str | float,
     direction: str,
     angles: str,
@@ -129,33 +111,17 @@ def command(
     laws: bool,
     out: Path | None,
     write: Path | None,
-    force: bool,
     base: str,
     as_json: bool,
 ) -> None:
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason, and a model that is not usable is not written. With `--command none`
-    the pendulum swings freely and the arm is held.
+    withheld, with the reason, and a model that is not usable is not written.
     """
-    names = names._replace(time=time)
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
-    if force and write is None:
-        raise ParameterError("--force is for --write; give --write too")
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
-    if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws:
-            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
-        swing = free_swing_of_files(paths, names, options)
-        show(swing.as_json(), as_json)
-        poor = ", ".join(f"{n} {fit:.0f} %" for n, fit in swing.fit.items() if fit < SMALLEST_FIT)
-        if poor:
-            raise UserError(
-                f"not usable: fit of {poor}; keep swings of amplitude 1 to 0.1 rad only"
-            )
-        return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
     with console.status("reading") as status:
@@ -173,8 +139,8 @@ def command(
         draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
     verdict = result["verdict"]
-    unusable = verdict["usable"] == UNUSABLE
-    if write is not None and (force or not unusable):
+    usable = verdict["usable"] != UNUSABLE
+    if write is not None and usable:
         from furuta_identification.result.identified_rig import write_rig
 
         result["findings"] += write_rig(model, write, given, paths[0], verdict)
@@ -183,6 +149,5 @@ def command(
         print_json(result)
     else:
         print(*report_lines(result), sep="\n")
-    if write is not None and unusable and not force:
-        reasons = "; ".join(verdict["reasons"])
-        raise UserError(f"the model is not usable ({reasons}); --force writes {write} all the same")
+    if write is not None and not usable:
+        raise UserError(f"the model is not usable, so {write} is not written")

@@ -16,7 +16,7 @@ from furuta.studies.feedback_map import map_feedbacks
 from furuta.studies.linear_loop import prediction_report
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import feedback_option, json_option, law_option, model_options
+from furuta_bringup.options import feedback_option, json_option, law_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
@@ -28,7 +28,7 @@ QUARTER_TURN = 0.5 * np.pi
 
 
 @click.command()
-@click.option(
+@option(
     "--over",
     "ranges",
     multiple=True,
@@ -36,18 +36,17 @@ QUARTER_TURN = 0.5 * np.pi
     help="Parameter, or gain l1 to l4 of u = l·x. Given once: follow the branch of the limit "
     "cycle; given twice: map the limit cycle.",
 )
-@click.option("--predict", is_flag=True, help="Predict it by the describing function instead.")
+@option("--predict", is_flag=True, help="Predict it by the describing function instead.")
 @law_option
 @feedback_option
-@click.option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
-@click.option(
+@option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
+@option(
     "--release",
     type=FiniteRange(-QUARTER_TURN, QUARTER_TURN, min_open=True, max_open=True),
     default=0.05,
-    show_default=True,
     help="Initial pendulum angle, not 0 [rad].",
 )
-@click.option("--out", type=FIGURE, help="Draw the cycle, branch or map, or G and -1/N.")
+@option("--out", type=FIGURE, help="Draw the cycle, branch or map, or G and -1/N.")
 @model_options
 @json_option
 def command(

@@ -11,7 +11,7 @@ from furuta.passivity import observer_passivity
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.linear_loop import nyquist_report
 from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import feedback_option, json_option, model_options
+from furuta_bringup.options import feedback_option, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import FIGURE_4
@@ -23,10 +23,10 @@ GIVEN = "given"
 
 
 @click.command()
-@click.option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
-@click.option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
-@click.option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
-@click.option("--out", type=FIGURE, help="Draw the Nyquist plot.")
+@option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
+@option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
+@option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
+@option("--out", type=FIGURE, help="Draw the Nyquist plot.")
 @feedback_option
 @model_options
 @json_option

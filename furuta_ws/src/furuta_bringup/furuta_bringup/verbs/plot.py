@@ -4,15 +4,15 @@ from pathlib import Path
 
 import click
 
-from furuta_bringup.file_types import FIGURE
-from furuta_bringup.options import json_option, names_options
+from furuta_bringup.file_types import FIGURE, PATH
+from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import show
 from furuta_recordings.readers import Mapping
 
 
 @click.command()
-@click.argument("recording", type=click.Path(path_type=Path), metavar="BAG|FILE")
-@click.option("--out", type=FIGURE, required=True, help="Picture to write.")
+@click.argument("recording", type=PATH, metavar="BAG|FILE")
+@option("--out", type=FIGURE, required=True, help="Picture to write.")
 @names_options
 @json_option
 def command(recording: Path, out: Path, names: Mapping, as_json: bool) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import namespace_option, parameter_options, rig_option
+from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
@@ -20,34 +21,29 @@ from furuta_sim.settings.parameter_files import settings_file
 
 
 @click.command()
-@click.option("--plant", type=click.Choice(["sim", "hardware"]), default="sim", show_default=True,
+@option("--plant", type=click.Choice(["sim", "hardware"]), default="sim",
     help="Simulated plant or real rig.")  # fmt: skip
-@click.option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
+@option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
 @rig_option
-@click.option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
-@click.option(
+@option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
+@option(
     "--lockstep",
     "clock",
     flag_value="lockstep",
     help="Run in lock-step, as fast as the machine allows.",
 )
-@click.option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
-@click.option("--without", multiple=True, type=click.Choice(
+@option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
+@option("--without", multiple=True, type=click.Choice(
     [node.name for node in NODES.values() if not node.controlled]),
     help="Leave out this node, so that your own can replace it; repeatable.")  # fmt: skip
 @namespace_option
-@click.option("--processes", is_flag=True, help="Run each node in a process of its own.")
-@click.option(
-    "--record",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Record a bag into this directory.",
-)
-@click.option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
-@click.option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
+@option("--processes", is_flag=True, help="Run each node in a process of its own.")
+@option("--record", type=PATH, metavar="DIR", help="Record a bag into this directory.")
+@option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
+@option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
     help="Stop after this time of the plant or rig [s].")  # fmt: skip
-@click.option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
-@click.option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
+@option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
+@option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
 @parameter_options
 def command(
     plant: str,

@@ -16,6 +16,7 @@ from furuta_bringup.options import (
     json_option,
     law_option,
     model_options,
+    option,
 )
 from furuta_bringup.printing import show
 from furuta_model.state import LARGEST_VALUE
@@ -27,23 +28,21 @@ from furuta_sim.simulation.oscillation import fell, measure_oscillation
 
 
 @click.command()
-@click.option(
-    "--seconds", type=SIMULATED_SECONDS, default=60.0, show_default=True, help="Simulated time [s]."
-)
-@click.option(
+@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time [s].")
+@option(
     "--compensation",
     metavar="NAME",
     help="Friction compensation; default: as set by the parameters.",
 )
-@click.option(
+@option(
     "--ideal-sensors",
     is_flag=True,
     help="Measure all four states exactly; the arm may turn without limit.",
 )
 @law_option
 @feedback_option
-@click.option("--seed", type=SEED, help="Seed of the sensors' noise.")
-@click.option(
+@option("--seed", type=SEED, help="Seed of the sensors' noise.")
+@option(
     "--out",
     type=SERIES_OR_FIGURE,
     metavar="FILE",

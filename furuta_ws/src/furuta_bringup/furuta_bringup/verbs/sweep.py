@@ -2,20 +2,22 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from furuta.studies.cluster import run_on_cluster
+from furuta.studies.cluster import outcomes_on_cluster
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
-from furuta.studies.sweep import Sweep, parse_swept_parameter, run_locally
+from furuta.studies.sweep import Sweep, parse_swept_parameter, run
 from furuta.studies.sweep_journal import Journal
 from furuta_bringup.file_types import OutputFile
-from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options
+from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
+from furuta_sim.lanes.batch import batch
 from furuta_sim.settings.settings import load_settings
 
 DEFAULT_COUNT = 10
@@ -23,17 +25,11 @@ DEFAULT_COUNT = 10
 
 @click.command()
 @click.argument("ranges", nargs=-1, required=True, metavar="NAME=LOW:HIGH[:COUNT]|NAME=V1,V2 ...")
-@click.option(
-    "--seconds",
-    type=SIMULATED_SECONDS,
-    default=60.0,
-    show_default=True,
-    help="Simulated time of each run [s].",
-)
-@click.option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
-@click.option(
+@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time of each run [s].")
+@option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
+@option(
     "--out", type=OutputFile(*SUFFIXES),
-    default=Path("output/sweep.csv"), show_default=True,
+    default=Path("output/sweep.csv"),
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
 @model_options
@@ -61,11 +57,8 @@ def command(
     journal = Journal(out, sweep)
     resumed, counts = journal.count, Counter[str]()
     try:
-        results = journal.record(
-            run_locally(sweep, resumed)
-            if scheduler is None
-            else run_on_cluster(sweep, resumed, scheduler)
-        )
+        simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
+        results = journal.record(run(sweep, resumed, simulate))
         for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
             pass
         pairs = zip(sweep.points(), journal.results(), strict=True)

@@ -10,10 +10,8 @@ from furuta.studies.swing_up_starts import (
     run_starts,
     summary,
     swing_up_settings,
-    with_friction,
 )
-from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import SEED, json_option, parameter_options
+from furuta_bringup.options import SEED, json_option, option, parameter_options
 from furuta_bringup.printing import show
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
@@ -22,36 +20,17 @@ DEFAULT_RIG = "paper_full_turn"
 
 
 @click.command()
-@click.option(
-    "--starts",
-    type=click.IntRange(1, 100_000),
-    default=100,
-    show_default=True,
-    help="Random starts.",
-)
-@click.option(
-    "--rig", default=DEFAULT_RIG, show_default=True, metavar="NAME", help="Name or file of a rig."
-)
-@click.option(
-    "--friction",
-    "factor",
-    type=FiniteRange(0, 100),
-    default=1.0,
-    show_default=True,
-    help="Factor on the friction levels of the rig and of its model.",
-)
-@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the starts.")
-@click.option(
-    "--knocks",
-    is_flag=True,
-    help="Also push the pendulum over every 10 s; it must swing up again.",
+@option("--starts", type=click.IntRange(1, 100_000), default=100, help="Random starts.")
+@option("--rig", default=DEFAULT_RIG, metavar="NAME", help="Name or file of a rig.")
+@option("--seed", type=SEED, default=0, help="Seed of the starts.")
+@option(
+    "--knocks", is_flag=True, help="Also push the pendulum over every 10 s; it must swing up again."
 )
 @parameter_options
 @json_option
 def command(
     starts: int,
     rig: str,
-    factor: float,
     seed: int,
     knocks: bool,
     files: tuple[Path, ...],
@@ -64,7 +43,7 @@ def command(
     run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
     given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
-    nominal = with_friction(loop(given), factor)
+    nominal = loop(given)
     report = summary(run_starts(random_starts(nominal, starts, seed)))._asdict()
     if knocks:
         report |= run_knocks(nominal)._asdict()

@@ -9,8 +9,15 @@ from rich.console import Console
 
 from furuta.studies.tuning.plan import TuningPlan, TuningResult
 from furuta.studies.tuning.tuning import ProgressCallback, tune, tune_simulated
+from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, namespace_option
+from furuta_bringup.options import (
+    SIMULATED_SECONDS,
+    json_option,
+    model_options,
+    namespace_option,
+    option,
+)
 from furuta_bringup.printing import print_json, show
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
@@ -27,39 +34,28 @@ GUARD = FiniteRange(0, min_open=True)
 
 
 @click.command()
-@click.option(
+@option(
     "--running",
     is_flag=True,
     help="Tune the running graph through its parameter services (default: a simulation).",
 )
 @namespace_option
-@click.option(
-    "--seconds",
-    type=SIMULATED_SECONDS,
-    default=DEFAULT.seconds,
-    show_default=True,
-    help="Total pendulum time [s].",
+@option(
+    "--seconds", type=SIMULATED_SECONDS, default=DEFAULT.seconds, help="Total pendulum time [s]."
 )
-@click.option(
+@option(
     "--arm-guard",
     type=GUARD,
     default=DEFAULT.arm_guard,
-    show_default=True,
     help="Largest peak-to-peak excursion of the arm [rad].",
 )
-@click.option(
+@option(
     "--pendulum-guard",
     type=GUARD,
     default=DEFAULT.pendulum_guard,
-    show_default=True,
     help="Largest angle of the pendulum [rad].",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    metavar="FILE.yaml",
-    help="Write the parameters to a parameter file.",
-)
+@option("--out", type=PATH, metavar="FILE.yaml", help="Write the parameters to a parameter file.")
 @model_options
 @json_option
 def command(

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from furuta_bringup.options import namespace_option
+from furuta_bringup.file_types import PATH
+from furuta_bringup.options import namespace_option, option
 from furuta_ros.scheduling import may_have_priority
 
 # How far the page stands back for the loop when both want a core.
@@ -18,11 +19,11 @@ NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 
 
 @click.command()
-@click.option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
-@click.option("--bag", type=click.Path(path_type=Path), metavar="DIR|FILE",
+@option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
+@option("--bag", type=PATH, metavar="DIR|FILE",
     help="Show a recording, or a file of simulate --out, without ROS.")  # fmt: skip
-@click.option("--no-open", is_flag=True, help="Open no browser.")
-@click.option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
+@option("--no-open", is_flag=True, help="Open no browser.")
+@option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(

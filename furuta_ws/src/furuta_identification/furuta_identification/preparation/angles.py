@@ -27,24 +27,22 @@ SURE_SIGN = 3.0
 LARGEST_ERROR = 0.5
 
 
-def angle_unit(recordings: list[Recording], angles: str) -> tuple[str, list[str]]:
-    """The unit that the angles of all recordings share, as given or by likelihood; findings.
+def angle_unit(recordings: list[Recording], angles: str) -> str:
+    """The unit that the angles of all recordings share, as given or by likelihood.
 
     The likelihood is that of the pendulum's accelerations: gravity's torque depends on the sine of
     the angle. A small swing fits almost equally well in either unit.
     """
     unknown = [recording for recording in recordings if not recording.in_radians]
     if angles != AUTO or not unknown:
-        given = angles == DEGREES and bool(unknown)
-        findings = [f"angles in {DEGREES} (as given)"] if given else []
-        return (RADIANS if angles == AUTO else angles), findings
+        return RADIANS if angles == AUTO else angles
     odds = USUAL + sum(_log_odds_of_radians(recording) for recording in unknown)
     if abs(odds) < SURE:
         raise ParameterError(
             f"{', '.join(r.name for r in unknown)}: the motion does not tell whether angles "
             f"are in {RADIANS} or {DEGREES}; give their unit with --angles"
         )
-    return (RADIANS, []) if odds > 0.0 else (DEGREES, [f"angles in {DEGREES} (detected)"])
+    return RADIANS if odds > 0.0 else DEGREES
 
 
 def _log_odds_of_radians(recording: Recording) -> float:
@@ -66,9 +64,9 @@ def in_unit(recording: Recording, unit: str) -> Recording:
     return recording._replace(measured=measured)
 
 
-def with_usable_speeds(recording: Recording) -> tuple[Recording, list[str]]:
+def with_usable_speeds(recording: Recording) -> Recording:
     """The recording with speeds in rad/s; speeds that do not match the angles become NaN."""
-    measured, findings = recording.measured.copy(), []
+    measured = recording.measured.copy()
     for angle, speed, name in ((PHI, PHI_DOT, "arm"), (THETA, THETA_DOT, "pendulum")):
         fit = speed_as_slope(recording, angle, speed)
         if fit is None:
@@ -77,21 +75,21 @@ def with_usable_speeds(recording: Recording) -> tuple[Recording, list[str]]:
         unit, size = min(SPEED_UNITS.items(), key=lambda unit: abs(abs(factor) / unit[1] - 1.0))
         if abs(abs(factor) / size - 1.0) > LARGEST_UNIT_ERROR:
             measured[:, speed] = np.nan
-            findings.append(
+            recording = recording.noting(
                 f"the {name}'s speed is not the slope of its angle, which is {factor:.3g} times "
                 "as large: ignored"
             )
         elif unit != "rad/s" or factor < 0.0:
             measured[:, speed] *= np.sign(factor) * size
             sign = " and has the opposite sign of its angle" if factor < 0.0 else ""
-            findings.append(f"the {name}'s speed is in {unit}{sign} (detected)")
-    return recording._replace(measured=measured), findings
+            recording = recording.noting(f"the {name}'s speed is in {unit}{sign} (detected)")
+    return recording._replace(measured=measured)
 
 
 def oriented(
     recordings: list[Recording], options: Options, usual: float
-) -> tuple[list[Recording], float, list[str]]:
-    """The recordings with θ = 0 upright and θ̇ > 0 in the direction of (1); direction; findings.
+) -> tuple[list[Recording], float]:
+    """The recordings with θ = 0 upright and θ̇ > 0 in the direction of (1); and that direction.
 
     The pendulum's equation shows both: gravity accelerates it away from upright, and the coupling
     to the arm has the sign of the direction. A recording that does not tell its direction has that
@@ -99,17 +97,15 @@ def oriented(
     """
     motions = [pendulum_motion(recording) for recording in recordings]
     usual = next(filter(None, map(_shown_direction, motions)), usual)
-    turned, findings = [], []
+    rotated = []
     for recording, motion in zip(recordings, motions, strict=True):
-        direction, remarks = _direction(recording, motion, options.direction, usual)
+        direction, source = _direction(recording, motion, options.direction, usual)
         shift, words = _zero(recording, motion, options.zero)
         own = recording.reoriented(direction * shift, direction, 1.0)
         turns = 2.0 * np.pi * np.round(np.mean(own.measured[:, THETA]) / (2.0 * np.pi))
         own.measured[:, THETA] -= turns
-        turned.append(own)
-        about_zero = f"pendulum angle 0 is {words}, direction {direction:+g}"
-        findings += [f"{recording.name}: {remark}" for remark in (about_zero, *remarks)]
-    return turned, direction, findings
+        rotated.append(own.noting(f"pendulum angle 0 is {words}, direction {direction:+g}{source}"))
+    return rotated, direction
 
 
 def _shown_direction(motion: PendulumMotion) -> float:
@@ -120,8 +116,8 @@ def _shown_direction(motion: PendulumMotion) -> float:
 
 def _direction(
     recording: Recording, motion: PendulumMotion, given: float, usual: float
-) -> tuple[float, list[str]]:
-    """Direction of the pendulum's angle, and where it is from if not from the motion."""
+) -> tuple[float, str]:
+    """Direction of the pendulum's angle, and its source in words if it is another recording."""
     shown = _shown_direction(motion)
     if given and shown and given != shown:
         raise ParameterError(
@@ -129,9 +125,9 @@ def _direction(
             f"as if it were {shown:g}"
         )
     if given or shown:
-        return given or shown, []
+        return given or shown, ""
     if usual:
-        return usual, ["the pendulum's direction is that of the other recordings"]
+        return usual, ", that of the other recordings"
     raise ParameterError(
         f"{recording.name}: the motion does not tell the direction of the pendulum's angle; give "
         "it with --direction (1 or -1), or record a motion in which the arm accelerates more"

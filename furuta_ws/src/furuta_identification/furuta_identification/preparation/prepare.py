@@ -6,6 +6,8 @@ import numpy as np
 
 from furuta_identification.options import AUTO_DIRECTION, Options
 from furuta_identification.preparation.angles import (
+    AUTO,
+    DEGREES,
     angle_unit,
     in_unit,
     oriented,
@@ -41,50 +43,38 @@ FEWEST_SAMPLES = 100
 
 
 class Prepared(NamedTuple):
-    """Recordings ready for a fit, the unit and the direction that they shared, and findings."""
+    """Recordings ready for a fit, with the unit and the direction that they shared."""
 
     recordings: list[Recording]
     angles: str
     direction: float
-    findings: list[str]
 
 
-def prepare(
-    recording: Recording, options: Options, usual: float = AUTO_DIRECTION
-) -> tuple[Recording, list[str]]:
-    """One recording ready for a fit or for a prediction, and what was found on the way.
+def prepare(recording: Recording, options: Options, usual: float = AUTO_DIRECTION) -> Recording:
+    """One recording ready for a fit or for a prediction.
 
     ``usual`` is the direction of other recordings' pendulum angle, if this one does not tell it.
     """
-    ready = prepare_all([recording], options, usual)
-    return ready.recordings[0], ready.findings
+    return prepare_all([recording], options, usual).recordings[0]
 
 
 def prepare_all(
     recordings: list[Recording], options: Options, usual: float = AUTO_DIRECTION
 ) -> Prepared:
     """The recordings of one rig. They share units; each has its own orientation."""
-    ready, findings = [], []
-    for recording in recordings:
-        usable, remarks = cleaned(
-            recording._replace(command=options.command_scale * recording.command)
-        )
-        ready.append(usable)
-        findings += [f"{recording.name}: {remark}" for remark in remarks]
-    angles, remarks = angle_unit(ready, options.angles)
-    findings += remarks
-    moving = []
-    for recording in ready:
-        usable, remarks = with_usable_speeds(in_unit(recording, angles))
-        usable, about_command = with_first_command(usable)
-        moving.append(usable)
-        findings += [f"{recording.name}: {remark}" for remark in remarks + about_command]
-    turned, direction, remarks = oriented(moving, options, usual)
-    return Prepared(turned, angles, direction, [*findings, *remarks])
+    scale = options.command_scale
+    ready = [cleaned(r._replace(command=scale * r.command)) for r in recordings]
+    angles = angle_unit(ready, options.angles)
+    if angles == DEGREES:
+        source = "detected" if options.angles == AUTO else "as given"
+        ready = [r if r.in_radians else r.noting(f"angles in {angles} ({source})") for r in ready]
+    moving = [with_first_command(with_usable_speeds(in_unit(r, angles))) for r in ready]
+    rotated, direction = oriented(moving, options, usual)
+    return Prepared(rotated, angles, direction)
 
 
-def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
-    """The recording with one more command if the first one is missing, and what was found."""
+def with_first_command(recording: Recording) -> Recording:
+    """The recording with one more command if the first one is missing."""
     onset = _onset(recording)
     if onset is not None and onset <= recording.time[SHORTEST_MOTION]:
         return _started_in_motion(recording)
@@ -93,16 +83,16 @@ def with_first_command(recording: Recording) -> tuple[Recording, list[str]]:
     period = float(np.median(intervals)) if len(intervals) else np.inf
     early = STEP_INTERVAL if period > STEP_INTERVAL else EARLY
     if onset is None or onset >= first - early or recording.command[0] == 0.0:
-        return recording, []
+        return recording
     start = _start(onset, first, period)
     value = _likeliest_value(recording, start)
     if value is None:
-        return recording, []
-    return _with_command(recording, start, value), [
+        return recording
+    return _with_command(recording, start, value).noting(
         f"the first command is missing: the arm moves at {onset:.3f} s, the first command "
         f"({recording.command[0]:g} V) is at {first:.3f} s; assumed {value:g} V from {start:.3f} s "
         "on"
-    ]
+    )
 
 
 def _start(onset: float, first: float, period: float) -> float:
@@ -140,7 +130,7 @@ def _likeliest_value(recording: Recording, time: float) -> float | None:
     return own if misfits[0] <= ALMOST_AS_GOOD * misfits[best] else candidates[best]
 
 
-def _started_in_motion(recording: Recording) -> tuple[Recording, list[str]]:
+def _started_in_motion(recording: Recording) -> Recording:
     """The part with commands; the first command is assumed to have held before."""
     first = recording.command_time[0]
     rest = recording.between(first - EARLY, np.inf)
@@ -149,10 +139,10 @@ def _started_in_motion(recording: Recording) -> tuple[Recording, list[str]]:
             f"{recording.name}: {len(rest.time)} samples after the first command, at least "
             f"{FEWEST_SAMPLES} needed"
         )
-    return _with_command(rest, first - HELD_BEFORE, float(recording.command[0])), [
+    return _with_command(rest, first - HELD_BEFORE, float(recording.command[0])).noting(
         "in motion at the start: the state there is fitted too, from the first command at "
         f"{first:.3f} s on"
-    ]
+    )
 
 
 def _onset(recording: Recording) -> float | None:

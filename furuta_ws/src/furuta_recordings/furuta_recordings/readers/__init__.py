@@ -17,8 +17,8 @@ def is_bag(path: Path) -> bool:
     return path.is_dir() or path.suffix in (".mcap", ".db3")
 
 
-def read(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
-    """A recording with its angles as recorded, and notes on how its content was interpreted."""
+def read(path: Path, mapping: Mapping) -> Recording:
+    """A recording with its angles as recorded."""
     if not path.exists():
         raise ParameterError(f"no recording {path}")
     if path.suffix == ".npz":

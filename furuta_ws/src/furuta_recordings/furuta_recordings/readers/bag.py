@@ -12,28 +12,27 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
 from furuta_recordings.recording import Recording
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 from furuta_ros.yaml_files import read_yaml
 
 
-def read_bag(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
+def read_bag(path: Path, mapping: Mapping) -> Recording:
     """A recording from a bag of joint states and a command."""
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
         states = _states_topic(path, types, mapping)
-        driven = mapping.command != NO_COMMAND
-        command = _command_topic(path, types, states, mapping) if driven else None
+        command = _command_topic(path, types, states, mapping)
         content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, message in bag.messages_in_memory(chosen):
             content.add(connection.topic == states, time / NANOSECONDS, message)
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
-    recording = content.recording(command_is_effort=driven and command is None)
-    return _with_recorded_drive(recording, path, content.notes)
+    recording = content.recording(command_is_effort=command is None)
+    return _with_recorded_drive(recording, path)
 
 
 def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
@@ -122,7 +121,7 @@ class _Content:
         self._arrivals: list[float] = []
         self._commands: list[tuple[float, float]] = []
         self.samples: list[JointSample] = []
-        self.notes: list[str] = []
+        self._about_joints = ""
 
     def add(self, is_state: bool, time: float, message: Any) -> None:
         """Add a message that arrived at ``time`` [s]."""
@@ -130,8 +129,8 @@ class _Content:
             self._commands.append((time, _command_value(self._path, message)))
             return
         if self._joints is None:
-            self._joints, notes = joints_of(self._path, list(message.name), self._mapping)
-            self.notes += notes
+            names = list(message.name)
+            self._joints, self._about_joints = joints_of(self._path, names, self._mapping)
         self._arrivals.append(time)
         self.samples.append(joint_sample(message, *self._joints))
 
@@ -148,12 +147,11 @@ class _Content:
         u = np.array(commands) if commands else np.zeros((0, 2))
         measured = np.array([sample.state for sample in self.samples])
         start = time[0]
-        return Recording(self._path.name, time - start, measured, u[:, 0] - start, u[:, 1])
+        recording = Recording(self._path.name, time - start, measured, u[:, 0] - start, u[:, 1])
+        return recording.noting(self._about_joints) if self._about_joints else recording
 
 
-def _with_recorded_drive(
-    recording: Recording, bag: Path, notes: list[str]
-) -> tuple[Recording, list[str]]:
+def _with_recorded_drive(recording: Recording, bag: Path) -> Recording:
     """The recording with the drive of the parameters stored in the bag, if there are any."""
     try:
         file = parameter_file_of(bag)
@@ -162,6 +160,5 @@ def _with_recorded_drive(
         given = {name: plant[name] for name in ("actuator.voltage_range", "actuator.bits")}
         actuator = build(Actuator, given, "actuator.")
     except (ParameterError, KeyError, TypeError):  # no such file, or not of a simulated plant
-        return recording, notes
-    recording, note = recording.through_drive(actuator, "the bag")
-    return recording, [*notes, note]
+        return recording
+    return recording.through_drive(actuator, "the bag")

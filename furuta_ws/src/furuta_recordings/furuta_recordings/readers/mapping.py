@@ -8,15 +8,10 @@ from furuta_ros.topic_names import JOINTS
 
 # Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")
-# Name of the command if the motor was not driven.
-NO_COMMAND = "none"
 
 
 class Mapping(NamedTuple):
-    """Names given by the user: joints, topic of the states, topic or column of the command.
-
-    ``command`` is "none" if the motor was not driven. ``time`` is the column of a table's time.
-    """
+    """Names given by the user: joints, command (topic or column), states (topic), time (column)."""
 
     arm: str | None = None
     pendulum: str | None = None
@@ -25,16 +20,16 @@ class Mapping(NamedTuple):
     time: str | None = None
 
 
-def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], list[str]]:
-    """Which of the joints ``names`` are arm and pendulum; and a note if that was guessed."""
+def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], str]:
+    """Which of the joints ``names`` are arm and pendulum; and how that was interpreted."""
     given = (mapping.arm, mapping.pendulum)
     for name in given:
         if name is not None and name not in names:
             raise ParameterError(f"{path}: no joint {name}; it has {', '.join(names) or 'none'}")
     if given[0] and given[1]:
-        return (given[0], given[1]), []
+        return (given[0], given[1]), ""
     if set(JOINTS) <= set(names) and given == (None, None):
-        return JOINTS, []
+        return JOINTS, ""
     if len(names) != 2:
         raise ParameterError(
             f"{path}: name the joints with --arm and --pendulum; it has "
@@ -43,4 +38,4 @@ def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str
     rest = [name for name in names if name not in given]
     arm = given[0] or rest.pop(0)
     pendulum = given[1] or rest.pop(0)
-    return (arm, pendulum), [f"{path.name}: assumed {arm} to be the arm, {pendulum} the pendulum"]
+    return (arm, pendulum), f"assumed {arm} to be the arm, {pendulum} the pendulum"

@@ -11,7 +11,7 @@ from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import read_columns
 
 
-def read_simulation(path: Path) -> tuple[Recording, list[str]]:
+def read_simulation(path: Path) -> Recording:
     """A recording from the series of a simulation."""
     series = read_columns(path)
     if not {"time", "measurement", "command"} <= series.keys():
@@ -26,10 +26,9 @@ def read_simulation(path: Path) -> tuple[Recording, list[str]]:
         raise ParameterError(f"{path}: its series have different lengths")
     recording = Recording(path.name, time, np.array(measured[:, :RIGID_STATES]), time, command)
     if "drive" not in series:
-        return recording, []
+        return recording
     drive = series["drive"]
     if drive.shape != (2,) or not np.all(np.isfinite(drive)):
         raise ParameterError(f"{path}: drive must be a voltage range and a number of bits")
     given = {"voltage_range": float(drive[0]), "bits": int(drive[1])}
-    recording, note = recording.through_drive(build(Actuator, given), "the file")
-    return recording, [note]
+    return recording.through_drive(build(Actuator, given), "the file")

@@ -19,7 +19,7 @@ from furuta_recordings.readers.columns import (
     joint_column,
     joint_names,
 )
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
@@ -28,18 +28,16 @@ from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME,
 EXPORTED = tuple(MEASURED)[:4]
 
 
-def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
+def read_table(path: Path, mapping: Mapping) -> Recording:
     """A recording from a CSV table; rows without time or angle belong to the command alone."""
     columns = csv_columns(path)
     if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
         return _exported(path, columns)
     clock = clock_column(path, columns, mapping.time)
-    (arm, pendulum), notes = _joints(path, columns, mapping)
+    (arm, pendulum), about_joints = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
     stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
-    command = None if mapping.command == NO_COMMAND else _command_column(path, columns, mapping)
-    source = f"command from column {command}" if command else "no command"
-    notes.append(f"{path.name}: {source}, times from {stamps}")
+    command = _command_column(path, columns, mapping)
     series = []
     for joint, angle in zip((arm, pendulum), angles, strict=True):
         series.append(in_si(path, columns, angle, ANGLE_UNITS))
@@ -50,10 +48,12 @@ def read_table(path: Path, mapping: Mapping) -> tuple[Recording, list[str]]:
         (seconds(path, columns, stamps), np.column_stack(series)),
         (seconds(path, columns, clock), in_si(path, columns, command, COMMAND_UNITS)),
     )
-    return recording._replace(in_radians=all(column(name).unit for name in angles)), notes
+    recording = recording._replace(in_radians=all(column(name).unit for name in angles))
+    recording = recording.noting(about_joints) if about_joints else recording
+    return recording.noting(f"command from column {command}, times from {stamps}")
 
 
-def _exported(path: Path, columns: Columns) -> tuple[Recording, list[str]]:
+def _exported(path: Path, columns: Columns) -> Recording:
     """The measured columns of an exported series; estimates and true states are no measurements."""
     if not {*EXPORTED[::2], COMMAND} <= columns.keys():
         raise ParameterError(
@@ -64,8 +64,7 @@ def _exported(path: Path, columns: Columns) -> tuple[Recording, list[str]]:
     missing = np.full(len(time), np.nan)
     measured = np.column_stack([columns.get(name, missing) for name in EXPORTED])
     recording = _recording(path, (time, measured), (time, columns[COMMAND]))
-    note = f"{path.name}: the measured columns of an exported series"
-    return recording._replace(in_radians=True), [note]
+    return recording._replace(in_radians=True).noting("the measured columns of an exported series")
 
 
 def _recording(
@@ -87,7 +86,7 @@ def _recording(
     )
 
 
-def _joints(path: Path, columns: Columns, mapping: Mapping) -> tuple[tuple[str, str], list[str]]:
+def _joints(path: Path, columns: Columns, mapping: Mapping) -> tuple[tuple[str, str], str]:
     """Names of arm and pendulum: from columns such as NAME/position, or columns themselves."""
     given = [name for name in (mapping.arm, mapping.pendulum) if name is not None]
     names = joint_names(columns)
