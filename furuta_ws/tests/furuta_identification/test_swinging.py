@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from random_rigs import EXAMPLE, Readings, example
+from random_rigs import EXAMPLE, Readings, example, record
 
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
@@ -116,6 +116,44 @@ def test_the_verdict_looks_at_the_arm(model: Model) -> None:
     judged = verdict([Prediction(good[0].recording, wrong)])
     assert judged["usable"] == "no"
     assert "fit of the arm" in judged["reasons"][0]
+
+
+def test_coloured_residuals_are_doubtful(model: Model) -> None:
+    """They are an error of the model; noise of the same size is one of the sensors."""
+    recording = model.recordings[0]
+    size = 0.1 * np.std(recording.measured[:, THETA])
+    noise = np.random.default_rng(1).standard_normal(len(recording.time))
+    for error, usable in ((noise, "yes"), (np.sqrt(2.0) * np.sin(recording.time), "doubtful")):
+        wrong = recording.measured.copy()
+        wrong[:, THETA] += size * error
+        judged = verdict([Prediction(recording, wrong)])
+        assert judged["usable"] == usable
+        assert ("coloured" in str(judged["reasons"])) == (usable == "doubtful")
+
+
+def test_the_delay_is_not_negative(model: Model) -> None:
+    """It is withheld if the commands are logged after they act."""
+    report = summary(model)
+    assert report["setup"]["delay"] >= 0.0
+    assert abs(report["setup"]["delay"] - EXAMPLE.delay) < 3.0 * report["standard_errors"]["delay"]
+    late = summary(model._replace(command_delay=-0.02))
+    assert late["setup"]["delay"] is None
+    assert "logged later" in late["undetermined"]["delay"]
+
+
+@pytest.mark.long
+def test_waves_of_a_real_motor() -> None:
+    """Orders 1, 2 and 14 per turn, as large as on a real rig."""
+    waves = np.array([[1.0, 0.02, 0.01], [2.0, 0.03, -0.04], [14.0, 0.04, 0.03]])
+    recordings = [
+        record(EXAMPLE._replace(waves=waves), kind, u, 3.0, Readings(), np.random.default_rng(k))
+        for k, (kind, u) in enumerate((("steps", 2.5), ("sine", 2.0)))
+    ]
+    found = identify(recordings, Options())
+    assert {2, 14} <= set(found.values.wave_orders)
+    for order, *truth in waves[1:].tolist():
+        amplitudes = [found.values[name] for name in wave_names(int(order))]
+        assert amplitudes == pytest.approx(truth, abs=0.015)
 
 
 def test_coloured_part() -> None:

@@ -11,7 +11,7 @@ from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
 from furuta_identification.regression.equations import fitted_ceiling, has_one_level
-from furuta_identification.regression.first_estimate import MomentumFit, first_estimate
+from furuta_identification.regression.first_estimate import DELAY_STEP, MomentumFit, first_estimate
 from furuta_identification.regression.speeds import speed_lag
 from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_model.state import PHI, THETA
@@ -82,6 +82,8 @@ def identify(recordings: list[Recording], options: Options) -> Model:
         # In such slow motion the regression hardly distinguishes a delay from an inertia.
         model, delay = fit_balanced(prepared, start, findings, options), 0.0
     else:
+        # The rest of the delay, which is fitted, is not negative.
+        delay = delay - 0.5 * DELAY_STEP if delay else 0.0
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
         model = fit_swinging(delayed, start, findings, options)
     return model._replace(

@@ -38,7 +38,10 @@ class MomentumFit(NamedTuple):
 
 
 class FirstEstimate(NamedTuple):
-    """The recordings, with negated commands if ``negated``; regression; delay [s]."""
+    """The recordings, with negated commands if ``negated``; regression; delay [s].
+
+    A negative delay is that of a log in which commands are later than they act.
+    """
 
     recordings: list[Recording]
     regression: MomentumFit

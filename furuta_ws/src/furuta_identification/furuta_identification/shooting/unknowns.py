@@ -51,7 +51,7 @@ UNKNOWNS = {
     "asymmetry": Unknown(-0.95, 0.95, 0.0, 0.2),
     "pendulum_viscous": Unknown(0.0, 100.0),  # V s/rad
     "pendulum_coulomb": Unknown(0.0, 100.0, 0.0, 0.02),  # V
-    "delay": Unknown(-0.05, 0.05, 0.0, 0.005),  # s
+    "delay": Unknown(0.0, 0.05, 0.0, 0.005),  # s
     "lag": Unknown(0.0, 0.05, 0.0, 0.01),  # s
     "tilt_x": Unknown(-0.3, 0.3, 0.0, 0.05),  # rad
     "tilt_y": Unknown(-0.3, 0.3, 0.0, 0.05),  # rad

@@ -24,6 +24,7 @@ ASSUMED = "the arm turns in one direction only: a smaller command would have the
 NO_EFFECT = "it has no effect on these recordings"
 NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
 AT_END = "the fit ends at {:.3g}, the end of the allowed range"
+LOGGED_LATE = "the commands are logged later than they act"
 # Part of the range within which a value is at its end.
 END = 1e-3
 REASONS = {
@@ -61,6 +62,8 @@ def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
     reasons = {name: _reason(model, index) for index, name in enumerate(model.names)}
     missing = {n: REASONS[n] for n in (*LUGRE, "asymmetry") if n not in model.names}
+    if model.values["delay"] + model.command_delay < 0.0:
+        reasons["delay"] = LOGGED_LATE
     return {name: reason for name, reason in (reasons | missing).items() if reason}
 
 
