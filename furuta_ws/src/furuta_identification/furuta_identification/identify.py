@@ -83,7 +83,7 @@ def identify(recordings: list[Recording], options: Options) -> Model:
         model, delay = fit_balanced(prepared, start, findings, options), 0.0
     else:
         # The rest of the delay, which is fitted, is not negative.
-        delay = delay - 0.5 * DELAY_STEP if delay else 0.0
+        delay = delay - 0.5 * DELAY_STEP if abs(delay) > 0.5 * DELAY_STEP else 0.0
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
         model = fit_swinging(delayed, start, findings, options)
     return model._replace(

@@ -56,13 +56,13 @@ class FreePart(NamedTuple):
 
 
 class _Swings(NamedTuple):
-    """Times [s] and indices of the turning points (m + 1,), then what each swing (m,) shows.
+    """Times [s] and samples of the turning points (m + 1,), then what each swing (m,) shows.
 
     That is its amplitude [rad], ω₀ [rad/s] and the motion of the arm [rad].
     """
 
     time: np.ndarray
-    index: np.ndarray
+    points: np.ndarray
     amplitude: np.ndarray
     frequency: np.ndarray
     arm: np.ndarray
@@ -152,7 +152,7 @@ def _why(swings: _Swings) -> str:
 
 def _cut(recording: Recording, swings: _Swings, first: int, end: int) -> FreePart:
     """The swings from ``first`` to before ``end``."""
-    points = swings.index[first : end + 1]
+    points = swings.points[first : end + 1]
     start, stop, middle = (swings.time[k] for k in (first, end, (first + end) // 2))
     angles = recording.measured[points, THETA]
     centre = float(np.mean(0.5 * (angles[1:] + angles[:-1])))
