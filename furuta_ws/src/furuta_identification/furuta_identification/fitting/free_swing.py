@@ -85,18 +85,10 @@ def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSw
 
 def _own_fits(optimum: Optimum, parts: list[FreePart]) -> list[Optimum]:
     """Fits of the large and of the small swings of each recording."""
-    bands = [
-        band
-        for part in parts
-        for band in (
-            part.recording.between(-np.inf, part.middle),
-            part.recording.between(part.middle, np.inf),
-        )
-    ]
-    return [
-        optimise([band], UNKNOWNS, optimum.values, 0.5 * band.duration, optimum.scale, robust=True)
-        for band in bands
-    ]
+    start, scale = optimum.values, optimum.scale
+    bands = [part.recording.between(-np.inf, part.middle) for part in parts]
+    bands += [part.recording.between(part.middle, np.inf) for part in parts]
+    return [optimise([b], UNKNOWNS, start, 0.5 * b.duration, scale, True, FINE) for b in bands]
 
 
 def _reported(optimum: Optimum, parts: list[FreePart]) -> tuple[dict[str, float], dict[str, float]]:

@@ -157,17 +157,12 @@ def _cut(recording: Recording, swings: _Swings, first: int, end: int) -> FreePar
     angles = recording.measured[points, THETA]
     centre = float(np.mean(0.5 * (angles[1:] + angles[:-1])))
     amplitude = swings.amplitude[first:end]
-    part = (
-        recording.between(start, stop)
-        .reoriented(np.pi - centre, 1.0, 1.0)
-        .noting(
-            f"used from {start:.2f} to {stop:.2f} s of {recording.duration:.2f} s: {end - first} "
-            f"swings of {amplitude[0]:.2f} to {amplitude[-1]:.2f} rad"
-        )
-    )
+    part = recording.between(start, stop).reoriented(np.pi - centre, 1.0, 1.0)
     part.measured[:, [PHI, PHI_DOT]] = 0.0
     part.measured[:, THETA_DOT] = np.nan
-    nothing = np.zeros(0)
-    part = part._replace(command_time=nothing, command=nothing)
+    part = part._replace(command_time=np.zeros(0), command=np.zeros(0)).noting(
+        f"used from {start:.2f} to {stop:.2f} s of {recording.duration:.2f} s: {end - first} "
+        f"swings of {amplitude[0]:.2f} to {amplitude[-1]:.2f} rad"
+    )
     arm_part = float(0.5 * swings.arm[first] / amplitude[0])
     return FreePart(part, float(np.median(swings.frequency[first:end])), float(middle), arm_part)
