@@ -16,12 +16,6 @@ from ament_index_python.packages import get_package_share_directory
 from furuta_graph.processes import executable
 
 
-class LaunchContext(NamedTuple):
-    """The values of the launch arguments."""
-
-    values: dict[str, str]
-
-
 class LaunchDescription(NamedTuple):
     """What ``ros2 launch`` would run."""
 
@@ -37,23 +31,19 @@ class DeclareLaunchArgument(NamedTuple):
 
 
 class OpaqueFunction(NamedTuple):
-    """A function of the context that returns further entities."""
+    """A function of the launch context that returns further entities."""
 
-    function: Callable[[LaunchContext], list[Any]]
-
-
-class Shutdown(NamedTuple):
-    """The end of the whole launch."""
+    function: Callable[[dict[str, str]], list[Any]]
 
 
 class LaunchConfiguration(NamedTuple):
-    """The value of a launch argument."""
+    """The value of a launch argument; the context is a dictionary of them."""
 
     name: str
 
-    def perform(self, context: LaunchContext) -> str:
+    def perform(self, context: dict[str, str]) -> str:
         """The value, which is text."""
-        return context.values[self.name]
+        return context[self.name]
 
 
 class Node(NamedTuple):
@@ -80,59 +70,48 @@ class Node(NamedTuple):
         return [path, "--ros-args", *self.ros_arguments, *remap]
 
 
-STAND_INS: dict[str, tuple[type[Any], ...]] = {
-    "launch": (LaunchContext, LaunchDescription),
-    "launch.actions": (DeclareLaunchArgument, OpaqueFunction, Shutdown),
-    "launch.substitutions": (LaunchConfiguration,),
-    "launch_ros": (),
-    "launch_ros.actions": (Node,),
+STAND_INS: dict[str, dict[str, Any]] = {
+    "launch": {"LaunchContext": dict, "LaunchDescription": LaunchDescription},
+    "launch.actions": {
+        "DeclareLaunchArgument": DeclareLaunchArgument,
+        "OpaqueFunction": OpaqueFunction,
+        "Shutdown": object,
+    },
+    "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
+    "launch_ros": {},
+    "launch_ros.actions": {"Node": Node},
 }
 
 
 def launch_arguments(monkeypatch: pytest.MonkeyPatch) -> list[DeclareLaunchArgument]:
     """The arguments of the launch file, as ``--show-args`` lists them."""
-    return [each for each in _entities(monkeypatch) if isinstance(each, DeclareLaunchArgument)]
+    return _entities(monkeypatch, "furuta_bringup", "furuta.launch.py")[:-1]
 
 
-def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
-    """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
-    return _started(_entities(monkeypatch), arguments)
-
-
-def displayed_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
-    """The nodes that ``ros2 launch furuta_description display.launch.py name:=value`` starts."""
-    entities = _entities(monkeypatch, "furuta_description", "display.launch.py")
-    return _started(entities, arguments)
-
-
-def _started(entities: list[Any], arguments: dict[str, str]) -> list[Node]:
-    declared = {e.name: e.default_value for e in entities if isinstance(e, DeclareLaunchArgument)}
-    assert arguments.keys() <= declared.keys()
-    (function,) = (each for each in entities if isinstance(each, OpaqueFunction))
-    nodes: list[Node] = function.function(LaunchContext(declared | arguments))
-    return nodes
-
-
-def _entities(
+def launched_nodes(
     monkeypatch: pytest.MonkeyPatch,
     package: str = "furuta_bringup",
     file: str = "furuta.launch.py",
-) -> list[Any]:
+    **arguments: str,
+) -> list[Node]:
+    """The nodes that ``ros2 launch PACKAGE FILE name:=value`` starts."""
+    *declared, function = _entities(monkeypatch, package, file)
+    values = {argument.name: argument.default_value for argument in declared}
+    assert arguments.keys() <= values.keys()
+    nodes: list[Node] = function.function(values | arguments)
+    return nodes
+
+
+def _entities(monkeypatch: pytest.MonkeyPatch, package: str, name: str) -> list[Any]:
     """What the launch file describes, with the stand-ins in place of ``launch``."""
-    for name, classes in STAND_INS.items():
-        module = ModuleType(name)
-        for each in classes:
-            setattr(module, each.__name__, each)
-        monkeypatch.setitem(sys.modules, name, module)
-    entities: list[Any] = _launch_file(package, file).generate_launch_description().entities
-    return entities
-
-
-def _launch_file(package: str, name: str) -> ModuleType:
+    for module, content in STAND_INS.items():
+        monkeypatch.setitem(sys.modules, module, ModuleType(module))
+        sys.modules[module].__dict__.update(content)
     file = Path(get_package_share_directory(package)) / "launch" / name
     specification = spec_from_file_location("furuta_launch", file)
     assert specification is not None
     assert specification.loader is not None
-    module = module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    launch_file = module_from_spec(specification)
+    specification.loader.exec_module(launch_file)
+    entities: list[Any] = launch_file.generate_launch_description().entities
+    return entities

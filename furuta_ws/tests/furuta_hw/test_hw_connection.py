@@ -11,7 +11,7 @@ from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.connection import rig_connection
 from furuta_hw.connection.rig_connection import MAX_BATCH, RigConnection
 from furuta_hw.connection.rig_driver import RigDriver, RigSample
-from furuta_hw.driver_loading import find_driver
+from furuta_hw.drivers import find_driver
 from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard

@@ -87,18 +87,6 @@ def test_lockstep_recovers_by_reset(ros: None, method: str, tmp_path: Path) -> N
     assert compare(recorded, recomputed)["estimate"]["identical"]
 
 
-@pytest.mark.realtime
-@pytest.mark.timeout(60 + 15 * RESETS)
-@pytest.mark.parametrize("method", METHODS)
-def test_real_time_recovers_by_reset(ros: None, method: str) -> None:
-    """As in lock-step."""
-    graph = ResetGraph(f"method={method}")
-    try:
-        assert fall_and_reset(graph) == RESETS
-    finally:
-        graph.graph.close()
-
-
 def test_reset_of_a_balanced_pendulum(ros: None) -> None:
     """The loop continues from the initial state, at rest and in the middle."""
     graph = ResetGraph("clock=lockstep")

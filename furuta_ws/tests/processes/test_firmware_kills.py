@@ -27,7 +27,7 @@ def drive_for_ever(port: Path, session: int) -> None:
     os.write(line, b"\0" + encode(frames.HelloFrame(frames.VERSION, session, 1000, WATCHDOG)))
     reader = FrameReader()
     while True:
-        for frame in reader.feed(os.read(line, 4096)):
+        for frame in reader.read(os.read(line, 4096)):
             if isinstance(frame, SensorsFrame) and frame.session == session:
                 if not frame.status & frames.ARMED:
                     os.write(line, encode(frames.ArmFrame(session, frame.sample)))

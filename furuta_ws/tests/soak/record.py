@@ -47,7 +47,6 @@ class Record:
         self.part = part
         self.step = 0
         self._end = monotonic() + part.seconds
-        self.tried: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
         self.failures: list[Failure] = []
@@ -73,13 +72,7 @@ class Record:
             "slice": self.part.name,
             "seed": self.part.seed,
             "steps": self.step,
-            "tried": _plain(self.tried),
-            "checks": _plain(self.checks),
-            "broken": _plain(self.broken),
+            "checks": self.checks,
+            "broken": self.broken,
             "failures": [each._asdict() for each in self.failures],
         }
-
-
-def _plain(counts: Counter[str]) -> dict[str, int]:
-    """Counts as integers that JSON knows; some come from numpy."""
-    return {name: int(count) for name, count in counts.items()}

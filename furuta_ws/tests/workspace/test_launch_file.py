@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 import yaml
-from launch_stand_ins import Node, displayed_nodes, launch_arguments, launched_nodes
+from launch_stand_ins import Node, launch_arguments, launched_nodes
 from sources import ROOT
 
 from furuta_model.parameters import ParameterError, declared
@@ -161,7 +161,8 @@ def test_view_adds_rviz_to_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
     given = {"rig": "qube_servo_2", "namespace": "left"}
     graph = launched_nodes(monkeypatch, **given)
     added = launched_nodes(monkeypatch, view="true", **given)[len(graph) :]
-    shown = displayed_nodes(monkeypatch, **given)
+    display = "furuta_description", "display.launch.py"
+    shown = launched_nodes(monkeypatch, *display, **given)
     assert [each.executable for each in shown] == ["robot_state_publisher", "rviz2"]
     for ours, theirs in zip(added, shown, strict=True):
         assert (ours.parameters, ours.arguments) == (theirs.parameters, theirs.arguments)

@@ -10,12 +10,10 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_description.display import DisplayNode, display_nodes
-from furuta_graph.launching import LOG_LEVELS, LaunchedNode, check_choice, launched_nodes
+from furuta_description.display import display_nodes
+from furuta_graph.launching import LOG_LEVELS, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
-# Time between the end of a node and its next start [s].
-RESPAWN_DELAY = 1.0
 # Arguments with their defaults and descriptions.
 ARGUMENTS = {
     "clock": ("", "realtime or lockstep; empty: that of the parameter files"),
@@ -41,38 +39,12 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     view = given.pop("view")
     check_choice("view", view, ("true", "false"))
-    graph = [_node(launched) for launched in launched_nodes(**given)]
-    return [*graph, *(map(_display_node, _displayed(given)) if view == "true" else [])]
-
-
-def _displayed(given: dict[str, str]) -> list[DisplayNode]:
-    return display_nodes(given["rig"], given["namespace"])
-
-
-def _display_node(display: DisplayNode) -> Node:
-    return Node(
-        package=display.package,
-        executable=display.executable,
-        name=display.executable,
-        namespace=display.namespace or None,
-        parameters=[display.parameters] if display.parameters else [],
-        arguments=display.arguments,
-    )
-
-
-def _node(launched: LaunchedNode) -> Node:
-    process = launched.process
-    return Node(
-        package=process.package,
-        executable=process.executable,
-        name=process.name,
-        namespace=process.namespace or None,
-        output="screen",
-        ros_arguments=launched.ros_arguments,
-        respawn=launched.respawn,
-        respawn_delay=RESPAWN_DELAY,
-        on_exit=[Shutdown()] if launched.ends_launch else None,
-    )
+    controlled, *others = launched_nodes(**given)
+    shown = display_nodes(given["rig"], given["namespace"]) if view == "true" else []
+    return [
+        Node(**controlled, on_exit=[Shutdown()]),
+        *(Node(**arguments) for arguments in (*others, *shown)),
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:

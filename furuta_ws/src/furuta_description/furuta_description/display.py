@@ -1,6 +1,6 @@
 """The nodes that show a rig in RViz, for launch files."""
 
-from typing import NamedTuple
+from typing import Any
 
 from furuta_description.robot_description import robot_description, share
 from furuta_ros.topic_names import full_namespace
@@ -9,33 +9,22 @@ from furuta_sim.settings.rigs import find_rig
 DEFAULT_RIG = "paper"
 
 
-class DisplayNode(NamedTuple):
-    """A node as ``launch_ros.actions.Node`` starts it."""
-
-    package: str
-    executable: str
-    namespace: str
-    parameters: dict[str, str]
-    arguments: list[str]
-
-
-def display_nodes(rig: str = "", namespace: str = "") -> list[DisplayNode]:
+def display_nodes(rig: str = "", namespace: str = "") -> list[dict[str, Any]]:
     """The robot state publisher with the description of a rig, and RViz.
+
+    Each is given as arguments of ``launch_ros.actions.Node``.
 
     Raises:
         ParameterError: There is no such rig, or the namespace is not valid.
     """
-    where = full_namespace(namespace)
+    where = full_namespace(namespace) or None
     model = find_rig(rig or DEFAULT_RIG).model
     urdf = robot_description(model.arm_length, model.pendulum_length)
-    layout = ["-d", str(share("config", "furuta.rviz"))]
+    named: dict[str, dict[str, Any]] = {
+        "robot_state_publisher": {"parameters": [{"robot_description": urdf}]},
+        "rviz2": {"arguments": ["-d", str(share("config", "furuta.rviz"))]},
+    }
     return [
-        DisplayNode(
-            "robot_state_publisher",
-            "robot_state_publisher",
-            where,
-            {"robot_description": urdf},
-            [],
-        ),
-        DisplayNode("rviz2", "rviz2", where, {}, layout),
+        {"package": name, "executable": name, "name": name, "namespace": where, **given}
+        for name, given in named.items()
     ]

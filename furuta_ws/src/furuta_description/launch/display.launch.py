@@ -19,17 +19,7 @@ ARGUMENTS = {
 def nodes(context: LaunchContext) -> list[Node]:
     """The nodes; a wrong argument raises an error and starts none."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    return [
-        Node(
-            package=display.package,
-            executable=display.executable,
-            name=display.executable,
-            namespace=display.namespace or None,
-            parameters=[display.parameters] if display.parameters else [],
-            arguments=display.arguments,
-        )
-        for display in display_nodes(**given)
-    ]
+    return [Node(**arguments) for arguments in display_nodes(**given)]
 
 
 def generate_launch_description() -> LaunchDescription:

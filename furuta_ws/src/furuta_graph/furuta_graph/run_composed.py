@@ -1,22 +1,19 @@
 """Running the composed graph until it is stopped, with a report at the end."""
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from time import monotonic
 from typing import TypeVar
 
 from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_graph.graph_plan import Graph
-from furuta_graph.status_line import Status, status_line
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_model.state import PHI, THETA
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import StopSignal, spin_until
+from furuta_sim.plant_node import PlantNode
 from furuta_sim.realtime import RealTime
 
 # Time without a sample after which a run of limited time ends [s]: it is counted in samples.
@@ -34,10 +31,8 @@ def run_simulated(
     """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
-        counts = plant.parameters.plant.sensors.encoder_counts
-        with status_line(partial(_simulated_status, running), counts, sys.stdout):
-            spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
-        _report(running)
+        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        _report(plant)
 
 
 def run_hardware(
@@ -58,9 +53,7 @@ def run_hardware(
         limit = _TimeLimit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
-        counts = bridge.rig.arm.counts_per_turn
-        with status_line(partial(_rig_status, bridge), counts, sys.stdout):
-            spin_until(running.executor, lambda: stop() or limit.is_reached())
+        spin_until(running.executor, lambda: stop() or limit.is_reached())
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
     if limit.silent:
         raise UserError(
@@ -92,23 +85,6 @@ class _TimeLimit:
         return self.silent or self.elapsed >= self._seconds
 
 
-def _simulated_status(graph: SimulatedGraph) -> Status:
-    """The true state, and in real time the samples whose command came after the next one."""
-    x, pacing = graph.plant.x, graph.plant.pacing
-    if not isinstance(pacing, RealTime):
-        return Status(float(x[PHI]), float(x[THETA]))
-    count = pacing.timing_counts
-    late = max(0, count.samples - count.on_time - 1)  # the newest sample still has time
-    return Status(float(x[PHI]), float(x[THETA]), late, count.samples)
-
-
-def _rig_status(bridge: HardwareBridgeNode) -> Status:
-    """The angles that the rig measures, and the samples that were skipped."""
-    connection = bridge.connection
-    skipped = connection.skipped_samples if connection else 0
-    return Status(*bridge.angles, skipped, bridge.samples)
-
-
 @contextmanager
 def _running(
     make: Callable[..., AnyGraph],
@@ -133,8 +109,7 @@ def _running(
         raise UserError(f"the recording is incomplete: {composed.recording_failure}")
 
 
-def _report(graph: SimulatedGraph) -> None:
-    plant = graph.plant
+def _report(plant: PlantNode) -> None:
     print(f"{plant.sample} samples, {plant.time:.3f} s")
     if isinstance(plant.pacing, RealTime):
         count = plant.pacing.timing_counts

@@ -12,9 +12,6 @@ from furuta_view.bag_samples import BagSamples
 from furuta_view.live_page import LivePage
 from furuta_view.server import PageServer
 
-# Where recordings are made that the page begins.
-RECORDINGS = Path("output")
-
 
 def run_bag_page(server: PageServer, bag: Path, opens: bool) -> None:
     """Show a recording until Ctrl-C."""
@@ -32,7 +29,7 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     _announce(server, opens)
     with ros_context(namespace=namespace):
         tell_graph(namespace)
-        page = LivePage(server, RECORDINGS)
+        page = LivePage(server)
         try:
             page.run(stop)
         finally:
