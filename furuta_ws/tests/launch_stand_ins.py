@@ -36,6 +36,10 @@ class OpaqueFunction(NamedTuple):
     function: Callable[[dict[str, str]], list[Any]]
 
 
+class Shutdown(NamedTuple):
+    """The end of the whole launch."""
+
+
 class LaunchConfiguration(NamedTuple):
     """The value of a launch argument; the context is a dictionary of them."""
 
@@ -75,7 +79,7 @@ STAND_INS: dict[str, dict[str, Any]] = {
     "launch.actions": {
         "DeclareLaunchArgument": DeclareLaunchArgument,
         "OpaqueFunction": OpaqueFunction,
-        "Shutdown": object,
+        "Shutdown": Shutdown,
     },
     "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
     "launch_ros": {},

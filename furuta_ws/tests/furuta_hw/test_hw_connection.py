@@ -1,5 +1,6 @@
 """The connection to a rig: batches, failing and silent lines, and loading of drivers."""
 
+from functools import partialmethod
 from queue import Empty, Queue
 from threading import Event
 from typing import Any
@@ -33,13 +34,12 @@ class ScriptedDriver(RigDriver):
         if name == self.failing:
             raise LineError(f"{name} failed")
 
-    def open(self) -> None:
-        """Open."""
-        self.call("open")
+    open, close = partialmethod(call, "open"), partialmethod(call, "close")
+    arm, stop = partialmethod(call, "arm"), partialmethod(call, "stop")
 
-    def close(self) -> None:
-        """Close."""
-        self.call("close")
+    def drive(self, volts: float) -> None:
+        """Drive."""
+        self.call("drive")
 
     def read(self) -> Any:
         """Return what the test has put."""
@@ -54,18 +54,6 @@ class ScriptedDriver(RigDriver):
     def decode(self, data: Any) -> list[RigSample]:
         """Make samples of their numbers."""
         return [RigSample(number, 0.0, 0.0, 0.0, 0.0, armed=False) for number in data]
-
-    def arm(self) -> None:
-        """Arm."""
-        self.call("arm")
-
-    def drive(self, volts: float) -> None:
-        """Drive."""
-        self.call("drive")
-
-    def stop(self) -> None:
-        """Stop."""
-        self.call("stop")
 
 
 class Line:

@@ -25,7 +25,7 @@ class SerialProtocolDriver(RigDriver):
 
     def open(self) -> None:
         """Open the port and start a session."""
-        self._line = open_port(self.port, self.rig)
+        self._port = open_port(self.port, self.rig)
         self._reader = FrameReader()
         self._received = self._lost = self._repeated = self._other_sessions = 0
         self._discarded_by_rig = 0
@@ -37,11 +37,11 @@ class SerialProtocolDriver(RigDriver):
 
     def close(self) -> None:
         """Close the port."""
-        self._line.close()
+        self._port.close()
 
     def read(self) -> bytes:
         """Wait for bytes and return them."""
-        return self._line.read()
+        return self._port.read()
 
     def decode(self, data: bytes) -> list[RigSample]:
         """Convert bytes to the samples that they complete."""
@@ -57,16 +57,16 @@ class SerialProtocolDriver(RigDriver):
 
     def arm(self) -> None:
         """Arm the rig."""
-        self._line.write(encode(frames.ArmFrame(self._session, self._sample)))
+        self._port.write(encode(frames.ArmFrame(self._session, self._sample)))
 
     def drive(self, volts: float) -> None:
         """Send the voltage [V] as a DA code, in answer to the newest sample."""
         code = self.rig.drive.channel.to_code(volts)
-        self._line.write(encode(frames.DriveFrame(self._session, self._sample, code)))
+        self._port.write(encode(frames.DriveFrame(self._session, self._sample, code)))
 
     def stop(self) -> None:
         """Disarm the rig and set it to 0 V."""
-        self._line.write(encode(frames.StopFrame(self._session)))
+        self._port.write(encode(frames.StopFrame(self._session)))
 
     def restart(self) -> None:
         """Start a new session on the open port."""
@@ -87,7 +87,7 @@ class SerialProtocolDriver(RigDriver):
             frames.VERSION, self._session, rig.period_us, rig.watchdog_samples
         )
         # The leading zero ends a frame that an earlier host may have left incomplete.
-        self._line.write(b"\0" + encode(hello))
+        self._port.write(b"\0" + encode(hello))
 
     def statistics(self) -> LineStatistics:
         """Return the frames counted since the port was opened."""
@@ -109,7 +109,7 @@ class SerialProtocolDriver(RigDriver):
             self._start_session()
             attempt_end = monotonic() + RETRY_PERIOD
             while monotonic() < attempt_end:
-                self.decode(self._line.read())
+                self.decode(self._port.read())
                 if self._welcome is not None:
                     self._check_agreement(self._welcome)
                     return
