@@ -10,8 +10,7 @@ import pytest
 import yaml
 from urdf_parser_py.urdf import URDF
 
-from furuta_description.display import display_nodes
-from furuta_description.robot_description import robot_description, share
+from furuta_description.robot_description import display_nodes, robot_description, share
 from furuta_model.parameters import ParameterError
 from furuta_ros import topic_names
 from furuta_sim.settings.rigs import find_rig, rig_directory

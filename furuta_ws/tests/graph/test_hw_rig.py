@@ -137,6 +137,20 @@ def test_the_papers_rig_has_the_default_parameters() -> None:
         ("physical: {weight: 1}", "unknown: physical.weight"),
         ("linear: {b41: 0}", "b41 must be below 0"),
         ("line: {watchdog: 0.001}", "line.watchdog must be 2 to 65535 samples"),
+        ("uncertainty: 3", "must have standard_errors"),
+        ("uncertainty: {standard_errors: {mass: 1}}", "uncertainty of unknown mass"),
+        ("uncertainty: {standard_errors: {beta: -1}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: x}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: 1}, spread: 2}", "unknown: uncertainty.spread"),
+        (
+            "uncertainty: {standard_errors: {beta: 1}, correlations: [[1, 0]]}",
+            "must be the 1 rows of a lower triangle",
+        ),
+        (
+            "uncertainty: {standard_errors: {beta: 1, gamma: 1}, correlations: [[1], [2, 1]]}",
+            "must be the 2 rows of a lower triangle",
+        ),
+        ("waves: {orders: [1, 2], cosine: [0.1], sine: [0.1]}", "must have one length"),
     ],
 )
 def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> None:

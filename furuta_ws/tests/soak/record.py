@@ -32,14 +32,6 @@ class Slice(NamedTuple):
         return np.random.default_rng([self.seed, self.number, *self.campaign.encode()])
 
 
-class Failure(NamedTuple):
-    """A broken oracle: at which step, and what is wrong."""
-
-    oracle: str
-    step: int
-    detail: str
-
-
 class Record:
     """Counts of one slice. ``step`` is the number of the current random choice."""
 
@@ -49,7 +41,7 @@ class Record:
         self._end = monotonic() + part.seconds
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
-        self.failures: list[Failure] = []
+        self.failures: list[dict[str, Any]] = []  # which oracle, at which step, and what is wrong
 
     def next_step(self) -> bool:
         """Begin the next step; False if the slice has ended."""
@@ -64,7 +56,7 @@ class Record:
         if problem:
             self.broken[oracle] += 1
             if self.broken[oracle] <= KEPT_FAILURES:
-                self.failures.append(Failure(oracle, self.step, problem))
+                self.failures.append({"oracle": oracle, "step": self.step, "detail": problem})
 
     def as_json(self) -> dict[str, Any]:
         """Everything recorded, for a JSON file."""
@@ -74,5 +66,5 @@ class Record:
             "steps": self.step,
             "checks": self.checks,
             "broken": self.broken,
-            "failures": [each._asdict() for each in self.failures],
+            "failures": self.failures,
         }

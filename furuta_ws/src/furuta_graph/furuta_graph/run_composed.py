@@ -50,39 +50,36 @@ def run_hardware(
         stop, bridge = StopSignal(), running.bridge
         if bridge.start_up():
             raise SystemExit(1)  # the bridge has logged the reason
-        limit = _TimeLimit(bridge, seconds)
+        is_over = _time_limit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
-        spin_until(running.executor, lambda: stop() or limit.is_reached())
+        spin_until(running.executor, lambda: stop() or is_over())
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
-    if limit.silent:
-        raise UserError(
-            f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {limit.elapsed:.3f} s of "
-            f"the {seconds:g} s asked for"
-        )
 
 
-class _TimeLimit:
-    """The end of a run after ``seconds`` of the rig's time, if given, or when the rig is silent."""
+def _time_limit(bridge: HardwareBridgeNode, seconds: float | None) -> Callable[[], bool]:
+    """Whether ``seconds`` of the rig's time have passed, if given; to be called often.
 
-    def __init__(self, bridge: HardwareBridgeNode, seconds: float | None) -> None:
-        self._bridge, self._seconds = bridge, seconds
-        self._samples, self._since = bridge.samples, monotonic()
-        self.silent = False
+    Raises:
+        UserError: The rig was silent for :data:`LONGEST_SILENCE`.
+    """
+    samples, since = bridge.samples, monotonic()
 
-    @property
-    def elapsed(self) -> float:
-        """Time of the rig [s]."""
-        return self._bridge.samples * self._bridge.rig.line.sample_time
-
-    def is_reached(self) -> bool:
-        """To be called often."""
-        if self._seconds is None:
+    def is_reached() -> bool:
+        nonlocal samples, since
+        if seconds is None:
             return False
-        if self._samples != self._bridge.samples:
-            self._samples, self._since = self._bridge.samples, monotonic()
-        self.silent = monotonic() - self._since > LONGEST_SILENCE
-        return self.silent or self.elapsed >= self._seconds
+        if samples != bridge.samples:
+            samples, since = bridge.samples, monotonic()
+        elapsed = samples * bridge.rig.line.sample_time
+        if monotonic() - since > LONGEST_SILENCE:
+            raise UserError(
+                f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {elapsed:.3f} s of "
+                f"the {seconds:g} s asked for"
+            )
+        return elapsed >= seconds
+
+    return is_reached
 
 
 @contextmanager

@@ -10,9 +10,9 @@ import numpy as np
 
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.settings.nodes import ESTIMATOR, HARDWARE_BRIDGE, PLANT
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
-from furuta_view.exact_cycle import exact_cycle, model_of, relevant
+from furuta_view.exact_cycle import encoder_counts, exact_cycle, model_of, relevant
 from furuta_view.figures import figures, late_samples
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.live_node import LiveNode
@@ -93,8 +93,7 @@ class LivePage:
         if time is None:
             self._layout.status.content = status_html("waiting for a running graph", [])
             return
-        sensors = self._parameters.values.get(ESTIMATOR, {})
-        rows = figures(newest, int(sensors.get("sensors.encoder_counts", 0))).rows()
+        rows = figures(newest, encoder_counts(self._parameters.values)).rows()
         if self._lockstep:
             title = f"simulated, lock-step, t = {time:.1f} s"
         else:
