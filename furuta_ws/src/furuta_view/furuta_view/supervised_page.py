@@ -28,9 +28,9 @@ def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[st
     children = Children()
     try:
         children.start("graph", [furuta, "run", *shared, *graph])
-        while not (stop() or children.any_has_ended()) and shown.poll() is None:
+        while not (is_over := stop() or children.any_has_ended()) and shown.poll() is None:
             sleep(CHECK_PERIOD)
-        if shown.poll() is not None:
+        if not is_over:
             _report_end(shown.returncode)
             if "--lockstep" in graph:
                 release = [furuta, "param", "set", *shared, PLANT, "run_until", str(FOREVER)]
