@@ -1,7 +1,7 @@
 """The oracles: pure functions that return what is wrong, or an empty string.
 
 Three kinds: physics, what the documentation specifies, and agreement of two ways to compute the
-same. :data:`ORACLES` lists them; the test of the soak shows that each can fail.
+same. :data:`ORACLES` lists them.
 """
 
 import re
@@ -27,7 +27,6 @@ ORACLES = {
     "watchdog": "specification: 0 V within the watchdog's time after the host is silent",
     "arming": "specification: a rig is armed on request only",
     "stranger": "specification: no command of a second publisher is applied",
-    "second graph": "specification: it ends with the reason, or runs in a namespace of its own",
     "refusal": "specification: invalid input is refused, valid input is not",
     "unchanged": "specification: a refused change leaves every parameter as it was",
     "output": "specification: what a node publishes is finite and within its limit",
@@ -36,8 +35,6 @@ ORACLES = {
     "graph = simulation": "agreement: lock-step gives the simulation without ROS to the last bit",
     "twin": "agreement: refused messages leave a node as a twin that never received them",
     "rig = simulation": "agreement: the emulated rig moves as the simulated plant, to the last bit",
-    "frames": "agreement: frames are accepted as an independent decoder accepts them",
-    "recording": "specification: a full disk ends the recording only, and the bag stays readable",
     "flat": "resources: memory, open files and threads of a process do not grow",
 }
 
@@ -60,14 +57,12 @@ def energy_growth(
     volts: np.ndarray,
     model: FurutaPendulum,
     friction: Friction,
-    storage: float = 1.0,
 ) -> str:
     """States (n, 4), ``volts`` (n,) applied after each of them; the bristle may give back its own.
 
-    The energy within a stretch without drive may not exceed that at its begin. ``storage`` is the
-    energy that the law stores, in units of the bristle's.
+    The energy within a stretch without drive may not exceed that at its begin.
     """
-    stored = storage * highest_level(friction) ** 2 / (2.0 * friction.sigma0)
+    stored = highest_level(friction) ** 2 / (2.0 * friction.sigma0)
     limit = np.inf
     for k in range(len(states)):
         now = energy(states[k], model)
@@ -156,15 +151,6 @@ def applied(volts: np.ndarray, strange: float, resolution: float = 0.0) -> str:
     if resolution:
         same = same[2:] & same[1:-1] & same[:-2]
     return f"{np.sum(same)} samples with {strange:g} V of a second publisher" if same.any() else ""
-
-
-def wrong_second_graph(status: int, out: str, alone: bool) -> str:
-    """How a graph of 2 s ended that was started beside another one, ``alone`` in its namespace."""
-    if alone:
-        complete = status == 0 and out.startswith("2000 samples")
-    else:
-        complete = status == 1 and "a graph already runs" in out
-    return "" if complete else f"status {status}: {out.strip()[-200:]}"
 
 
 def wrong_refusal(should_refuse: bool | None, refused: bool, given: Any) -> str:

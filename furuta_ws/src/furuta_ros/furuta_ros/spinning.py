@@ -5,6 +5,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
+from pathlib import Path
 
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
@@ -17,7 +18,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
-from furuta_ros.process_start import own_arguments, program_name
+from furuta_ros.process_start import own_arguments
 from furuta_ros.stop_signal import StopSignal
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
@@ -78,8 +79,8 @@ def run_node(make: Callable[[], Node]) -> int:
     stop = StopSignal()
     given = own_arguments(sys.argv[1:])
     if given:
-        allowed = "takes only ROS arguments, after --ros-args"
-        return fail(f"{program_name()} {allowed}; given {shortened(' '.join(given))}", 2)
+        program, shown = Path(sys.argv[0]).name, shortened(" ".join(given))
+        return fail(f"{program} takes only ROS arguments, after --ros-args; given {shown}", 2)
     try:
         with ros_context(None):
             return _spin_node(make, stop)

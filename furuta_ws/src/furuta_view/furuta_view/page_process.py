@@ -7,9 +7,6 @@ from furuta_ros.stop_signal import StopSignal
 from furuta_view.live_page import LivePage
 from furuta_view.server import PageServer
 
-# Where recordings are made that the page begins.
-RECORDINGS = Path("output")
-
 
 def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     """Print the address, open the browser where there is one, and draw until Ctrl-C."""
@@ -17,7 +14,7 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     server.announce(opens)
     with ros_context(namespace=namespace):
         tell_graph(namespace)
-        page = LivePage(server, RECORDINGS)
+        page = LivePage(server)
         try:
             page.run(stop)
         finally:

@@ -15,14 +15,10 @@ from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import build_from_known
 from furuta_model.parts.converter import Actuator
 from furuta_model.state import PHI, PHI_DOT, THETA
-from furuta_sim.emulator.compiled_firmware import CompiledFirmware
 from furuta_sim.emulator.faults import Faults, FaultyLine
 from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.plant import Noise, design_plant, initial_plant, move
-
-# Both execute the same rules.
-AnyFirmware = Firmware | CompiledFirmware
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
@@ -55,7 +51,7 @@ class EmulatedRig:
         rig: Rig,
         plant: PlantParameters | None = None,
         faults: Faults | None = None,
-        make_firmware: Callable[[int, int, int], AnyFirmware] = Firmware,
+        make_firmware: Callable[[int, int, int], Firmware] = Firmware,
     ) -> None:
         self.plant = plant or plant_of(rig)
         self._rig = rig
