@@ -106,7 +106,9 @@ class ControllerParameters(NamedTuple):
     ] = 0.0
     vibration_limit: Annotated[
         float,
-        About("super-twisting: amplitude of its vibration from which it is reduced", "V", 1e-3, 1e6),
+        About(
+            "super-twisting: amplitude of its vibration from which it is reduced", "V", 1e-3, 1e6
+        ),
     ] = 0.8
     arm_angle_limit: Annotated[
         float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)

@@ -21,7 +21,7 @@ from furuta_model.friction.laws import (
 )
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.converter import Actuator, convert, drive
-from furuta_model.parts.coupling import Coupling, ElasticRig, design_coupling
+from furuta_model.parts.coupling import ElasticRig, design_coupling
 from furuta_model.parts.drive import Drive, mean_torque
 from furuta_model.parts.elastic_motion import advance_elastic, motor_friction
 from furuta_model.parts.friction_variation import FrictionVariation, vary_level
@@ -106,9 +106,7 @@ def design_plant(p: PlantParameters) -> Plant:
             sample_time=p.sample_time,
         ),
         coupling=design_coupling(p.coupling, p.model, friction, p.sample_time),
-        faults=design_faults(
-            p.sensor_faults, p.coupling.senses_motor, p.sample_time, p.seed
-        ),
+        faults=design_faults(p.sensor_faults, p.coupling.senses_motor, p.sample_time, p.seed),
     )
 
 
@@ -130,11 +128,7 @@ def _design_parts(
     table = waves.table
     on = any(part != type(part)() for part in (variation, drive, cogging, pendulum_friction, tilt))
     return Parts(
-        any=on
-        or elastic
-        or HAS_SPRINGS[LAWS.index(law)]
-        or pushes.number > 0
-        or len(table) > 0,
+        any=on or elastic or HAS_SPRINGS[LAWS.index(law)] or pushes.number > 0 or len(table) > 0,
         springs=springs,
         variation=variation,
         drive=drive,

@@ -43,9 +43,9 @@ class Coupling(NamedTuple):
     arm_friction: Annotated[
         float, About("part of the friction that acts on the arm; the rest on the motor", "", 0, 1)
     ] = 0.0
-    sensors: Annotated[
-        str, About("where encoder and tachometer of the arm are", choices=SIDES)
-    ] = "arm"
+    sensors: Annotated[str, About("where encoder and tachometer of the arm are", choices=SIDES)] = (
+        "arm"
+    )
 
     @property
     def is_elastic(self) -> bool:
@@ -145,7 +145,7 @@ def coupling_torque(twist: float, twist_rate: float, p: ElasticRig) -> float:
 
 @inlined
 def step_to_contact(twist: float, twist_rate: float, largest: float, p: ElasticRig) -> float:
-    """Length of the next substep [s]: it ends where the gap closes, since the torque jumps there."""
+    """Length of the next substep [s]: it ends where the gap closes, as the torque jumps there."""
     if abs(twist) >= p.half_gap or twist_rate == 0.0:
         return largest
     edge = p.half_gap if twist_rate > 0.0 else -p.half_gap

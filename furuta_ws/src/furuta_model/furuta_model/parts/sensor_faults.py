@@ -63,7 +63,7 @@ def design_faults(p: SensorFaults, on_motor: bool, dt: float, seed: int) -> Faul
     )
 
 
-@inlined
+@compiled
 def sensed_state(memory: PlantMemory, i: int, on_motor: bool) -> float:
     """State i where its sensor is."""
     if on_motor and i == PHI:
