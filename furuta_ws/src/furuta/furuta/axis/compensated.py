@@ -24,7 +24,8 @@ def compensated_cycle(axis: Axis, pid: Pid, compensation: float) -> JointCycle:
             f"compensation is analysed under PD and coulomb or stiction, given {pid} and {axis.law}"
         )
     left = axis.friction._replace(alpha0=(1.0 - compensation) * axis.friction.alpha0)
-    given = servo_joint(axis._replace(friction=left), pid, 0.0, servo_joint(axis, pid).units)
+    # What remains may be no friction: the units are those of the axis without compensation.
+    given = servo_joint(axis._replace(friction=left), pid).in_units(servo_joint(axis, pid).units)
     return joint_cycle(given, released(axis, pid, len(given.loop.b)))
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, Pid, released, servo_cycle, servo_joint
-from furuta.limit_cycles.joint import Joint, JointCycle, Units, joint_branch, joint_cycle
+from furuta.limit_cycles.joint import JointCycle, joint_branch, joint_cycle
 from furuta_model.friction.parameters import Friction
 
 CLOSE = 0.01  # half of the range of the second search, relative to the fold of the first
@@ -57,7 +57,8 @@ def fold(loop_at: LoopAt, low: float, high: float) -> Fold | None:
         return None
     found = None
     for _ in range(2):
-        branch = _branch(loop_at, low, high, value, cycle)
+        start = np.array(cycle.start)
+        branch = joint_branch(lambda at: servo_joint(*loop_at(at)), low, high, value, start)
         folds = [i for i, (_, _, event) in enumerate(branch) if event == "fold"]
         if not folds:
             return found
@@ -66,15 +67,6 @@ def fold(loop_at: LoopAt, low: float, high: float) -> Fold | None:
         low, high = found.value * (1.0 - CLOSE), found.value * (1.0 + CLOSE)
         value, cycle, _ = three[1]
     return found
-
-
-def _branch(
-    loop_at: LoopAt, low: float, high: float, value: float, cycle: JointCycle
-) -> list[tuple[float, JointCycle, str]]:
-    def joint_at(value: float, units: Units | None) -> Joint:
-        return servo_joint(*loop_at(value), 0.0, units)
-
-    return joint_branch(joint_at, low, high, value, np.array(cycle.start))
 
 
 def _vertex(three: list[tuple[float, JointCycle, str]]) -> Fold:
