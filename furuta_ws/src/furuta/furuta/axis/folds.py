@@ -19,8 +19,9 @@ STARTS = 9  # values at which a cycle is looked for
 # the bristle is stiff enough to hunt.
 EXAMPLE = Axis(1.0, Friction(1000.0, 30.0, 1.0, 0.5, stribeck_velocity=0.1))
 GAINS = Pid(4.0, 1.5, 0.5)
-# The atlas: k_d, range of static over Coulomb friction, least k_i relative to the largest.
-ATLAS_DAMPING, RATIOS, LEAST_INTEGRAL = 1.0, (1.1, 2.5), 0.02
+# The atlas: k_d, range of static over Coulomb friction, least k_i relative to the largest, and from
+# how many values of k_i below the first at which the axis hunts the fold is looked for.
+ATLAS_DAMPING, RATIOS, LEAST_INTEGRAL, BELOW = 1.0, (1.1, 2.5), 0.02, 2
 
 
 LoopAt = Callable[[float], tuple[Axis, Controller]]
@@ -87,7 +88,7 @@ class Atlas(NamedTuple):
     folds: np.ndarray
 
 
-def atlas(points: int = 24) -> Atlas:
+def atlas(points: int = 20) -> Atlas:
     """The atlas of the example, up to the k_i at which it is unstable without friction."""
     ratio = np.linspace(*RATIOS, points)
     limit = GAINS.kp * ATLAS_DAMPING / EXAMPLE.inertia
@@ -98,8 +99,11 @@ def atlas(points: int = 24) -> Atlas:
             cycle = hunting_cycle(*_atlas_loop(static, ki))
             if cycle.kind == "limit_cycle":
                 sizes[row, column] = cycle.peak_to_peak
-        found = fold(partial(_atlas_loop, static), integral[0], integral[-1])
-        folds[column] = found.value if found else np.nan
+        hunts = np.flatnonzero(np.isfinite(sizes[:, column]))
+        if len(hunts) and 0 < hunts[0] < points - 1:
+            ends = integral[max(hunts[0] - BELOW, 0)], integral[hunts[0] + 1]
+            found = fold(partial(_atlas_loop, static), *ends)
+            folds[column] = found.value if found else np.nan
     return Atlas(integral, ratio, sizes, folds)
 
 

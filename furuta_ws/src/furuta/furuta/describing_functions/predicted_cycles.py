@@ -9,8 +9,8 @@ rate σ for which H stays zero at the complex frequency ω + δω + jσ: H_A δA
     U_AV_ω - V_AU_ω > 0
 
 For a law that depends on the present speed alone, V_A = 0 and U_A = dN/dA < 0. The criterion only
-covers the oscillating pair of poles. With N fixed at its real part n, the other roots of D + nB, the
-denominator and numerator of G, must be stable too.
+covers the oscillating pair of poles. With N fixed at its real part n, the other roots of D + nB,
+with G = B/D, must be stable too.
 """
 
 from math import pi

@@ -66,15 +66,17 @@ class Joint(NamedTuple):
     def in_units(self, new: Units) -> Joint:
         """The same loop in the units of another one, so that their states can be compared."""
         old, loop = self.units, self.loop
-        time, position, force = new.time / old.time, new.position / old.position, new.force / old.force
+        time, position, force = (
+            new.time / old.time,
+            new.position / old.position,
+            new.force / old.force,
+        )
         basis = np.linalg.solve(new.basis, old.basis)
         law = loop.law._replace(
             parameters=_scaled(loop.law.parameters, Units(time, position, force, basis))
         )
         a = np.ascontiguousarray(basis @ loop.a @ np.linalg.inv(basis) * time)
-        return Joint(
-            LinearLoop(a, basis @ loop.b * force * time, basis @ loop.r * time, law), new
-        )
+        return Joint(LinearLoop(a, basis @ loop.b * force * time, basis @ loop.r * time, law), new)
 
 
 class JointCycle(NamedTuple):

@@ -130,10 +130,7 @@ def _event(x: np.ndarray, high: float, m: np.ndarray, mode: float, loop: LinearL
     low, width, size = 0.0, high, _norm(m)
     for _ in range(BISECTIONS):
         width *= 0.5
-        if size * width > 0.5:
-            middle = _exponential(m, width) @ x
-        else:
-            middle = _advanced(x, width, m)
+        middle = _exponential(m, width) @ x if size * width > 0.5 else _advanced(x, width, m)
         value = before_event(middle[:-1], mode, loop)
         if not (value < 0.0 or (value == 0.0 and low > 0.0)):
             low, x = low + width, middle
