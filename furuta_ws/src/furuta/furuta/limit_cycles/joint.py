@@ -66,14 +66,12 @@ class Joint(NamedTuple):
     def in_units(self, new: Units) -> Joint:
         """The same loop in the units of another one, so that their states can be compared."""
         old, loop = self.units, self.loop
-        time, position, force = (
-            new.time / old.time,
-            new.position / old.position,
-            new.force / old.force,
-        )
+        time, force = new.time / old.time, new.force / old.force
         basis = np.linalg.solve(new.basis, old.basis)
         law = loop.law._replace(
-            parameters=_scaled(loop.law.parameters, Units(time, position, force, basis))
+            parameters=_scaled(
+                loop.law.parameters, Units(time, new.position / old.position, force, basis)
+            )
         )
         a = np.ascontiguousarray(basis @ loop.a @ np.linalg.inv(basis) * time)
         return Joint(LinearLoop(a, basis @ loop.b * force * time, basis @ loop.r * time, law), new)
@@ -267,7 +265,8 @@ def joint_branch(
 
     Args:
         joint_at: Makes the loop for a value of the parameter.
-        low, high: Range of the parameter.
+        low: Lower end of the range of the parameter.
+        high: Its upper end.
         value: Where the branch begins, from a cycle that is the final motion there.
         start: State x (n,) from which that motion is followed; by default that of
             :meth:`Joint.state`.
