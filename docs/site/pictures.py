@@ -21,6 +21,7 @@ from swing_up import draw_swing_up
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
+    "atlas.png": "theorem fold --out OUT",
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
     "comparison.png": "compare --rigs 1000 --out OUT",
     "demo.png": "demo --out DIR",

@@ -14,11 +14,14 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 from importlib.metadata import version
 
 from furuta.describing_functions.describing_function import describing_function
+from furuta.limit_cycles.joint import Joint, JointCycle
+from furuta.limit_cycles.joint import joint_branch as branch
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
 from furuta.models import friction_law, linearize, place_poles
 from furuta.motions import (
+    friction_joint,
     limit_cycle,
     measure,
     predict_cycles,
@@ -52,6 +55,8 @@ __all__ = [
     "Friction",
     "FurutaPendulum",
     "IdealLoop",
+    "Joint",
+    "JointCycle",
     "Law",
     "LimitCycle",
     "Loop",
@@ -60,7 +65,9 @@ __all__ = [
     "Recording",
     "Rig",
     "__version__",
+    "branch",
     "describing_function",
+    "friction_joint",
     "friction_law",
     "ideal_loop",
     "identified_values",
