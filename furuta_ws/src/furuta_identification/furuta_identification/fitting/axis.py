@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_identification.fitting.swinging import fit_growing_segments
+from furuta_identification.model import Model
 from furuta_identification.regression.equations import arm_equation
 from furuta_identification.regression.speeds import with_speeds
 from furuta_identification.regression.windows import Windows
@@ -26,34 +27,34 @@ from furuta_identification.shooting.optimisation import (
     quantisation_step,
     residual_scale,
 )
-from furuta_identification.shooting.segments import cut_into_segments
-from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import LOGARITHMIC, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
-from furuta_identification.uncertainty.identifiability import LARGEST_RELATIVE_ERROR, identifiable
+from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import excerpts_of
 
-# Coulomb level [V] and root mean square of the speed [rad/s] in the units of the fit.
-LEVEL, SPEED = 0.05, 1.0
+# Coulomb level [V] and root mean square of the speed [rad/s] in the units of the fit; what stiction
+# is first expected above that level [V].
+LEVEL, SPEED, STICTION = 0.05, 1.0, 0.01
 # The pendulum that hardly couples: it hangs, and neither centrifugal force nor anything else moves
 # it [V s²/rad, V/rad, V s/rad].
 PENDULUM = {"beta": 1.0, "gamma": 1e-9, "delta": 100.0, "pendulum_viscous": 10.0}
-# Natural frequency [rad/s] of the stuck axis on its bristle; its damping ratio is 0.5.
-STUCK = 200.0
+# Natural frequency [rad/s] and damping ratio of the stuck axis on its bristle. A strong damper would
+# hide the drop of friction after breakaway.
+STUCK, DAMPING = 1000.0, 0.025
 # Fewest counts of the sensor over which the axis must move, and smallest level that is expected, as
 # a part of the usual torque.
 COUNTS, SMALLEST_LEVEL = 8.0, 0.02
 # Samples from which excerpts are fitted; fit [%] of a free run below which segments of a length [s]
 # are fitted instead.
 MOST_SAMPLES = 30_000
-FREE_RUN, SEGMENT = 80.0, 1.5
+SMALLEST_FIT, SEGMENT = 80.0, 1.5
 OFFSET = ["offset", "drift"]
-FIRST = ["arm_inertia", "viscous", "coulomb", "viscous_difference", *OFFSET]
-FURTHER = ["asymmetry", "alpha1", "stribeck_velocity"]
+FRICTION = ["viscous", "coulomb", "alpha1", "stribeck_velocity", "asymmetry", "viscous_difference"]
+UNKNOWNS = ["arm_inertia", *FRICTION, *OFFSET]
 # What is reported: the unknown by the name of the result, and the powers of the units of torque and
 # position in it.
 REPORTED = {
@@ -70,19 +71,19 @@ REPORTED = {
 
 
 class AxisFit(NamedTuple):
-    """Values and standard errors by name, in the units of position and torque; and the fit.
+    """Values and standard errors by name, in the units of position and torque.
 
-    A value that the recording does not determine is absent. ``count`` is the smallest change of the
-    position. ``units`` are the position and the torque that count as one in ``optimum``, whose
-    window is infinite if a free run was fitted.
+    What the recording does not determine is only in ``undetermined``, with the reason. ``count`` is
+    the smallest change of the position. ``model`` is in its own units, of which the ``units`` of
+    position and torque are one.
     """
 
     values: dict[str, float]
     standard_errors: dict[str, float]
+    undetermined: dict[str, str]
     count: float
-    findings: list[str]
     units: tuple[float, float]
-    optimum: Optimum
+    model: Model
 
     def error(self, recording: Recording, own_offset: bool = False) -> float:
         """Root mean square error of the free run over a recording, in the unit of position.
@@ -91,29 +92,32 @@ class AxisFit(NamedTuple):
         offset is that of the fit, or the recording's ``own_offset``.
         """
         ready, _ = _prepared(recording, *self.units)
-        values, scale = self.optimum.values.changed(["drift"], [0.0]), self.optimum.scale
+        values = self.model.values.changed(["drift"], [0.0])
         if own_offset:
-            values = optimise([ready], ["offset"], values, np.inf, scale, robust=False).values
-        return self.units[0] * _free_run_error([ready], values, scale)
+            fit = optimise([ready], ["offset"], values, np.inf, self.model.scale, robust=False)
+            values = fit.values
+        free = self.model._replace(values=values, window=np.inf)
+        return self.units[0] * _errors(free, [ready])
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
-        missing = [name for name in REPORTED if name not in self.values]
-        runs = self.optimum.recordings
-        with_drift = _free_run_error(runs, self.optimum.values, self.optimum.scale)
+        own = self.units[0] * _errors(self.model, self.model.recordings)
         return {
             **self.values,
             "standard_errors": self.standard_errors,
-            "undetermined": missing,
+            "undetermined": self.undetermined,
             "count": self.count,
-            "window_s": self.optimum.window,
-            "free_run_error": self.units[0] * with_drift,
-            "findings": self.findings,
+            "window_s": self.model.window,
+            "error": own,
+            "findings": self.model.findings,
         }
 
 
 def identify_axis(recording: Recording) -> AxisFit:
-    """Fit an axis; the arm of the ``recording`` is the axis, its command the torque.
+    """Fit an axis to a recording of its position and of the torque of its drive.
+
+    Args:
+        recording: What :func:`furuta.read_axis` returned.
 
     Raises:
         ParameterError: The axis hardly moves, or the recording does not determine its inertia.
@@ -123,23 +127,26 @@ def identify_axis(recording: Recording) -> AxisFit:
     ready, findings = _prepared(recording, *units)
     excerpts, remarks = excerpts_of(ready, MOST_SAMPLES)
     scale = np.median([noise_of(excerpt) for excerpt in excerpts], axis=0)
-    optimum = fit_growing_segments(excerpts, FIRST, start, SEGMENT, scale)
-    optimum = _with_further_unknowns(optimum)
+    optimum = fit_growing_segments(excerpts, UNKNOWNS, start, SEGMENT, scale)
     if len(excerpts) == 1:
-        free = optimise(excerpts, OFFSET, optimum.values, np.inf, optimum.scale, robust=True)
-        free = optimise(excerpts, optimum.names, free.values, np.inf, residual_scale(free), True)
-        if fit_percent(*(y[:, PHI] for y in (ready.measured, free.predictions[0][1]))) >= FREE_RUN:
-            optimum = free
-    optimum = _with_further_unknowns(optimum, FINE)
-    count = quantisation_step(recording.measured[:, PHI])
-    return AxisFit(*_reported(optimum, units), count, [*findings, *remarks], units, optimum)
+        optimum = _freely(optimum)
+    optimum = optimum.refitted(UNKNOWNS, optimum.values, FINE)
+    certainty = covariance_and_information(optimum, {})
+    window, scale = optimum.window, optimum.scale
+    model = Model(
+        optimum.values, UNKNOWNS, *certainty, window, scale, excerpts, findings + remarks
+    )
+    return _result(model, units, quantisation_step(recording.measured[:, PHI]))
 
 
-def _with_further_unknowns(optimum: Optimum, tolerance: float = 1e-4) -> Optimum:
-    """The fit with those further unknowns that the recording determines."""
-    further = [name for name in FURTHER if name not in optimum.names]
-    names = [*optimum.names, *identifiable(optimum, further)]
-    return optimum.refitted(names, optimum.values, tolerance)
+def _freely(optimum: Optimum) -> Optimum:
+    """The fit of a free run, or the given one of segments if no free run follows the recording."""
+    (recording,) = optimum.recordings
+    free = optimise([recording], OFFSET, optimum.values, np.inf, optimum.scale, robust=True)
+    free = optimise([recording], UNKNOWNS, free.values, np.inf, residual_scale(free), robust=True)
+    predicted = free.predictions[0][1]
+    fit = fit_percent(recording.measured[:, PHI], predicted[:, PHI])
+    return free if fit >= SMALLEST_FIT else optimum
 
 
 def _prepared(recording: Recording, position: float, torque: float) -> tuple[Recording, list[str]]:
@@ -179,9 +186,10 @@ def _first_estimate(recording: Recording) -> tuple[tuple[float, float], Paramete
         **PENDULUM,
         viscous=scale * max(viscous, 0.0),
         coulomb=LEVEL,
+        alpha1=STICTION,
         offset=scale * 0.5 * (forward - backward),
         sigma0=stiffness,
-        sigma1=stiffness / STUCK,
+        sigma1=2.0 * DAMPING * stiffness / STUCK,
     )
     return (position, size / scale), start
 
@@ -196,44 +204,29 @@ def _refuse_rest(recording: Recording) -> None:
         )
 
 
-def _free_run_error(
-    recordings: list[Recording], values: ParameterValues, scale: np.ndarray
-) -> float:
-    """Root mean square error of the position over free runs, in the units of the fit."""
-    errors = [r.measured[:, PHI] - y[:, PHI] for r, y in _free_runs(recordings, values, scale)]
+def _errors(model: Model, recordings: list[Recording]) -> float:
+    """Root mean square error of the position in the recordings, in the units of the model."""
+    errors = [r.measured[:, PHI] - model.predict(r).predicted[:, PHI] for r in recordings]
     return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
-def _free_runs(
-    recordings: list[Recording], values: ParameterValues, scale: np.ndarray
-) -> list[tuple[Recording, np.ndarray]]:
-    """Each recording, and its free run (n, 4)."""
-    parts = [cut_into_segments(recording, np.inf, scale, values) for recording in recordings]
-    predicted = Shooting(parts, [], values).predictions(np.zeros(0))
-    return list(zip(recordings, predicted, strict=True))
-
-
-def _reported(
-    optimum: Optimum, units: tuple[float, float]
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Values and standard errors by name, those that the recording determines."""
-    covariance, information = covariance_and_information(optimum, {})
+def _result(model: Model, units: tuple[float, float], count: float) -> AxisFit:
+    """Values and standard errors in the units of the recording."""
+    reasons = undetermined(model)
+    if "arm_inertia" in reasons:
+        raise ParameterError(
+            f"{model.recordings[0].name}: the inertia is not determined: {reasons['arm_inertia']}; "
+            "record a motion that accelerates"
+        )
     position, torque = units
     values, errors = {}, {}
     for name, (unknown, of_torque, of_position) in REPORTED.items():
-        if unknown not in optimum.names:
+        if unknown in reasons:
             continue
-        index = optimum.names.index(unknown)
-        value, error = optimum.values[unknown], float(np.sqrt(covariance[index, index]))
-        if unknown in LOGARITHMIC:
-            error *= value
-        certain = unknown not in LOGARITHMIC or error < LARGEST_RELATIVE_ERROR * value
-        if information[index, index] > 0.0 and certain:
-            unit = torque**of_torque * position**of_position
-            values[name], errors[name] = unit * value, unit * error
-    if "inertia" not in values:
-        raise ParameterError(
-            f"{optimum.recordings[0].name}: the recording does not determine the inertia: the "
-            "motion does not depend on it; record one that accelerates"
-        )
-    return values, errors
+        index = model.names.index(unknown)
+        value, error = model.values[unknown], np.sqrt(model.covariance[index, index])
+        unit = torque**of_torque * position**of_position
+        values[name] = float(unit * value)
+        errors[name] = float(unit * error * (value if unknown in LOGARITHMIC else 1.0))
+    missing = {name: reasons[of[0]] for name, of in REPORTED.items() if of[0] in reasons}
+    return AxisFit(values, errors, missing, count, units, model)
