@@ -25,6 +25,7 @@ VERBS = {
     "compare": "Compare compensations on rigs that they do not know.",
     "linearize": "Linear model, poles, gain, margins; Nyquist plot; passivity.",
     "limit-cycle": "Limit cycle, exact or predicted; its branches and maps.",
+    "axis": "Hunting of a servo axis with friction; which compensation helps.",
     "identify": "Identify a model from recordings.",
     "bag": "Show, export, recover, replay and recompute recorded bags.",
     "plot": "Draw a bag or a file of series.",

@@ -29,7 +29,7 @@ from furuta_identification.shooting.optimisation import (
 )
 from furuta_identification.shooting.unknowns import LOGARITHMIC, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
-from furuta_identification.uncertainty.identifiability import undetermined
+from furuta_identification.uncertainty.identifiability import identifiable, undetermined
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_recordings.cleaning import cleaned
@@ -53,7 +53,7 @@ COUNTS, SMALLEST_LEVEL = 8.0, 0.02
 MOST_SAMPLES = 30_000
 SMALLEST_FIT, SEGMENT = 80.0, 1.5
 OFFSET = ["offset", "drift"]
-FRICTION = ["viscous", "coulomb", "alpha1", "stribeck_velocity", "asymmetry", "viscous_difference"]
+FRICTION = ["viscous", "coulomb", "alpha1", "stribeck_velocity", "viscous_difference"]
 UNKNOWNS = ["arm_inertia", *FRICTION, *OFFSET]
 # What is reported: the unknown by the name of the result, and the powers of the units of torque and
 # position in it.
@@ -128,14 +128,14 @@ def identify_axis(recording: Recording) -> AxisFit:
     excerpts, remarks = excerpts_of(ready, MOST_SAMPLES)
     scale = np.median([noise_of(excerpt) for excerpt in excerpts], axis=0)
     optimum = fit_growing_segments(excerpts, UNKNOWNS, start, SEGMENT, scale)
+    # While the axis slides an asymmetry has the same effect as an offset.
+    names = [*UNKNOWNS, *identifiable(optimum, ["asymmetry"])]
     if len(excerpts) == 1:
         optimum = _freely(optimum)
-    optimum = optimum.refitted(UNKNOWNS, optimum.values, FINE)
+    optimum = optimum.refitted(names, optimum.values, FINE)
     certainty = covariance_and_information(optimum, {})
     window, scale = optimum.window, optimum.scale
-    model = Model(
-        optimum.values, UNKNOWNS, *certainty, window, scale, excerpts, findings + remarks
-    )
+    model = Model(optimum.values, names, *certainty, window, scale, excerpts, findings + remarks)
     return _result(model, units, quantisation_step(recording.measured[:, PHI]))
 
 
