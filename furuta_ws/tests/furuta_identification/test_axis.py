@@ -52,7 +52,7 @@ def test_offset_and_drift_do_not_bias_the_axis() -> None:
 
 
 def test_another_recording_has_its_own_offset() -> None:
-    """The free run over the second half needs the offset of that half, and no drift of the first."""
+    """The free run over the second half needs the offset of that half."""
     whole = drive()
     halves = [whole.between(-np.inf, 6.0), whole.between(6.0, np.inf)]
     fit = identify_axis(halves[0])

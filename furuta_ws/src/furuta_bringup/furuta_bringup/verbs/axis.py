@@ -46,7 +46,7 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--counts", type=click.IntRange(0, 2**31), default=4096, show_default=True,
     help="Counts of the encoder per turn, 0 for a perfect one.")  # fmt: skip
 @click.option("--identify", "record", type=click.Path(path_type=Path), metavar="FILE",
-    help="Table of time, position and torque, from which inertia and friction are found.")  # fmt: skip
+    help="Table of time, position and torque: finds inertia and friction.")  # fmt: skip
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column of the drive's torque, current "
     "or voltage.")  # fmt: skip

@@ -42,8 +42,8 @@ LEVEL, SPEED, STICTION = 0.05, 1.0, 0.01
 # The pendulum that hardly couples: it hangs, and neither centrifugal force nor anything else moves
 # it [V s²/rad, V/rad, V s/rad].
 PENDULUM = {"beta": 1.0, "gamma": 1e-9, "delta": 100.0, "pendulum_viscous": 10.0}
-# Natural frequency [rad/s] and damping ratio of the stuck axis on its bristle. A strong damper would
-# hide the drop of friction after breakaway.
+# Natural frequency [rad/s] and damping ratio of the stuck axis on its bristle. A softer bristle or
+# a stronger damper would hide how friction drops after breakaway.
 STUCK, DAMPING = 1000.0, 0.025
 # Fewest counts of the sensor over which the axis must move, and smallest level that is expected, as
 # a part of the usual torque.
@@ -218,6 +218,9 @@ def _result(model: Model, units: tuple[float, float], count: float) -> AxisFit:
             f"{model.recordings[0].name}: the inertia is not determined: {reasons['arm_inertia']}; "
             "record a motion that accelerates"
         )
+    for name, other in (("alpha1", "stribeck_velocity"), ("stribeck_velocity", "alpha1")):
+        if other in reasons:
+            reasons[name] = reasons[other]
     position, torque = units
     values, errors = {}, {}
     for name, (unknown, of_torque, of_position) in REPORTED.items():
