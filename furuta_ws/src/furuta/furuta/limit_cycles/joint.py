@@ -145,7 +145,7 @@ def joint(
         )
     units = _units(a, b, c, friction)
     inverse = np.linalg.inv(units.basis)
-    scaled = analysed_law(law, _scaled(friction, units))
+    scaled = analysed_law(law, friction_in(units, friction))
     return Joint(
         LinearLoop(
             np.ascontiguousarray(inverse @ a @ units.basis * units.time),
@@ -189,7 +189,7 @@ def _balance(a: np.ndarray) -> np.ndarray:
     return scales
 
 
-def _scaled(p: Friction, units: Units) -> Friction:
+def friction_in(units: Units, p: Friction) -> Friction:
     """The parameters of friction in these units."""
     return Friction(
         sigma0=p.sigma0 * units.position / units.force,
