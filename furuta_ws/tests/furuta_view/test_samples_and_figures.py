@@ -71,6 +71,8 @@ def test_parameter_is_described_by_its_services_alone() -> None:
     """Unit from the meaning, choices from the constraints, as our nodes write them."""
     law = Described("friction.law", "lugre", "friction law", "one of lugre, coulomb")
     assert law.choices == ("lugre", "coulomb")
+    own = law._replace(value="a:b", constraints="one of lugre, coulomb, or an own one as module:f")
+    assert own.choices == ("lugre", "coulomb", "a:b")
     gain = Described("gain", [0.0], "explicit L of u = -Lx [V/x]", "any")
     assert gain.label == "gain [V/x]"
     assert gain.parsed("[1, 2.5]") == [1.0, 2.5]

@@ -55,7 +55,7 @@ class About:
     def allowed(self) -> str:
         """The allowed values in words."""
         if self.choices:
-            own = " or an own one as module:function" if self.own else ""
+            own = ", or an own one as module:function" if self.own else ""
             return f"one of {', '.join(self.choices)}{own}"
         if self.low == -math.inf:
             return "any" if self.high == math.inf else f"at most {self.high:g}"

@@ -28,10 +28,11 @@ class Described(NamedTuple):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The allowed words, if the node lists them."""
+        """The allowed words, if the node lists them, with the name of an own part if it is one."""
         if not isinstance(self.value, str) or not self.constraints.startswith(CHOICES):
             return ()
-        return tuple(self.constraints.removeprefix(CHOICES).split(", "))
+        words = self.constraints.removeprefix(CHOICES).split(", ")
+        return tuple(dict.fromkeys([*(word for word in words if " " not in word), self.value]))
 
     @property
     def unit(self) -> str:
