@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
@@ -71,7 +72,7 @@ def freeze_startup_objects() -> None:
     gc.freeze()
 
 
-def run_node(make: Callable[[], Node]) -> int:
+def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
     """Run one node until it is told to stop; returns the process's exit status.
 
     The status is 0 if the node was ready, 130 if Ctrl-C ended it before, and 143 after SIGTERM.
@@ -90,15 +91,14 @@ def run_node(make: Callable[[], Node]) -> int:
         return 0
 
 
-def _spin_node(make: Callable[[], Node], stop: StopSignal) -> int:
+def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
     node = make()
-    alone = isinstance(node, FurutaNode) and node.one_per_graph
-    with claim_graph(node) if alone else nullcontext():
+    with claim_graph(node) if node.one_per_graph else nullcontext():
         executor = executor_of([node])
         freeze_startup_objects()
         if stop():
             return stop.status
-        problem = node.start_up() if isinstance(node, FurutaNode) else ""
+        problem = node.start_up()
         if problem:
             node.get_logger().error(f"not ready: {problem}")
         else:

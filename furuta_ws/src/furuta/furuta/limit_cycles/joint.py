@@ -69,8 +69,8 @@ class Joint(NamedTuple):
         time, force = new.time / old.time, new.force / old.force
         basis = np.linalg.solve(new.basis, old.basis)
         law = loop.law._replace(
-            parameters=_scaled(
-                loop.law.parameters, Units(time, new.position / old.position, force, basis)
+            parameters=friction_in(
+                Units(time, new.position / old.position, force, basis), loop.law.parameters
             )
         )
         a = np.ascontiguousarray(basis @ loop.a @ np.linalg.inv(basis) * time)
