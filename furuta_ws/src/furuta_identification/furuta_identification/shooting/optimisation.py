@@ -125,7 +125,7 @@ def worst_pendulum_fit(optimum: Optimum) -> float:
     )
 
 
-def _quantisation_step(series: np.ndarray) -> float:
+def quantisation_step(series: np.ndarray) -> float:
     """The smallest change of a series (n,); 0 if it never changes."""
     changes = np.abs(np.diff(series[np.isfinite(series)]))
     smallest = float(np.min(changes[changes > 1e-12], initial=np.inf))
@@ -142,7 +142,7 @@ def noise_of(recording: Recording) -> np.ndarray:
     for channel, column in enumerate(recording.measured.T):
         series, smallest = column[np.isfinite(column)], SMALLEST_NOISE[channel]
         if len(series) >= FEWEST_SAMPLES:
-            of_step = _quantisation_step(series) ** 2 / 12.0
+            of_step = quantisation_step(series) ** 2 / 12.0
             variance = float(np.mean(np.diff(series, n=3) ** 2) / 20.0) - of_step
             size[channel] = np.sqrt(max(smallest, np.sqrt(max(0.0, variance))) ** 2 + of_step)
         elif len(series):
