@@ -36,7 +36,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     assert axis.inertia == pytest.approx(AXIS.inertia, rel=0.02)
     assert axis.friction.alpha0 == pytest.approx(FRICTION.alpha0, rel=0.02)
     assert axis.friction.alpha1 == pytest.approx(FRICTION.alpha1, rel=0.05)
-    assert fit.count == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
+    assert fit.resolution == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
     hunting = settled(AXIS, PID, cycle)
     assert cycle.peak_to_peak == pytest.approx(hunting, rel=0.05)
     assert settled(AXIS, PID, cycle, compensation=recommended.compensation) < 0.1 * hunting

@@ -101,12 +101,13 @@ class _Observer(NamedTuple):
 
 
 class _Design(NamedTuple):
-    """The loop in the units of the simulation; a ``count`` of 0 is a perfect sensor."""
+    """The loop in the units of the simulation; ``resolution`` is a count of the
+    encoder, 0 for a perfect sensor."""
 
     body: FurutaPendulum
     law: FrictionLaw
     substeps: int
-    count: float
+    resolution: float
     dt: float
     feedback: _Feedback
     observer: _Observer
@@ -162,7 +163,7 @@ def simulate_axis(
         )
     if np.ndim(reference):
         positions, offset = np.array(reference, dtype=float), 0.0
-        speeds = np.gradient(positions, sample_time)
+        speeds: np.ndarray = np.gradient(positions, sample_time)
     else:
         samples = seconds / sample_time
         time = sample_time * np.arange(min(samples, MOST_SAMPLES + 1))
@@ -223,7 +224,7 @@ def _design(
         body=body,
         law=friction_law(_known(axis.law), true),
         substeps=substeps_for(dt, body, true),
-        count=count / units.position,
+        resolution=count / units.position,
         dt=dt,
         feedback=_feedback(controller, units),
         observer=_observer(inertia, assumed.viscous, count / units.position, dt),
@@ -287,8 +288,8 @@ def _run(
     x, estimate, before = loop.x, loop.estimate, np.zeros(3)
     for k in range(len(reference)):
         measured = x[PHI]
-        if p.count > 0.0:
-            measured = p.count * np.floor(measured / p.count + 0.5)
+        if p.resolution > 0.0:
+            measured = p.resolution * np.floor(measured / p.resolution + 0.5)
         if k > 0:
             before[:] = estimate
             for i in range(3):

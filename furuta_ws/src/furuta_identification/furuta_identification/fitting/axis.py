@@ -73,15 +73,15 @@ REPORTED = {
 class AxisFit(NamedTuple):
     """Values and standard errors by name, in the units of position and torque.
 
-    What the recording does not determine is only in ``undetermined``, with the reason. ``count`` is
-    the smallest change of the position. ``model`` is in its own units, of which the ``units`` of
-    position and torque are one.
+    What the recording does not determine is only in ``undetermined``, with the reason.
+    ``resolution`` is the smallest change of the position. ``model`` is in its own units: the
+    ``units`` are the position and the torque that are one in it.
     """
 
     values: dict[str, float]
     standard_errors: dict[str, float]
     undetermined: dict[str, str]
-    count: float
+    resolution: float
     units: tuple[float, float]
     model: Model
 
@@ -106,7 +106,7 @@ class AxisFit(NamedTuple):
             **self.values,
             "standard_errors": self.standard_errors,
             "undetermined": self.undetermined,
-            "count": self.count,
+            "resolution": self.resolution,
             "window_s": self.model.window,
             "error": own,
             "findings": self.model.findings,
@@ -210,7 +210,7 @@ def _errors(model: Model, recordings: list[Recording]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
-def _result(model: Model, units: tuple[float, float], count: float) -> AxisFit:
+def _result(model: Model, units: tuple[float, float], resolution: float) -> AxisFit:
     """Values and standard errors in the units of the recording."""
     reasons = undetermined(model)
     if "arm_inertia" in reasons:
@@ -232,4 +232,4 @@ def _result(model: Model, units: tuple[float, float], count: float) -> AxisFit:
         values[name] = float(unit * value)
         errors[name] = float(unit * error * (value if unknown in LOGARITHMIC else 1.0))
     missing = {name: reasons[of[0]] for name, of in REPORTED.items() if of[0] in reasons}
-    return AxisFit(values, errors, missing, count, units, model)
+    return AxisFit(values, errors, missing, resolution, units, model)
