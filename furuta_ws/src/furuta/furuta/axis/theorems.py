@@ -6,9 +6,11 @@ Of the papers only the abstracts were read. Nothing is claimed of them beyond th
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from furuta.axis.axis import Axis, Pid
 from furuta.axis.compensated import compensation_map
 from furuta.axis.final_motions import Rows, coulomb_axes, pendulum_feedbacks, static_axes
 from furuta.axis.folds import EXAMPLE, GAINS, fold
@@ -32,11 +34,14 @@ class Theorem(NamedTuple):
 def _folds(loops: int, seed: int) -> tuple[Rows, bool]:
     rows: Rows = []
     for law in ("stribeck", "lugre"):
-        axis = EXAMPLE._replace(law=law)
-        found = fold(lambda kd, axis=axis: (axis, GAINS._replace(kd=kd)), *DAMPINGS)
+        found = fold(partial(_damped, law), *DAMPINGS)
         if found:
             rows.append({"law": law, "kd": found.value, "peak_to_peak_rad": found.peak_to_peak})
     return rows, len(rows) == 2
+
+
+def _damped(law: str, kd: float) -> tuple[Axis, Pid]:
+    return EXAMPLE._replace(law=law), GAINS._replace(kd=kd)
 
 
 THEOREMS = {
