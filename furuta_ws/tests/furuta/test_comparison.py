@@ -40,7 +40,7 @@ LEVEL = "friction.alpha0"
 def test_named_rigs_change_the_plant() -> None:
     """Each by parameters that exist, to values that differ from the nominal ones."""
     rigs = named_rigs(SETTINGS)
-    assert len(rigs) == len({rig.name for rig in rigs}) == 15
+    assert len(rigs) == len({rig.name for rig in rigs}) == 29
     for rig in rigs:
         assert rig.values.keys() <= PLANT, rig.name
         changed = [name for name, value in rig.values.items() if value != NOMINAL[name]]

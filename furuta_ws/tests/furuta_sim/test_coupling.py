@@ -129,7 +129,7 @@ def test_motion_is_that_of_two_masses(seed: int, backlash: float, error: float) 
 
 @pytest.mark.parametrize("law", ["coulomb", "maxwell_slip", "lugre"])
 def test_a_stiff_coupling_is_a_rigid_one(law: str) -> None:
-    """At 500 Hz the residual without compensation is that of one mass, wherever it rubs."""
+    """At 500 Hz the residual is that of one mass, wherever the friction acts."""
     sizes = []
     for coupling in ("0.0", "500.0", "500.0 coupling.arm_friction=0.5"):
         given = f"friction.law={law} sensors.ideal=true coupling.frequency={coupling}".split()
