@@ -13,7 +13,7 @@ import numpy as np
 
 from furuta_graph.processes import executable
 from furuta_sim.settings.nodes import NODES
-from soak.oracles import unexplained_end
+from soak.oracles import unexplained_end, wrong_second_graph
 from soak.record import Record
 
 # Time for a process to end after a signal, and for a short run [s].
@@ -99,6 +99,21 @@ def flood_commands(random: np.random.Generator) -> None:
     finally:
         process.kill()
         process.wait()
+
+
+def second_graph(record: Record, namespace: str) -> None:
+    """Start a graph beside this one, in its namespace or in another one."""
+    furuta = str(executable("furuta_bringup", "furuta"))
+    own = ["--namespace", namespace] if namespace else []
+    process = subprocess.Popen(
+        [furuta, "run", "--lockstep", "--seconds", "2", *own],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    out, _ = process.communicate(timeout=LONGEST)
+    problem = wrong_second_graph(process.returncode, out, bool(namespace))
+    record.check("second graph", problem)
 
 
 def end(processes: Iterable[NodeProcess], record: Record) -> None:

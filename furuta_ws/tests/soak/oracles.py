@@ -27,6 +27,7 @@ ORACLES = {
     "watchdog": "specification: 0 V within the watchdog's time after the host is silent",
     "arming": "specification: a rig is armed on request only",
     "stranger": "specification: no command of a second publisher is applied",
+    "second graph": "specification: it ends with the reason, or runs in a namespace of its own",
     "refusal": "specification: invalid input is refused, valid input is not",
     "unchanged": "specification: a refused change leaves every parameter as it was",
     "output": "specification: what a node publishes is finite and within its limit",
@@ -151,6 +152,15 @@ def applied(volts: np.ndarray, strange: float, resolution: float = 0.0) -> str:
     if resolution:
         same = same[2:] & same[1:-1] & same[:-2]
     return f"{np.sum(same)} samples with {strange:g} V of a second publisher" if same.any() else ""
+
+
+def wrong_second_graph(status: int, out: str, alone: bool) -> str:
+    """How a graph of 2 s ended that was started beside another one, ``alone`` in its namespace."""
+    if alone:
+        complete = status == 0 and out.startswith("2000 samples")
+    else:
+        complete = status == 1 and "a graph already runs" in out
+    return "" if complete else f"status {status}: {out.strip()[-200:]}"
 
 
 def wrong_refusal(should_refuse: bool | None, refused: bool, given: Any) -> str:

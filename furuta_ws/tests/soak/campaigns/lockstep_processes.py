@@ -1,7 +1,7 @@
 """Campaign ``lockstep_processes``: a graph in lock-step, a process per node, that is disturbed.
 
 Pauses must not change the run: it is that of the simulation, to the last bit. After a kill the loop
-must continue. Floods of commands must not reach it.
+must continue. Floods of commands and second graphs must not reach it.
 """
 
 import os
@@ -18,7 +18,7 @@ from furuta_sim.settings.nodes import graph_nodes
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 from soak.mutators import pick
-from soak.node_process import NodeProcess, end, flood_commands
+from soak.node_process import NodeProcess, end, flood_commands, second_graph
 from soak.observer import Observer, motion, stamps, states
 from soak.oracles import applied, different_run, fallen, hanging_drive, not_recovered, out_of_bounds
 from soak.record import Record
@@ -34,7 +34,7 @@ PAUSES = 8
 SAMPLES, RECOVERY = 200, 120.0
 # Longest pause [s]: far below the time after which the middleware drops a participant.
 LONGEST_PAUSE = 0.6
-KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "flood", "flood")
+KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "flood", "second graph")
 # Intrusions between two new graphs.
 INTRUSIONS = 30
 
@@ -110,7 +110,10 @@ class LockstepProcesses:
             observer.clear()
         else:
             observer.clear()
-            flood_commands(self._random)
+            if kind == "flood":
+                flood_commands(self._random)
+            else:
+                second_graph(record, pick(self._random, ("", "another")))
         moved = observer.spin(lambda: len(observer.truths) > SAMPLES, RECOVERY)
         record.check("recovery", not_recovered(moved, f"{SAMPLES} samples", RECOVERY))
         self._check_motion()
