@@ -101,8 +101,10 @@ class _Observer(NamedTuple):
 
 
 class _Design(NamedTuple):
-    """The loop in the units of the simulation; ``resolution`` is a count of the
-    encoder, 0 for a perfect sensor."""
+    """The loop in the units of the simulation.
+
+    ``resolution`` is a count of the encoder, 0 for a perfect sensor.
+    """
 
     body: FurutaPendulum
     law: FrictionLaw
