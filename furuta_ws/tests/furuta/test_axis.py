@@ -59,9 +59,9 @@ def test_recommendation_without_integral_action() -> None:
     """An axis that rests beside its reference gets the compensation that brings it nearer."""
     pd = PID._replace(ki=0.0)
     compared = furuta.compare_on_axis(AXIS, pd)
-    errors = {residual.compensation: residual.error for residual in compared.residuals}
+    errors = {residual.compensation: residual.error_rad for residual in compared.residuals}
     assert errors["none"] > 0.01
-    assert compared.recommended.error < 0.2 * errors["none"]
+    assert compared.recommended.error_rad < 0.2 * errors["none"]
 
 
 def test_slow_motion_sticks_and_slips() -> None:

@@ -4,12 +4,13 @@ Each candidate knows the friction of the model, but the true friction is smaller
 suits one level only is no recommendation.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, servo_cycle
-from furuta.axis.simulation import CANDIDATES, MOST_SAMPLES, simulate_axis
+from furuta.axis.sampled_loop import CANDIDATES
+from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
 from furuta_model.parameters import ParameterError
 
@@ -26,13 +27,8 @@ class Residual(NamedTuple):
     """What remains with a compensation, the worst over the true levels of friction [rad]."""
 
     compensation: str
-    error: float
-    peak_to_peak: float
-
-    def report(self) -> dict[str, Any]:
-        """By the names of the command line."""
-        name, error, peak_to_peak = self
-        return {"compensation": name, "error_rad": error, "peak_to_peak_rad": peak_to_peak}
+    error_rad: float
+    peak_to_peak_rad: float
 
 
 class AxisComparison(NamedTuple):
@@ -87,9 +83,9 @@ def compare_on_axis(
             errors.append(record.error[len(record.error) // 2 :])
         largest = float(np.max(np.abs(errors)))
         residuals.append(Residual(compensation, largest, float(np.max(np.ptp(errors, axis=1)))))
-    best = min(residual.error for residual in residuals)
+    best = min(residual.error_rad for residual in residuals)
     good = max(AS_GOOD * best, best + (np.pi / counts if counts else 0.0))
-    return AxisComparison(tuple(residuals), next(r for r in residuals if r.error <= good))
+    return AxisComparison(tuple(residuals), next(r for r in residuals if r.error_rad <= good))
 
 
 def _with_level(axis: Axis, factor: float) -> Axis:

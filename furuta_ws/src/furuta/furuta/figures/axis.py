@@ -48,6 +48,7 @@ def draw_axis(
             time, error = run.time[settled] - run.time[settled.start], run.error[settled]
             after.plot(time, error, color=colour, label=f"compensation {name}")
         if runs:
+            after.margins(y=0.3)
             after.legend()
         style_axis(position, y="exact: position [rad]")
         style_axis(force, "time [s]", "torque [N m]")

@@ -97,7 +97,7 @@ def command(
         compared = compare_on_axis(
             axis, controller, speed=reference_speed, counts=counts, cycle=cycle
         )
-        result["compensations"] = [residual.report() for residual in compared.residuals]
+        result["compensations"] = [residual._asdict() for residual in compared.residuals]
         result["recommended"] = compared.recommended.compensation
     if out is not None:
         _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
