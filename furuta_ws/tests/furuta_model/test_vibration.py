@@ -49,7 +49,7 @@ def test_what_is_no_vibration_changes_nothing(signal: np.ndarray) -> None:
 def test_recovery() -> None:
     """A part grows by a factor of e in the recovery time, up to 1."""
     memory = new_memory(VibrationMemory)[0]
-    memory.part = 1 / REDUCTION
+    memory["part"] = 1 / REDUCTION
     samples = round(RECOVERY_TIME / DT)
     found = [part_without_vibration(memory, 0.0, DETECTOR) for _ in range(2 * samples)]
     assert found[samples - 1] == pytest.approx(np.e / REDUCTION, rel=1e-3)
