@@ -238,7 +238,7 @@ def _balance(p: ControllerParameters) -> Balance:
         arm_reference=p.arm_reference,
         arm_error_limit=p.arm_error_limit,
         integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        super_twisting=super_twisting.design(
+        super_twisting=super_twisting.design_for_pendulum(
             p.super_twisting,
             p.super_twisting_bandwidth,
             p.vibration_limit,

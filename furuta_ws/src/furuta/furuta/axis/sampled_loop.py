@@ -11,6 +11,7 @@ and the controller takes this speed in place of a filtered derivative.
 """
 
 from dataclasses import dataclass, field
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -139,12 +140,11 @@ def design_loop(
         feedback=_feedback(controller, units),
         observer=_observer(inertia, assumed.viscous, count / units.position, dt),
         compensation=design_compensator(parameters),
-        twisting=SuperTwisting(
+        twisting=super_twisting.design(
             rate_bound=RATE_BOUND if twists else 0.0,
-            a1=1.0 / inertia,
-            a2=-assumed.viscous / inertia,
-            a3=0.0,
-            a4=0.0,
+            bandwidth=0.0,
+            vibration_limit=inf,
+            closed=(1.0 / inertia, -assumed.viscous / inertia, 0.0, 0.0),
             b=1.0 / inertia,
             dt=dt,
         ),

@@ -19,7 +19,7 @@ from furuta.axis.identification import identified_axis, parse_friction
 from furuta.axis.simulation import simulate_axis
 from furuta.limit_cycles.joint import JointCycle, trace_joint
 from furuta_bringup.file_types import FIGURE
-from furuta_bringup.number_types import FiniteRange, NonZero
+from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import show
 from furuta_identification.fitting.axis import identify_axis
@@ -50,7 +50,7 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column of the drive's torque, current "
     "or voltage.")  # fmt: skip
-@click.option("--torque-constant", type=NonZero(), default=1.0, show_default=True,
+@click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
     help="Torque or force per unit of that column.")  # fmt: skip
 @click.option("--out", type=FIGURE, help="Draw the cycle, and the error with the recommended "
     "compensation.")  # fmt: skip

@@ -71,7 +71,7 @@ class SuperTwisting(NamedTuple):
     vibration: Vibration
 
 
-def design(
+def design_for_pendulum(
     rate_bound: float,
     bandwidth: float,
     vibration_limit: float,
@@ -82,7 +82,20 @@ def design(
 ) -> SuperTwisting:
     """The law for the feedback ``gain`` L (4,); ``viscous`` friction [V s/rad] is in the model."""
     a, b = linearize(model, viscous)
-    a1, a2, a3, a4 = (a[PHI_DOT] - b[PHI_DOT] * np.array(gain)).tolist()
+    closed = tuple((a[PHI_DOT] - b[PHI_DOT] * np.array(gain)).tolist())
+    return design(rate_bound, bandwidth, vibration_limit, closed, float(b[PHI_DOT]), dt)
+
+
+def design(
+    rate_bound: float,
+    bandwidth: float,
+    vibration_limit: float,
+    closed: tuple[float, ...],
+    b: float,
+    dt: float,
+) -> SuperTwisting:
+    """The law for the row ``closed`` (4,) of A − BL, and ``b``, of φ̇."""
+    a1, a2, a3, a4 = closed
     limited = bandwidth > 0.0
     return SuperTwisting(
         rate_bound=rate_bound,
@@ -92,7 +105,7 @@ def design(
         a2=a2,
         a3=a3,
         a4=a4,
-        b=float(b[PHI_DOT]),
+        b=b,
         dt=dt,
         first_part=SMALLEST_PART if limited else 1.0,
         vibration=vibration.design(vibration_limit, dt),

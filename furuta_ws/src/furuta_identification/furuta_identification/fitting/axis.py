@@ -33,7 +33,7 @@ from furuta_identification.uncertainty.identifiability import identifiable, unde
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_recordings.cleaning import cleaned
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, findings_of
 from furuta_recordings.splitting import excerpts_of
 
 # Coulomb level [V] and root mean square of the speed [rad/s] in the units of the fit; what stiction
@@ -91,7 +91,7 @@ class AxisFit(NamedTuple):
         The model gets the torque, but the position only at the start. The drift is left out; the
         offset is that of the fit, or the recording's ``own_offset``.
         """
-        ready, _ = _prepared(recording, *self.units)
+        ready = _prepared(recording, *self.units)
         values = self.model.values.changed(["drift"], [0.0])
         if own_offset:
             fit = optimise([ready], ["offset"], values, np.inf, self.model.scale, robust=False)
@@ -124,8 +124,7 @@ def identify_axis(recording: Recording) -> AxisFit:
     """
     _refuse_rest(recording)
     units, start = _first_estimate(recording)
-    ready, findings = _prepared(recording, *units)
-    excerpts, remarks = excerpts_of(ready, MOST_SAMPLES)
+    excerpts = excerpts_of(_prepared(recording, *units), MOST_SAMPLES)
     scale = np.median([noise_of(excerpt) for excerpt in excerpts], axis=0)
     optimum = fit_growing_segments(excerpts, UNKNOWNS, start, SEGMENT, scale)
     # While the axis slides an asymmetry has the same effect as an offset.
@@ -135,7 +134,8 @@ def identify_axis(recording: Recording) -> AxisFit:
     optimum = optimum.refitted(names, optimum.values, FINE)
     certainty = covariance_and_information(optimum, {})
     window, scale = optimum.window, optimum.scale
-    model = Model(optimum.values, names, *certainty, window, scale, excerpts, findings + remarks)
+    findings = findings_of(excerpts)
+    model = Model(optimum.values, names, *certainty, window, scale, excerpts, findings)
     return _result(model, units, quantisation_step(recording.measured[:, PHI]))
 
 
@@ -149,7 +149,7 @@ def _freely(optimum: Optimum) -> Optimum:
     return free if fit >= SMALLEST_FIT else optimum
 
 
-def _prepared(recording: Recording, position: float, torque: float) -> tuple[Recording, list[str]]:
+def _prepared(recording: Recording, position: float, torque: float) -> Recording:
     """The usable part in these units, with the pendulum at rest, and time 0 in its middle."""
     measured = np.zeros((len(recording.time), 4))
     measured[:, PHI] = recording.measured[:, PHI] / position
@@ -168,9 +168,9 @@ def _prepared(recording: Recording, position: float, torque: float) -> tuple[Rec
 def _first_estimate(recording: Recording) -> tuple[tuple[float, float], ParameterValues]:
     """Units of position and torque for the fit, and a first estimate in them, by regression."""
     size = float(np.sqrt(np.mean(recording.command**2))) or 1.0
-    moving = with_speeds(_prepared(recording, 1.0, size)[0], 0.0)
+    moving = with_speeds(_prepared(recording, 1.0, size), 0.0)
     position = float(np.sqrt(np.mean(moving.measured[:, PHI_DOT] ** 2))) / SPEED
-    moving = with_speeds(_prepared(recording, position, size)[0], 0.0)
+    moving = with_speeds(_prepared(recording, position, size), 0.0)
     regression = arm_equation(moving, Windows(moving.time), 0.0, 0.0)
     inertia, _, viscous, forward, backward = regression.coefficients
     if not inertia > 0.0:
