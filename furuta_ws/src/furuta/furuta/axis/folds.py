@@ -66,7 +66,10 @@ def fold(loop_at: LoopAt, low: float, high: float) -> Fold | None:
         three = branch[folds[0] - 1 : folds[0] + 2]
         found = _vertex(three)
         low, high = found.value * (1.0 - CLOSE), found.value * (1.0 + CLOSE)
-        value, cycle, _ = three[1]
+        stable = [(v, cycle) for v, cycle, _ in three if cycle.stable and low < v < high]
+        if not stable:
+            return found
+        value, cycle = stable[0]
     return found
 
 
@@ -88,7 +91,7 @@ class Atlas(NamedTuple):
     folds: np.ndarray
 
 
-def atlas(points: int = 20) -> Atlas:
+def atlas(points: int = 16) -> Atlas:
     """The atlas of the example, up to the k_i at which it is unstable without friction."""
     ratio = np.linspace(*RATIOS, points)
     limit = GAINS.kp * ATLAS_DAMPING / EXAMPLE.inertia
