@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from furuta_identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
+from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
@@ -37,6 +38,11 @@ def identify_files(
     fitted = [model.predict(recording) for recording in model.recordings]
     findings = model.findings + findings_of([prediction.recording for prediction in held_out])
     return model._replace(findings=findings), fitted, held_out
+
+
+def free_swing_of_files(paths: tuple[Path, ...], names: Mapping, options: Options) -> FreeSwing:
+    """Fit the pendulum's own motion to the recordings at ``paths``."""
+    return identify_free_swing(_read_all(paths, names), options)
 
 
 def _read_all(paths: tuple[Path, ...], names: Mapping) -> list[Recording]:

@@ -15,9 +15,14 @@ LONGEST_GAP = 10.0
 LARGEST_COMMAND = 100.0
 
 
-def cleaned(recording: Recording) -> Recording:
-    """The usable part of a recording; raises :class:`ParameterError` without one."""
-    recording = _with_usable_commands(_with_usable_samples(recording))
+def cleaned(recording: Recording, driven: bool = True) -> Recording:
+    """The usable part of a recording; raises :class:`ParameterError` without one.
+
+    A recording that was not ``driven`` needs no command.
+    """
+    recording = _with_usable_samples(recording)
+    if driven:
+        recording = _with_usable_commands(recording)
     _interpolate_missing_speeds(recording)
     gap = float(np.max(np.diff(recording.time)))
     if gap > LONGEST_GAP * recording.interval:

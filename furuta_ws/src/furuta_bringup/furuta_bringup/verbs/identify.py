@@ -1,6 +1,7 @@
 """``furuta identify``."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -9,13 +10,14 @@ from rich.console import Console
 from furuta_bringup.file_types import FIGURE, PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
-from furuta_bringup.printing import print_json
+from furuta_bringup.printing import print_json, show
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify import identify_files
+from furuta_identification.identify import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_identification.result.report import UNUSABLE, full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
+from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_ros.errors import UserError
 from furuta_sim.settings.rigs import find_rig
 
@@ -117,11 +119,19 @@ def command(
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason, and a model that is not usable is not written.
+    withheld, with the reason, and a model that is not usable is not written. With `--command none`
+    the pendulum swings freely while the arm rests.
     """
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
         raise ParameterError("--rig is the rig that --write completes; give --write too")
+    if names.command == NO_COMMAND:
+        if out or write or validation_paths or laws:
+            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
+        swing = free_swing_of_files(paths, names, options).as_json()
+        show(swing, as_json)
+        _refuse_unusable(swing["verdict"])
+        return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
     with console.status("reading") as status:
@@ -149,5 +159,10 @@ def command(
         print_json(result)
     else:
         print(*report_lines(result), sep="\n")
-    if write is not None and not usable:
-        raise UserError(f"the model is not usable, so {write} is not written")
+    _refuse_unusable(verdict)
+
+
+def _refuse_unusable(verdict: dict[str, Any]) -> None:
+    """Raise :class:`UserError` with the reasons if a result is not usable."""
+    if verdict["usable"] == UNUSABLE:
+        raise UserError(f"not usable: {'; '.join(verdict['reasons'])}")

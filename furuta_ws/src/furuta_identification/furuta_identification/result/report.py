@@ -18,9 +18,12 @@ from furuta_recordings.recording import CHANNELS
 FIRST_SECONDS = 3.0
 # Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
 SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
+# Part [%] of the residuals' autocorrelations outside the band of white noise from which they are an
+# error of the model, and the fit [%] below which such an error makes the parameters doubtful.
+CLEARLY_COLOURED, DOUBTFUL_COLOURED_FIT = 50.0, 95.0
 UNUSABLE = "no"
 # A joint's fit is that of the first of its channels that was measured.
-JOINTS = {"arm": ("arm speed", "arm angle"), "pendulum": ("pendulum angle",)}
+JOINTS = {"arm": ("arm_speed", "arm_angle"), "pendulum": ("pendulum_angle",)}
 
 
 def reported_values(model: Model) -> dict[str, float]:
@@ -136,12 +139,14 @@ def verdict(predictions: list[Prediction]) -> dict[str, Any]:
     """
     reasons, worst = [], 100.0
     for prediction in predictions:
-        fits = prediction.fits()
+        fits, colours = _fits(prediction), _colours(prediction)
         for joint, channels in JOINTS.items():
-            known = [fits[name] for name in channels if not np.isnan(fits[name])]
-            if known and known[0] < DOUBTFUL_FIT:
-                reasons.append(f"{prediction.recording.name}: fit of the {joint} {known[0]:.0f} %")
-                worst = min(worst, known[0])
+            known = [name for name in channels if not np.isnan(fits[name])]
+            coloured = bool(known) and colours[known[0]] > CLEARLY_COLOURED
+            if known and fits[known[0]] < (DOUBTFUL_COLOURED_FIT if coloured else DOUBTFUL_FIT):
+                why = f"{prediction.recording.name}: fit of the {joint} {fits[known[0]]:.0f} %"
+                reasons.append(why + ", coloured residuals" * coloured)
+                worst = min(worst, fits[known[0]])
     usable = UNUSABLE if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
     return {
         "usable": usable,

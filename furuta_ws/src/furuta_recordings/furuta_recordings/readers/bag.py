@@ -12,7 +12,7 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
-from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.recording import Recording
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
@@ -24,14 +24,15 @@ def read_bag(path: Path, mapping: Mapping) -> Recording:
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
         states = _states_topic(path, types, mapping)
-        command = _command_topic(path, types, states, mapping)
+        driven = mapping.command != NO_COMMAND
+        command = _command_topic(path, types, states, mapping) if driven else None
         content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, message in bag.messages_in_memory(chosen):
             content.add(connection.topic == states, time / NANOSECONDS, message)
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
-    recording = content.recording(command_is_effort=command is None)
+    recording = content.recording(command_is_effort=driven and command is None)
     return _with_recorded_drive(recording, path)
 
 

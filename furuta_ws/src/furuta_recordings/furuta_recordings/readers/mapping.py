@@ -8,10 +8,15 @@ from furuta_ros.topic_names import JOINTS
 
 # Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")
+# Name of the command if the motor was not driven.
+NO_COMMAND = "none"
 
 
 class Mapping(NamedTuple):
-    """Names given by the user: joints, command (topic or column), states (topic), time (column)."""
+    """Names given by the user: joints, command (topic or column), states (topic), time (column).
+
+    ``command`` is "none" if the motor was not driven.
+    """
 
     arm: str | None = None
     pendulum: str | None = None

@@ -19,7 +19,7 @@ from furuta_recordings.readers.columns import (
     joint_column,
     joint_names,
 )
-from furuta_recordings.readers.mapping import COMMANDS, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
@@ -37,7 +37,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     (arm, pendulum), about_joints = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
     stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
-    command = command_column(path, columns, mapping)
+    command = None if mapping.command == NO_COMMAND else command_column(path, columns, mapping)
     series = []
     for joint, angle in zip((arm, pendulum), angles, strict=True):
         series.append(in_si(path, columns, angle, ANGLE_UNITS))
@@ -50,7 +50,8 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     )
     recording = recording._replace(in_radians=all(column(name).unit for name in angles))
     recording = recording.noting(about_joints) if about_joints else recording
-    return recording.noting(f"command from column {command}, times from {stamps}")
+    source = f"command from column {command}" if command else "no command"
+    return recording.noting(f"{source}, times from {stamps}")
 
 
 def _exported(path: Path, columns: Columns) -> Recording:
