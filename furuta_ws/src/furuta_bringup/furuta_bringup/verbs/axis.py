@@ -84,7 +84,7 @@ def command(
     if (pid is None) == (cascade is None):
         raise click.UsageError("give the controller: either --pid or --cascade")
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
-    if (record is None) != (inertia is not None and friction is not None):
+    if (inertia is not None, friction is not None) != (record is None, record is None):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
     result: dict[str, Any] = {}
     found = 4096
