@@ -36,6 +36,7 @@ def test_reference_speed_and_unstable_gains(furuta: Any) -> None:
         (AXIS, 2, "either --pid or --cascade"),
         (("--pid", "1", "1", "1"), 2, "--inertia and --friction, or --identify"),
         ((*AXIS[:2], "--friction", "alpha=1", "--pid", "1", "1", "1"), 1, "NAME=VALUE"),
+        ((*AXIS[:2], "--identify", "x.csv", "--pid", "1", "1", "1"), 2, "or --identify"),
         (("--identify", "nothing.csv", "--pid", "1", "1", "1"), 1, "no file nothing.csv"),
     ],
 )

@@ -1,5 +1,6 @@
 """``furuta axis``."""
 
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +44,9 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
     help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].")  # fmt: skip
 @click.option("--reference-speed", type=FiniteRange(-1e6, 1e6), default=0.0, show_default=True,
     help="Speed of the reference [rad/s].")  # fmt: skip
-@click.option("--counts", type=click.IntRange(0, 2**31), default=4096, show_default=True,
-    help="Counts of the encoder per turn, 0 for a perfect one.")  # fmt: skip
+@click.option("--counts", type=click.IntRange(0, 2**31),
+    help="Counts of the encoder per turn (2π m of a straight axis), 0 for a perfect one; default: "
+    "those of the table, or 4096.")  # fmt: skip
 @click.option("--identify", "record", type=click.Path(path_type=Path), metavar="FILE",
     help="Table of time, position and torque: finds inertia and friction.")  # fmt: skip
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
@@ -62,7 +64,7 @@ def command(
     pid: tuple[float, float, float] | None,
     cascade: tuple[float, float, float] | None,
     reference_speed: float,
-    counts: int,
+    counts: int | None,
     record: Path | None,
     position: str | None,
     driven: str | None,
@@ -82,15 +84,17 @@ def command(
     if (pid is None) == (cascade is None):
         raise click.UsageError("give the controller: either --pid or --cascade")
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
-    if (record is None) != (inertia is not None and friction is not None):
+    if (inertia is not None, friction is not None) != (record is None, record is None):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
     result: dict[str, Any] = {}
+    found = 4096
     if record is not None:
         fit = identify_axis(read_axis(record, position, driven, torque_constant))
         result["identified"] = fit.report()
-        axis = identified_axis(fit, law)
+        axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
     else:
         axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
+    counts = found if counts is None else counts
     cycle = servo_cycle(axis, controller, reference_speed)
     result |= {**axis_report(cycle), "compensations": [], "recommended": None}
     if cycle.kind != "unbounded":
