@@ -140,6 +140,7 @@ def design_compensator(p: ObserverParameters) -> CompensationDesign:
         guard=guard.design(
             p.guard_time if p.is_guarded else 0.0,
             inf if p.chosen.jumps else highest_level(p.friction),
+            p.chosen.needs_observed_friction,
             p.sample_time,
         ),
         sample_time=p.sample_time,

@@ -9,9 +9,10 @@ the arm more than twice the power that friction takes: the arm is driven by its 
 guard acts after this has lasted for the guard time while the arm slides. Without observed friction
 (NaN) it cannot judge.
 
-A compensation is also worse than none if F̂ vibrates, as it does where an elastic arm and an
-observer drive each other. The guard then reduces it at once (:mod:`furuta_model.vibration`) and
-judges the powers anew: the observed friction of a vibrating arm says nothing.
+A compensation is also worse than none if F̂ vibrates because it follows the observed friction of an
+elastic arm: observer and arm drive each other. The guard then reduces it at once
+(:mod:`furuta_model.vibration`). While F̂ vibrates the powers are judged anew, whatever it follows:
+the observed friction of a vibrating arm says nothing.
 """
 
 from dataclasses import dataclass, field
@@ -51,33 +52,40 @@ class GuardMemory:
         taken: Mean of F_o v, the power that friction takes [V rad/s].
         speed: Mean of |v| [rad/s].
         worse: Samples for which the compensation has been worse than none.
-        tripped: Whether it has been switched off.
         vibration: Vibration of F̂.
+        tripped: Whether it has been switched off.
     """
 
     given: float = 0.0
     taken: float = 0.0
     speed: float = 0.0
     worse: int = 0
-    tripped: bool = False
     vibration: VibrationMemory = field(default_factory=VibrationMemory)
+    tripped: bool = False
 
 
 class Guard(NamedTuple):
-    """The sampled guard: samples until it acts (0 for never), share of a new value in a mean."""
+    """The sampled guard: samples until it acts (0 for never), share of a new value in a mean.
+
+    ``reduces``: whether a vibration of F̂ reduces it.
+    """
 
     patience: float
     share: float
+    reduces: bool
     vibration: Vibration
 
 
-def design(guard_time: float, level: float, dt: float) -> Guard:
+def design(guard_time: float, level: float, reduces: bool, dt: float) -> Guard:
     """The guard for the sample time ``dt`` [s] and the highest ``level`` of friction [V].
 
     An infinite level is for a compensation that jumps by design: its vibration is ignored.
     """
     return Guard(
-        ceil(guard_time / dt), -expm1(-dt / MEAN_TIME), vibration.design(VIBRATION * level, dt)
+        patience=ceil(guard_time / dt),
+        share=-expm1(-dt / MEAN_TIME),
+        reduces=reduces,
+        vibration=vibration.design(VIBRATION * level, dt),
     )
 
 
@@ -91,7 +99,8 @@ def guarded(memory: GuardMemory, x: np.ndarray, friction: float, p: Guard) -> fl
         return friction
     if memory.tripped:
         return 0.0
-    friction *= part_without_vibration(memory.vibration, friction, p.vibration)
+    part = part_without_vibration(memory.vibration, friction, p.vibration)
+    friction *= part if p.reduces else 1.0
     v, observed = x[PHI_DOT], x[OBSERVED_FRICTION]
     if isnan(observed) or not abs(x[THETA]) < LARGEST_TILT or is_sustained(memory.vibration):
         judge_anew(memory)
