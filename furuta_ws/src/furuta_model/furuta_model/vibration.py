@@ -17,7 +17,7 @@ LOWEST_FREQUENCY = 15.0
 # Swings in a row from which a vibration is sustained, and from which it is reduced again.
 SUSTAINED = 4
 REDUCTION = 4.0
-RECOVERY_TIME = 5.0  # [s], in which a reduced part grows by a factor of e
+RECOVERY_TIME = 2.0  # [s], in which a reduced part grows by a factor of e
 SMALLEST_PART = 1 / 16
 
 
