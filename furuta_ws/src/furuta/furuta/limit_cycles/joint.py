@@ -231,7 +231,7 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
 def _peak_to_peak(loop: LinearLoop, cycle: LimitCycle) -> float:
     """Peak to peak of the position without its mean motion."""
     drift = cycle.rotation_rate_rad_s
-    if cycle.kind != "oscillation" or abs(drift) * cycle.period_s < STILL:
+    if cycle.kind != "oscillation" or not STILL <= abs(drift) * cycle.period_s < np.inf:
         return cycle.phi_peak_to_peak_rad
     path = trace(loop, cycle)
     time, position, speed = path.time, path.state[:, PHI] - drift * path.time, path.state[:, 1]
