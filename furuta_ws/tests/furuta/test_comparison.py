@@ -167,7 +167,7 @@ def test_candidates_are_parsed() -> None:
         ("a=alpha0=0.3:0.1", "LOW < HIGH"),
         ("a=alpha0=nan:1", "LOW < HIGH"),
         ("a=alpha0=0:b", "expected LOW:HIGH"),
-        ("a=compensation=0:1", "needs a real parameter"),
+        ("a=compensation=0:1", "compensation must be one of"),
     ],
 )
 def test_bad_candidates_are_rejected(text: str, reason: str) -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from furuta.describing_functions.joint_cycles import predict_joint
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
 from furuta.limit_cycles import joint as joints
@@ -17,6 +16,7 @@ from furuta.limit_cycles.joint import Joint, JointCycle
 from furuta.limit_cycles.linear_system import matrices
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
+from furuta.limit_cycles.predicted_joint import predict_joint
 from furuta.loops import Part, ideal_loop, with_parts
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError

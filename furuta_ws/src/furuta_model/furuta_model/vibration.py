@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from math import ceil, expm1, pi
 from typing import NamedTuple
 
+import numpy as np
+
 from furuta_model.compiled import inlined
 
 # Frequency above which motion is a vibration [Hz]: beyond the bandwidth of the loop.
@@ -73,7 +75,8 @@ def part_without_vibration(memory: VibrationMemory, value: float, p: Vibration) 
     memory.since = 0.0 if swung else memory.since + 1.0
     in_a_row = 0.0 if memory.since > p.longest else memory.swings
     memory.swings = in_a_row + 1.0 if swung else in_a_row
-    reduced = swung & (memory.swings % SUSTAINED == 0.0)
+    rounds = memory.swings / SUSTAINED
+    reduced = swung & (np.floor(rounds) == rounds)
     part = memory.part / REDUCTION if reduced else memory.part * p.growth
     memory.part = min(max(part, SMALLEST_PART), 1.0)
     return memory.part
