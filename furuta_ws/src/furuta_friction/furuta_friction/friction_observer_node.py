@@ -107,7 +107,7 @@ def _take(
     answer[0].value = estimate_friction(memory[0], x, compensator[0])
     if allowed and memory[0].guard.tripped:
         return sample, stamp, SWITCHED_OFF
-    if compensator[0].guard.reduces and memory[0].guard.vibration.part < part:
+    if compensator[0].guard.least_part < 1.0 and memory[0].guard.vibration.part < part:
         return sample, stamp, REDUCED
     blind = isnan(x[OBSERVED_FRICTION]) and not isnan(x[THETA_DOT])
     return sample, stamp, NOT_OBSERVED if blind else 0

@@ -67,12 +67,12 @@ class GuardMemory:
 class Guard(NamedTuple):
     """The sampled guard: samples until it acts (0 for never), share of a new value in a mean.
 
-    ``reduces``: whether a vibration of F̂ reduces it.
+    ``least_part`` is what a vibration of F̂ leaves of it at least, 1 if it does not reduce it.
     """
 
     patience: float
     share: float
-    reduces: bool
+    least_part: float
     vibration: Vibration
 
 
@@ -84,7 +84,7 @@ def design(guard_time: float, level: float, reduces: bool, dt: float) -> Guard:
     return Guard(
         patience=ceil(guard_time / dt),
         share=-expm1(-dt / MEAN_TIME),
-        reduces=reduces,
+        least_part=0.0 if reduces else 1.0,
         vibration=vibration.design(VIBRATION * level, dt),
     )
 
@@ -100,7 +100,7 @@ def guarded(memory: GuardMemory, x: np.ndarray, friction: float, p: Guard) -> fl
     if memory.tripped:
         return 0.0
     part = part_without_vibration(memory.vibration, friction, p.vibration)
-    friction *= part if p.reduces else 1.0
+    friction *= max(part, p.least_part)
     v, observed = x[PHI_DOT], x[OBSERVED_FRICTION]
     if isnan(observed) or not abs(x[THETA]) < LARGEST_TILT or is_sustained(memory.vibration):
         judge_anew(memory)
