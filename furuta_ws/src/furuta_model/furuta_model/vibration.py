@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from math import ceil, expm1, pi
 from typing import NamedTuple
 
-import numpy as np
-
 from furuta_model.compiled import inlined
 
 # Frequency above which motion is a vibration [Hz]: beyond the bandwidth of the loop.
 LOWEST_FREQUENCY = 15.0
 # Swings in a row from which a vibration is sustained, and from which it is reduced again.
-SUSTAINED = 4
+SUSTAINED = 4.0
 REDUCTION = 4.0
 RECOVERY_TIME = 2.0  # [s], in which a reduced part grows by a factor of e
 SMALLEST_PART = 1 / 16
@@ -30,7 +28,7 @@ class VibrationMemory:
     Attributes:
         slow: Slow part of the signal, in its unit.
         side: Side of the last swing, ±1; 0 before the first.
-        swings: Swings in a row.
+        swings: Swings in a row; once sustained, SUSTAINED and those since the last reduction.
         since: Samples since the last one.
         part: Part of the cause that may act, 1 without vibration.
     """
@@ -74,9 +72,9 @@ def part_without_vibration(memory: VibrationMemory, value: float, p: Vibration) 
     memory.side = memory.side if side == 0.0 else side
     memory.since = 0.0 if swung else memory.since + 1.0
     in_a_row = 0.0 if memory.since > p.longest else memory.swings
-    memory.swings = in_a_row + 1.0 if swung else in_a_row
-    rounds = memory.swings / SUSTAINED
-    reduced = swung & (np.floor(rounds) == rounds)
+    swings = in_a_row + 1.0 if swung else in_a_row
+    memory.swings = SUSTAINED if swings == 2.0 * SUSTAINED else swings
+    reduced = swung & (memory.swings == SUSTAINED)
     part = memory.part / REDUCTION if reduced else memory.part * p.growth
     memory.part = min(max(part, SMALLEST_PART), 1.0)
     return memory.part
