@@ -220,20 +220,18 @@ def _move_with_parts(memory: PlantMemory, voltage: float, plant: Plant) -> None:
     torque = mean_torque(memory, voltage, dt, parts.drive)
     vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
     push = with_tilt(push_at(memory.moved, parts.pushes, parts.push_count), parts.tilt)
-    coupling, cogging = plant.coupling, parts.cogging
-    on_arm = 0.0 if coupling.on else cogging.torque
     body = Body(
-        model=coupling.arm if coupling.on else plant.model,
+        model=plant.model,
         variation=parts.variation,
-        cogging=Cogging(on_arm, cogging.periods, cogging.phase),
+        cogging=parts.cogging,
         pendulum_friction=parts.pendulum_friction,
         springs=parts.springs,
         push=push,
         waves=parts.waves,
         memory=memory,
     )
-    if coupling.on:
-        advance_elastic(memory.x, torque, dt, body, cogging, coupling)
+    if plant.coupling.on:
+        advance_elastic(memory.x, torque, dt, body, plant.coupling)
     else:
         advance_with_parts(memory.x, torque, dt, plant.substeps, body, plant.friction)
     memory.moved += 1

@@ -27,7 +27,6 @@ from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 from furuta_model.vibration import (
-    SMALLEST_PART,
     Vibration,
     VibrationMemory,
     part_without_vibration,
@@ -37,6 +36,8 @@ from furuta_model.vibration import (
 ROOT, INTEGRAL = 1.5, 1.1
 # Rate of the low-pass filter relative to the bandwidth.
 ROLL_OFF = 3.0
+# Part of a law with a bandwidth at its start, so that it does not excite a vibration.
+FIRST_PART = 0.25
 # The layer without a bandwidth [V s].
 NO_LAYER = 1e-300
 
@@ -107,7 +108,7 @@ def design(
         a4=a4,
         b=b,
         dt=dt,
-        first_part=SMALLEST_PART if limited else 1.0,
+        first_part=FIRST_PART if limited else 1.0,
         vibration=vibration.design(vibration_limit, dt),
     )
 

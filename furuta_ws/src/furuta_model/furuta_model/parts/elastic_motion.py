@@ -28,17 +28,28 @@ _arm_half, _arm_whole = first_half_rule(arm_stage), whole_rule(arm_stage)
 
 
 @inlined
-def advance_elastic(
-    x: np.ndarray, u: float, dt: float, body: Body, cogging: Cogging, p: ElasticRig
-) -> None:
-    """Integrate arm ``x`` (5,) and motor in place over ``dt`` [s] at constant ``u`` [V]."""
-    motor = body.memory.motor
+def advance_elastic(x: np.ndarray, u: float, dt: float, rig: Body, p: ElasticRig) -> None:
+    """Integrate arm ``x`` (5,) and motor in place over ``dt`` [s] at constant ``u`` [V].
+
+    ``rig`` is as if they were one; cogging acts on the motor.
+    """
+    motor = rig.memory.motor
+    body = Body(
+        model=p.arm,
+        variation=rig.variation,
+        cogging=Cogging(0.0, 1, 0.0),
+        pendulum_friction=rig.pendulum_friction,
+        springs=rig.springs,
+        push=rig.push,
+        waves=rig.waves,
+        memory=rig.memory,
+    )
     largest = dt / sufficient_substeps(x, dt, p.substeps)
     left = dt
     while left > 0.0:
         h = min(step_to_contact(motor.angle - x[PHI], motor.speed - x[PHI_DOT], largest, p), left)
         left = left - h if left - h > SMALLEST_STEP * largest else 0.0
-        _substep(x, u, h, body, cogging, p)
+        _substep(x, u, h, body, rig.cogging, p)
         keep_springs(body.memory, body.springs)
         keep_springs(motor, body.springs)
 
