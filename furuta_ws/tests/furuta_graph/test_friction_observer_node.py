@@ -17,7 +17,7 @@ def test_a_vibration_is_reported_on_diagnostics(bench: Bench) -> None:
     states = bench.publisher(JOINT_STATES)
     for k in range(200):
         friction = 0.2 * sin(2 * pi * 50 * k * 1e-3)
-        states.publish(joint_state((0.0, 0.1, 0.0, 0.0, friction), (k + 1) * 1_000_000))
+        states.publish(joint_state((0.0, 0.1, 0.0, 0.0), (k + 1) * 1_000_000, effort=friction))
         bench.spin(lambda k=k: len(estimates) == k + 1)
     bench.spin(lambda: bool(reports))
     (status,) = reports[0].status
