@@ -113,7 +113,7 @@ def latency(rounds: str = "4", seconds: str = "6", priority: str = "80") -> dict
     watches = {"closed": Stopwatch(), "open": Stopwatch()}
     with browser() as shown, ExitStack() as context:
         for result in apply_scheduling(Scheduling(int(priority))):
-            if not result.granted:
+            if "REFUSED" in result:
                 raise SystemExit(f"error: {result}")
         context.enter_context(ros_context())
         settings = default_settings()

@@ -1,6 +1,6 @@
 """Train a small policy by evolution, and compare it with a designed loop on unknown rigs.
 
-    tools/in_environment python -m pip install gymnasium cma
+    tools/in_environment python -m pip install --requirement examples/requirements.lock
     tools/in_environment python examples/train_policy.py
 
 The policy is u = −k·(φ, φ̇, θ, θ̇) + c tanh(φ̇/w), with θ̇ from a filtered difference of the measured

@@ -18,7 +18,7 @@ from furuta.figures.labels import SYMBOLS
 from furuta_bringup.main import furuta as command_line
 from furuta_hw.rigs.physical import PhysicalParameters
 from furuta_hw.rigs.rig import Rig
-from furuta_hw.rigs.rig_file import ARM_TURNS, LinearCoefficients
+from furuta_hw.rigs.rig_file import LinearCoefficients
 from furuta_hw.rigs.uncertainty import ABSOLUTE, RELATIVE
 from furuta_model.parameters import About, Declared, ParameterError, declared
 from furuta_recordings.series_columns import column_table
@@ -113,8 +113,6 @@ def rig_files_page() -> str:
     sections: dict[str, list[Declared]] = {}
     for field in declared(Rig):
         sections.setdefault(field.name.partition(".")[0], []).append(field)
-    turns = About("travel of the arm in turns, in the place of `limits.arm_angle`", "", 0.0, 1e5)
-    sections["limits"].append(Declared(ARM_TURNS, float, "–", turns))
     parts = [
         f"# Rig files\n\n{GENERATED} [A real rig](hardware.md#rig-files) explains them.\n",
         "![φ, θ, u, F, L and l of a pendulum](pendulum.png)\n",

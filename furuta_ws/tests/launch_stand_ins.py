@@ -4,10 +4,11 @@ They keep what a launch file gives them, so that a test can look at it without t
 """
 
 import sys
+from collections.abc import Callable
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import pytest
 from ament_index_python.packages import get_package_share_directory
@@ -15,34 +16,54 @@ from ament_index_python.packages import get_package_share_directory
 from furuta_graph.processes import executable
 
 
-class Entity(SimpleNamespace):
-    """Whatever is launched, with its arguments as attributes."""
+class LaunchDescription(NamedTuple):
+    """What ``ros2 launch`` would run."""
 
-    def __init__(self, *given: Any, **named: Any) -> None:
-        super().__init__(given=given, **named)
-
-
-class Argument(Entity):
-    """``DeclareLaunchArgument``."""
+    entities: list[Any]
 
 
-class Configuration(Entity):
-    """``LaunchConfiguration``: the value of a launch argument."""
+class DeclareLaunchArgument(NamedTuple):
+    """A launch argument."""
+
+    name: str
+    default_value: str
+    description: str
+
+
+class OpaqueFunction(NamedTuple):
+    """A function of the launch context that returns further entities."""
+
+    function: Callable[[dict[str, str]], list[Any]]
+
+
+class Shutdown(NamedTuple):
+    """The end of the whole launch."""
+
+
+class LaunchConfiguration(NamedTuple):
+    """The value of a launch argument; the context is a dictionary of them."""
+
+    name: str
 
     def perform(self, context: dict[str, str]) -> str:
         """The value, which is text."""
-        return context[self.given[0]]
+        return context[self.name]
 
 
-class Function(Entity):
-    """``OpaqueFunction`` of the context, that returns further entities."""
+class Node(NamedTuple):
+    """A node to start, with the options of ``launch_ros.actions.Node`` that are in use."""
 
-
-class Node(Entity):
-    """A node to start."""
-
-    namespace, respawn, on_exit = None, False, None
-    parameters, arguments = (), ()
+    package: str
+    executable: str
+    name: str
+    namespace: str | None = None
+    output: str = "log"
+    ros_arguments: list[str] = []  # noqa: RUF012 - as the original
+    respawn: bool = False
+    respawn_delay: float | None = None
+    on_exit: list[Any] | None = None
+    parameters: list[dict[str, str]] = []  # noqa: RUF012 - as the original
+    arguments: list[str] = []  # noqa: RUF012 - as the original
 
     @property
     def command(self) -> list[str]:
@@ -53,44 +74,48 @@ class Node(Entity):
         return [path, "--ros-args", *self.ros_arguments, *remap]
 
 
-STAND_INS: dict[str, dict[str, type]] = {
-    "launch": {"LaunchContext": Entity, "LaunchDescription": Entity},
+STAND_INS: dict[str, dict[str, Any]] = {
+    "launch": {"LaunchContext": dict, "LaunchDescription": LaunchDescription},
     "launch.actions": {
-        "DeclareLaunchArgument": Argument, "OpaqueFunction": Function, "Shutdown": Entity
+        "DeclareLaunchArgument": DeclareLaunchArgument,
+        "OpaqueFunction": OpaqueFunction,
+        "Shutdown": Shutdown,
     },
-    "launch.substitutions": {"LaunchConfiguration": Configuration},
+    "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
     "launch_ros": {},
     "launch_ros.actions": {"Node": Node},
-}  # fmt: skip
+}
 
 
-def launched_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
-    """The nodes that ``ros2 launch furuta_bringup furuta.launch.py name:=value`` starts."""
-    return _started(monkeypatch, "furuta_bringup", "furuta.launch.py", arguments)
+def launch_arguments(monkeypatch: pytest.MonkeyPatch) -> list[DeclareLaunchArgument]:
+    """The arguments of the launch file, as ``--show-args`` lists them."""
+    return _entities(monkeypatch, "furuta_bringup", "furuta.launch.py")[:-1]
 
 
-def displayed_nodes(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> list[Node]:
-    """The nodes that ``ros2 launch furuta_description display.launch.py name:=value`` starts."""
-    return _started(monkeypatch, "furuta_description", "display.launch.py", arguments)
-
-
-def _started(
-    monkeypatch: pytest.MonkeyPatch, package: str, file: str, arguments: dict[str, str]
+def launched_nodes(
+    monkeypatch: pytest.MonkeyPatch,
+    package: str = "furuta_bringup",
+    file: str = "furuta.launch.py",
+    **arguments: str,
 ) -> list[Node]:
-    """What the launch file starts, with the stand-ins in place of ``launch``."""
-    for name, classes in STAND_INS.items():
-        module = ModuleType(name)
-        vars(module).update(classes)
-        monkeypatch.setitem(sys.modules, name, module)
-    path = Path(get_package_share_directory(package)) / "launch" / file
-    specification = spec_from_file_location("furuta_launch", path)
+    """The nodes that ``ros2 launch PACKAGE FILE name:=value`` starts."""
+    *declared, function = _entities(monkeypatch, package, file)
+    values = {argument.name: argument.default_value for argument in declared}
+    assert arguments.keys() <= values.keys()
+    nodes: list[Node] = function.function(values | arguments)
+    return nodes
+
+
+def _entities(monkeypatch: pytest.MonkeyPatch, package: str, name: str) -> list[Any]:
+    """What the launch file describes, with the stand-ins in place of ``launch``."""
+    for module, content in STAND_INS.items():
+        monkeypatch.setitem(sys.modules, module, ModuleType(module))
+        sys.modules[module].__dict__.update(content)
+    file = Path(get_package_share_directory(package)) / "launch" / name
+    specification = spec_from_file_location("furuta_launch", file)
     assert specification is not None
     assert specification.loader is not None
     launch_file = module_from_spec(specification)
     specification.loader.exec_module(launch_file)
-    (entities,) = launch_file.generate_launch_description().given
-    declared = {e.given[0]: e.default_value for e in entities if isinstance(e, Argument)}
-    assert arguments.keys() <= declared.keys()
-    (function,) = (each for each in entities if isinstance(each, Function))
-    nodes: list[Node] = function.function(declared | arguments)
-    return nodes
+    entities: list[Any] = launch_file.generate_launch_description().entities
+    return entities

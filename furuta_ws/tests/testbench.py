@@ -38,7 +38,7 @@ class Bench:
 
     def collect(self, topic: Topic) -> list[Any]:
         """Collect what comes on a topic."""
-        received = self.received[topic.name]
+        received = self.received.setdefault(topic.name, [])
         self.probe.create_subscription(topic.type, topic.name, received.append, deep(10_000))
         return received
 

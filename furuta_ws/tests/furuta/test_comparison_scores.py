@@ -9,8 +9,12 @@ from furuta.studies.comparison.comparison import Table
 from furuta.studies.comparison.scores import probability_below, quantile, rank, recommended
 
 
-def table(sizes: dict[str, list[float]], survived: dict[str, list[bool]] | None = None) -> Table:
-    """The table of candidates with these residuals, and with one push per rig."""
+def table(
+    sizes: dict[str, list[float]],
+    survived: dict[str, list[bool]] | None = None,
+    step: float | np.ndarray = 0.005,
+) -> Table:
+    """The table of candidates with these residuals and steps, and with one push per rig."""
     residual = np.array(list(sizes.values()))
     pushes = [[[each] for each in row] for row in (survived or {}).values()]
     return Table(
@@ -18,7 +22,10 @@ def table(sizes: dict[str, list[float]], survived: dict[str, list[bool]] | None 
         [str(k) for k in range(residual.shape[1])],
         residual,
         np.full(residual.shape, 0.1),
+        np.broadcast_to(step, residual.T.shape).T,
+        np.full(residual.shape, 0.01),
         np.array(pushes, bool) if pushes else np.empty((*residual.shape, 0), bool),
+        len(sizes) * [0.05],
     )
 
 
@@ -48,5 +55,15 @@ def test_ranking() -> None:
     assert (good.pushes, good.pushes_survived) == (20, 19)
     assert (good.within_count, bad_score.within_count) == (1.0, 17 / 20)
     assert bad_score.residual_median_rad == 0.01
-    assert recommended(scores) == good
-    assert recommended(rank(table({"lugre": [0.02, inf]}), 0.025)) is None
+    assert recommended(scores, 0.025) == good
+    assert recommended(rank(table({"lugre": [0.02, inf]}), 0.025), 0.025) is None
+
+
+def test_the_smoothest_of_the_accurate_is_recommended() -> None:
+    """Within a count accuracy does not decide; beyond it, it does; and a fall excludes."""
+    sizes = {"fine": 5 * [0.002], "smooth": 5 * [0.02], "coarse": 5 * [0.03], "falls": [0.0, inf]}
+    sizes["falls"] += 3 * [0.0]
+    scores = rank(table(sizes, step=np.array([0.05, 0.005, 0.001, 0.001])), 0.025)
+    best = {count: recommended(scores, count) for count in (0.0, 0.025, 0.04)}
+    found = {count: score.candidate for count, score in best.items() if score}
+    assert found == {0.0: "fine", 0.025: "smooth", 0.04: "coarse"}

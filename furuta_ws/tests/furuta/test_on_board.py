@@ -48,7 +48,7 @@ def run(rig: EmulatedRig, samples: int, host: Host) -> np.ndarray:
     """The states (n, 4) while a host answers."""
     reader, states = FrameReader(), []
     for _ in range(samples):
-        for frame in reader.feed(rig.step()):
+        for frame in reader.read(rig.step()):
             if isinstance(frame, SensorsFrame):
                 rig.receive(host(frame))
         rig.process_input()

@@ -1,17 +1,16 @@
 """Functions of one's own as parts of a loop: equal to the parts of the house, and to Python."""
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
 import pytest
+from own_parts import LUGRE, Count, array_counting, counting, differences, feedback, stribeck
 from random_loops import random_loop
 
 import furuta
 from furuta.studies.comparison.candidates import parse_candidates
 from furuta.studies.sweep import parse_swept_parameter
-from furuta_model.elementary import exp
 from furuta_model.friction import laws
 from furuta_model.own_functions import part_name
 from furuta_sim.lanes.lanes import prepare, run_block
@@ -19,59 +18,15 @@ from furuta_sim.settings.settings import default_settings, load_settings, loop
 from furuta_sim.simulation.closed_loop import SETTLED, Simulation, outcome
 
 
-def stribeck(v: float, p: Any) -> float:
-    """The arithmetic of the law of that name."""
-    ratio = v / p.stribeck_velocity
-    if ratio * ratio > 50.0:
-        return p.alpha0
-    return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
-
-
-def breakaway(p: Any) -> float:
-    """That of stiction."""
-    return p.alpha0 + p.alpha1
-
-
-LUGRE = furuta.Law("own_lugre", stribeck, breakaway, bristle=True)
-
-
-@dataclass
-class Count:
-    """Samples so far and the sum of the arm's speed [rad/s]."""
-
-    samples: int = 0
-    speed: float = 0.0
-
-
-def counting(memory: Count, x: Any, p: Any) -> float:
-    """Depends on everything that it gets."""
-    memory.samples += 1
-    memory.speed += x[1]
-    return p.friction.alpha0 * memory.speed / memory.samples + p.sample_time * x[3]
-
-
-def array_counting(memory: Any, x: Any, p: Any) -> float:
-    """The same with an array as memory."""
-    memory[0] += 1
-    memory[1] += x[1]
-    return p.friction.alpha0 * memory[1] / memory[0] + p.sample_time * x[3]
-
-
-def feedback(memory: Any, x: Any, friction: float, p: Any) -> float:
-    """U = −Lx + F̂."""
-    return -(p.l1 * x[0] + p.l2 * x[1] + p.l3 * x[2] + p.l4 * x[3]) + friction
-
-
-def differences(memory: Any, x: Any, measurement: Any, p: Any) -> None:
-    """Filtered differences of θ."""
-    x[3] += 0.2 * ((measurement[2] - x[2]) / p.sample_time - x[3])
-    x[0], x[1], x[2], x[4] = measurement[0], measurement[1], measurement[2], nan
-
-
 def misspelt(v: float, p: Any) -> float:
     """Uses a parameter that there is not."""
     level = p.alpha0
     return level + p.alpha7 * v
+
+
+def constant(level: float) -> Any:
+    """A law of constant level [V]."""
+    return lambda v, p: level
 
 
 @pytest.mark.parametrize(("law", "own"), [("stribeck", stribeck), ("lugre", LUGRE)])
@@ -134,7 +89,7 @@ def test_memory_starts_at_zero_for_another_function() -> None:
 
 def test_functions_of_one_name_are_different() -> None:
     """Such as those that a function makes."""
-    low, high = (lambda v, p, c=c: c for c in (0.1, 0.3))
+    low, high = constant(0.1), constant(0.3)
     names = {part_name(low), part_name(high)}
     assert len(names) == 2
     assert part_name(low) in names
@@ -145,7 +100,7 @@ def test_functions_of_one_name_are_different() -> None:
 @pytest.mark.parametrize(
     ("part", "message"),
     [
-        (misspelt, r"misspelt cannot be compiled \(.*test_own_functions.py, line 74\): .*alpha7"),
+        (misspelt, r"misspelt cannot be compiled \(.*test_own_functions.py, line \d+\): .*alpha7"),
         ("no_such_module:law", "cannot load no_such_module:law as module:function: .*no_such"),
         ("math:no_such_function", "cannot load math:no_such_function"),
         ("math:pi", "math:pi must be a function, given float"),
@@ -178,8 +133,7 @@ class Started:
 
 def test_names_in_studies() -> None:
     """A colon in the name of a part is no range."""
-    name = f"{__name__}:array_counting"
-    part_name(array_counting)
+    name = "own_parts:array_counting"
     (candidate,) = parse_candidates([f"mine=compensation={name}"], default_settings(), True)
     applied = loop(candidate.applied_to(default_settings()))
     assert applied.observer.compensation == name
@@ -192,16 +146,11 @@ def test_names_in_studies() -> None:
 def test_own_law_in_lanes_has_the_bits_of_single_runs() -> None:
     """Loops with different functions share a block."""
     r = np.random.default_rng(1)
-    loops = [random_loop(r, "lugre", "none", "kalman", False) for _ in range(8)]
-    names = [part_name(LUGRE), part_name(LUGRE._replace(level=lambda v, p: p.alpha0))]
-    first = loops[0]
-    for k, each in enumerate(loops):
-        plant = each.plant._replace(
-            friction=each.plant.friction._replace(law=names[k % 2]),
-            actuator=first.plant.actuator,
-            sensors=first.plant.sensors,
-        )
-        loops[k] = each._replace(plant=plant, estimator=first.estimator)
+    first = random_loop(r, "lugre", "none", "kalman", False)
+    names = [part_name(LUGRE), part_name(LUGRE._replace(level=constant(0.2)))]
+    frictions = [first.plant.friction._replace(law=names[k % 2]) for k in range(8)]
+    plants = [first.plant._replace(friction=each, seed=k) for k, each in enumerate(frictions)]
+    loops = [first._replace(plant=plant) for plant in plants]
     ready = [prepare(each, 2.0) for each in loops]
     assert len({each.group for each in ready if each}) == 1
     found = run_block([each for each in ready if each], SETTLED)

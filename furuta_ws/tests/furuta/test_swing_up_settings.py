@@ -1,14 +1,12 @@
 """Swing-up: which rigs and estimators are refused, travel in turns, and what counts as a fall."""
 
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from furuta.studies.swing_up_knocks import Knocks, count_knocks
 from furuta.studies.swing_up_starts import swing_up_settings
-from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.rigs import find_rig
 from furuta_sim.settings.settings import load_settings, loop
@@ -29,17 +27,6 @@ def test_needs_an_estimator_of_the_circle() -> None:
     assert loop(load_settings([], [], settings)).estimator.method == "whole_circle"
     with pytest.raises(ParameterError, match="whole_circle; given kalman"):
         load_settings([], ["estimator.method=kalman"], settings)
-
-
-def test_arm_travel_in_turns(tmp_path: Path) -> None:
-    """It is the angle limit; both at once, and nonsense, are refused."""
-    file = tmp_path / "rig.yaml"
-    file.write_text("limits: {arm_turns: 0.75}")
-    assert load_rig(file).limits.arm_angle == pytest.approx(1.5 * pi)
-    for given in ("{arm_turns: 1, arm_angle: 1}", "{arm_turns: -1}", "{arm_turns: many}"):
-        file.write_text(f"limits: {given}")
-        with pytest.raises(ParameterError, match=r"limits\.arm_turns"):
-            load_rig(file)
 
 
 def test_knocks_are_counted() -> None:

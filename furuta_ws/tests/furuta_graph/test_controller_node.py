@@ -116,19 +116,6 @@ def test_a_late_subscriber_learns_the_active_mode(loop: Loop) -> None:
     assert modes == ["off", "balance"]
 
 
-def test_estimate_may_come_before_its_state(loop: Loop) -> None:
-    """Between processes messages can overtake each other; the pairs stay the same.
-
-    The one here is also sent early, which the first two states of a motion would refuse.
-    """
-    for k in (1, 2):
-        loop.state(k)
-        loop.estimate(0.1)
-    loop.estimate(0.2)
-    loop.state(3)
-    loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK + 0.2)
-
-
 def test_late_estimate_is_not_taken_for_the_next(loop: Loop) -> None:
     """State 3 is answered at once with the old estimate, and again when its own has come."""
     loop.state(1)
@@ -229,48 +216,6 @@ def test_an_answered_state_that_is_repeated_gets_the_same_command(loop: Loop) ->
     loop.state(1)
     loop.estimate(0.2)
     loop.expect(FEEDBACK + 0.2, FEEDBACK + 0.2)
-
-
-def test_estimates_for_repetitions_are_not_matched_to_the_next_state(loop: Loop) -> None:
-    """Each estimate for a state repeated twice has its command published; the next gets its own."""
-    for _ in range(3):
-        loop.state(1)
-    for _ in range(3):
-        loop.estimate(0.2)
-    loop.expect(*[FEEDBACK + 0.2] * 3)
-    loop.state(2)
-    loop.expect()
-    loop.estimate(0.3)
-    loop.expect(FEEDBACK + 0.3)
-
-
-def test_an_estimate_that_overtakes_a_repetition_leaves_the_next_state_its_own(loop: Loop) -> None:
-    """The first estimate for state 1 was lost; the second one comes before the repeated state."""
-    loop.state(1)
-    loop.estimate(0.2)
-    loop.state(1)
-    loop.expect(FEEDBACK + 0.2)
-    loop.state(2)
-    loop.expect()
-    loop.estimate(0.3)
-    loop.expect(FEEDBACK + 0.3)
-
-
-def test_an_estimate_from_before_a_repeated_state_is_not_taken_for_the_next(loop: Loop) -> None:
-    """It stayed on the way while the plant went on; sent before state 2, it is not its estimate."""
-    loop.state(1)
-    loop.state(1)
-    loop.estimate(0.2)
-    loop.expect(FEEDBACK + 0.2)
-    loop.state(2)
-    age = loop.node.message_age
-    sent, age.received = age.sent, lambda _: True
-    age.sent = sent - 1
-    loop.estimate(0.2)
-    loop.expect()
-    age.sent = sent + 1
-    loop.estimate(0.3)
-    loop.expect(FEEDBACK + 0.3)
 
 
 @pytest.mark.parametrize(

@@ -76,13 +76,6 @@ def test_each_namespace_has_its_own_clock(namespace: str, name: str) -> None:
         node.destroy_node()
 
 
-def test_realtime_publishes_no_clock(bench: Bench) -> None:
-    """Its time is the system's time."""
-    bench.probe.destroy_publisher(bench.clock)
-    node = bench.add(PlantNode())
-    assert node.count_publishers("/clock") == 0
-
-
 @pytest.mark.parametrize("make", [PlantNode, HardwareBridgeNode])
 def test_realtime_rejects_simulated_time(bench: Bench, make: Any) -> None:
     """At the start and by service, with the reason; the node goes on in the system's time."""

@@ -1,5 +1,6 @@
 """The connection to a rig: batches, failing and silent lines, and loading of drivers."""
 
+from functools import partialmethod
 from queue import Empty, Queue
 from threading import Event
 from typing import Any
@@ -11,7 +12,7 @@ from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.connection import rig_connection
 from furuta_hw.connection.rig_connection import MAX_BATCH, RigConnection
 from furuta_hw.connection.rig_driver import RigDriver, RigSample
-from furuta_hw.driver_loading import find_driver
+from furuta_hw.drivers import find_driver
 from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
@@ -33,13 +34,12 @@ class ScriptedDriver(RigDriver):
         if name == self.failing:
             raise LineError(f"{name} failed")
 
-    def open(self) -> None:
-        """Open."""
-        self.call("open")
+    open, close = partialmethod(call, "open"), partialmethod(call, "close")
+    arm, stop = partialmethod(call, "arm"), partialmethod(call, "stop")
 
-    def close(self) -> None:
-        """Close."""
-        self.call("close")
+    def drive(self, volts: float) -> None:
+        """Drive."""
+        self.call("drive")
 
     def read(self) -> Any:
         """Return what the test has put."""
@@ -54,18 +54,6 @@ class ScriptedDriver(RigDriver):
     def decode(self, data: Any) -> list[RigSample]:
         """Make samples of their numbers."""
         return [RigSample(number, 0.0, 0.0, 0.0, 0.0, armed=False) for number in data]
-
-    def arm(self) -> None:
-        """Arm."""
-        self.call("arm")
-
-    def drive(self, volts: float) -> None:
-        """Drive."""
-        self.call("drive")
-
-    def stop(self) -> None:
-        """Stop."""
-        self.call("stop")
 
 
 class Line:

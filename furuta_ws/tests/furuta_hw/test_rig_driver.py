@@ -11,10 +11,7 @@ from testbench import Bench
 
 from furuta_hw import drivers
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_hw.commissioning.session import RigSession
-from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.connection import rig_connection
-from furuta_hw.rigs.rig_file import load_rig
 from furuta_ros.topics import MEASUREMENT
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "extending.md"
@@ -59,12 +56,3 @@ def test_it_publishes_arms_drives_and_stops(bench: Bench, rig_file: Path) -> Non
     bench.spin(lambda: received[-1].effort[0] == 0.0)
     assert not armed(node)
     assert node.guard.reason == "disarmed by request"
-
-
-def test_it_can_be_commissioned(rig_file: Path) -> None:
-    """Experiments in SI units work with every driver."""
-    rig = load_rig(rig_file)
-    with RigSession("mock", rig) as session:
-        signs = session.drive(find_signs(rig, 1.0), 1.0, 3.0)
-        assert (signs.arm, signs.pendulum) == (1, None)
-        assert next(session.samples()).codes is None

@@ -68,32 +68,3 @@ def test_waves_are_uncertain(tmp_path: Path) -> None:
     file.write_text(file.read_text().replace("wave14_sin", "wave15_sin"))
     with pytest.raises(ParameterError, match=r"unknown wave15_sin; known are .*wave14_sin"):
         load_rig(file)
-
-
-@pytest.mark.parametrize(
-    ("text", "reason"),
-    [
-        ("uncertainty: 3", "must have standard_errors"),
-        ("uncertainty: {standard_errors: {mass: 1}}", "uncertainty of unknown mass"),
-        ("uncertainty: {standard_errors: {beta: -1}}", "of beta must be a number of at least 0"),
-        ("uncertainty: {standard_errors: {beta: x}}", "of beta must be a number of at least 0"),
-        ("uncertainty: {standard_errors: {beta: 1}, spread: 2}", "unknown: uncertainty.spread"),
-        (
-            "uncertainty: {standard_errors: {beta: 1}, correlations: [[1, 0]]}",
-            "must be the 1 rows of a lower triangle",
-        ),
-        (
-            "uncertainty: {standard_errors: {beta: 1, gamma: 1}, correlations: [[1], [2, 1]]}",
-            "must be the 2 rows of a lower triangle",
-        ),
-        ("waves: {orders: [1, 2], cosine: [0.1], sine: [0.1]}", "must have one length"),
-    ],
-)
-def test_a_bad_uncertainty_is_one_line(tmp_path: Path, text: str, reason: str) -> None:
-    """The message names the file and the error."""
-    file = tmp_path / "rig.yaml"
-    file.write_text(text)
-    with pytest.raises(ParameterError, match=r"rig\.yaml") as caught:
-        load_uncertain_rig(file)
-    assert reason in str(caught.value)
-    assert "\n" not in str(caught.value)

@@ -82,7 +82,7 @@ def test_the_part_that_is_used() -> None:
 
 
 def test_errors_contain_what_the_model_lacks(found: FreeSwing) -> None:
-    """Drag and presliding change the frequency with the amplitude; the recordings differ."""
+    """Drag and presliding change the frequency with the amplitude, and between recordings."""
     records = [swing(drag=0.02, stiffness=s, seed=1) for s in (0.5, 1.5)]
     (one, of_one), (two, of_two) = (
         frequency_and_error(identify_free_swing([record], Options())) for record in records

@@ -27,6 +27,7 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.bags import background_writer
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.limits import parse_offered_qos
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
@@ -337,3 +338,9 @@ def test_rosbag2_finds_its_tables(tmp_path: Path) -> None:
         assert database.execute("SELECT * FROM schema").fetchall() == [(4, "jazzy")]
         (definition,) = database.execute("SELECT * FROM message_definitions").fetchall()
     assert definition[1:4] == ("std_msgs/msg/Float64", "ros2msg", "float64 data\n")
+
+
+def test_megabytes_of_offered_qualities_of_service_are_refused() -> None:
+    """The library's reader of YAML would take minutes."""
+    with pytest.raises(ParameterError, match="described by 3000000 characters"):
+        parse_offered_qos("[" + "1, " * 999_999 + "1]")

@@ -148,38 +148,6 @@ def mutated(original: bytes, chance: random.Random) -> bytes:
     return bytes(data)
 
 
-def test_the_other_byte_order_is_read() -> None:
-    """A big-endian computer sends the same fields in its own order."""
-    layout = ">4B iI I4x I I4s I9s3x I2d I4x2d I4x2d"
-    data = pack(
-        layout,
-        0,
-        0,
-        0,
-        0,
-        -3,
-        7,
-        1,
-        2,
-        4,
-        b"arm\0",
-        9,
-        b"pendulum\0",
-        2,
-        0.1,
-        0.3,
-        2,
-        0.2,
-        0.4,
-        2,
-        0.5,
-        0.0,
-    )
-    x = np.zeros(5)
-    assert take(data, NO_STAMP, True, x) == (ANEW, -3_000_000_000 + 7)
-    assert x.tolist() == [0.1, 0.2, 0.3, 0.4, 0.5]
-
-
 @pytest.mark.parametrize(
     ("stamp", "sample"),
     [(10**9, REPEATED), (10**9 + 1, CONTINUES), (10**9 - 1, ANEW), (2 * 10**9, ANEW)],

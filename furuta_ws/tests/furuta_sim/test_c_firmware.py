@@ -11,8 +11,6 @@ from firmware_schedules import Schedule, assert_same, random_schedule
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, WATCHDOG, FrameReader, encode
 from furuta_hw.rigs.rig import Rig
-from furuta_model.parameters import ParameterError
-from furuta_sim.emulator import firmware_compiler
 from furuta_sim.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
 from furuta_sim.emulator.emulated_rig import EmulatedRig
 from furuta_sim.emulator.faults import Faults
@@ -138,7 +136,7 @@ def test_a_board_offers_what_it_supports(
     script = start + b"r\0" + len(hello).to_bytes(2, "little") + hello
     for replay in replays.values():
         (out, state) = parse_log(replay(script))[-1]
-        (welcome,) = FrameReader().feed(out)
+        (welcome,) = FrameReader().read(out)
         assert welcome == frames.WelcomeFrame(1, SESSION, *offered)
         assert (state.period_us, state.watchdog) == offered
 
@@ -180,10 +178,3 @@ def test_two_rigs_do_not_share_memory(zig: None) -> None:
     first, second = CompiledFirmware(-100, 100, 0), CompiledFirmware(-100, 100, 0)
     first.receive(encode(frames.HelloFrame(1, 9, 1000, 5)))
     assert (first.session, second.session) == (9, None)
-
-
-def test_without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One line says what is missing."""
-    monkeypatch.setattr(firmware_compiler, "ziglang", None)
-    with pytest.raises(ParameterError, match="install the Python package ziglang"):
-        CompiledFirmware(-100, 100, 0)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING
 
 import pytest
 from elf import Elf
-from firmware_schedules import Schedule, assert_same, random_schedule
+from firmware_schedules import Schedule
 
 from furuta_hw.protocol import frames
 from furuta_sim.emulator.firmware_compiler import (
     compile_firmware,
     core_sources,
-    emulated_sources,
-    firmware_directory,
 )
 
 if TYPE_CHECKING:
@@ -79,47 +74,3 @@ def test_size_and_cost(target: str, cortex_m: dict[str, CortexM], tmp_path: Path
     assert 100 < memory < MEMORY
     if target in EMULATED:
         assert 500 < instructions(cortex_m[EMULATED[target]]) < INSTRUCTIONS
-
-
-@pytest.mark.long
-def test_undefined_behaviour_traps(zig: None) -> None:
-    """In a process of its own, which a trap would end."""
-    code = (
-        "from furuta_sim.emulator.compiled_firmware import load_replay\n"
-        "import sys; sys.path[:0] = sys.argv[1:]\n"
-        "from firmware_schedules import assert_same, random_schedule\n"
-        "replay = load_replay('-fsanitize=undefined', '-fsanitize-trap=undefined')\n"
-        "for seed in range(40):\n"
-        "    schedule = random_schedule(seed, 500)\n"
-        "    assert_same(schedule, replay(schedule.script))\n"
-    )
-    tests = str(Path(__file__).resolve().parents[1])
-    done = subprocess.run(
-        [sys.executable, "-c", code, tests], capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.long
-def test_address_sanitizer(tmp_path: Path) -> None:
-    """With the system's gcc, because ziglang has no run-time for it."""
-    gcc = shutil.which("gcc")
-    if gcc is None:
-        pytest.skip("the address sanitizer needs gcc")
-    program = tmp_path / "replay"
-    sources = [*emulated_sources(), Path(__file__).with_name("replay_main.c")]
-    options = "-std=c99", "-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"
-    include = f"-I{firmware_directory() / 'core'}"
-    built = subprocess.run(
-        [gcc, *options, include, "-o", program, *sources],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if "cannot find" in built.stderr:
-        pytest.skip("gcc lacks the run-time of its sanitizers")
-    assert (built.returncode, built.stderr) == (0, "")
-    for seed in range(10):
-        schedule = random_schedule(seed, 2000)
-        done = subprocess.run([program], input=schedule.script, capture_output=True, check=True)
-        assert_same(schedule, done.stdout)

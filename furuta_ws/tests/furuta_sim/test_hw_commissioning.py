@@ -37,7 +37,7 @@ class DrivenRig(EmulatedRig):
         firmware = self.firmware
         firmware.session, firmware.watchdog, firmware.answered = 0, 2, firmware.number
         firmware.code, firmware._status = self._drive.to_code(volts), 1
-        (frame,) = FrameReader().feed(self.step())
+        (frame,) = FrameReader().read(self.step())
         assert isinstance(frame, SensorsFrame)
         return frame
 
@@ -122,7 +122,7 @@ def still(rig: Rig, theta: float, number: int = 500) -> list[RigSample]:
     body = EmulatedRig(rig, plant_of(rig, InitialState(phi=0.4, theta=theta)))
     body.firmware.session = 0
     reader, converter = FrameReader(), SampleConverter(rig)
-    frames = [frame for _ in range(number) for frame in reader.feed(body.step())]
+    frames = [frame for _ in range(number) for frame in reader.read(body.step())]
     return [converter.convert(frame) for frame in frames if isinstance(frame, SensorsFrame)]
 
 

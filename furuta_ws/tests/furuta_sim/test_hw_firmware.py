@@ -24,7 +24,7 @@ def rig(armed: bool = True) -> Firmware:
 
 def sample(firmware: Firmware) -> frames.SensorsFrame:
     """Take a sample and return its frame."""
-    last = FrameReader().feed(firmware.sample(0, 0, 0))[-1]
+    *_, last = FrameReader().read(firmware.sample(0, 0, 0))
     assert isinstance(last, frames.SensorsFrame)
     return last
 
@@ -113,7 +113,7 @@ def test_host_of_another_version_gets_no_samples() -> None:
     """It receives the rig's version only."""
     firmware = rig()
     firmware.receive(encode(frames.HelloFrame(frames.VERSION + 1, 9, 1000, WATCHDOG_SAMPLES)))
-    (welcome,) = FrameReader().feed(firmware.sample(0, 0, 0))
+    (welcome,) = FrameReader().read(firmware.sample(0, 0, 0))
     assert welcome == frames.WelcomeFrame(frames.VERSION, 9, 1000, WATCHDOG_SAMPLES)
     assert firmware.sample(0, 0, 0) == b""
 

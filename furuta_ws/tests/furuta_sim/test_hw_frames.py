@@ -127,10 +127,10 @@ def test_ten_thousand_bad_frames_at_the_host() -> None:
     """Nothing crashes, and exactly the frames with a correct CRC are decoded."""
     reader = FrameReader()
     for stream in mutations(10_000):
-        got = len(reader.feed(stream + b"\0"))
+        got = len([*reader.read(stream + b"\0")])
         assert got == sum(valid(frame) for frame in stream.split(b"\0"))
     assert reader.corrupt > 5_000
-    assert reader.feed(encode(FRAMES[0])) == [FRAMES[0]]
+    assert [*reader.read(encode(FRAMES[0]))] == [FRAMES[0]]
 
 
 def test_ten_thousand_bad_frames_at_the_rig() -> None:
@@ -141,7 +141,7 @@ def test_ten_thousand_bad_frames_at_the_rig() -> None:
         firmware.sample(0, 0, 0)
         assert firmware.code == 0
     firmware.receive(b"\0" + encode(frames.HelloFrame(1, 5, 1000, 50)))
-    welcome, sensors = FrameReader().feed(firmware.sample(1, 2, 3))
+    welcome, sensors = FrameReader().read(firmware.sample(1, 2, 3))
     assert welcome == frames.WelcomeFrame(1, 5, 1000, 50)
     assert isinstance(sensors, frames.SensorsFrame)
     assert (sensors.arm, sensors.speed, sensors.pendulum, sensors.sample) == (1, 2, 3, 1)
@@ -152,11 +152,11 @@ def test_ten_thousand_bad_frames_at_the_rig() -> None:
 def test_the_stream_may_be_cut_anywhere(noise: list[bytes], data: st.DataObject) -> None:
     """Bytes may arrive in any pieces; after noise of any length the next frame is decoded."""
     stream = b"".join(noise) + b"\0" + b"".join(map(encode, FRAMES))
-    whole = FrameReader().feed(stream)
+    whole = [*FrameReader().read(stream)]
     reader, pieces = FrameReader(), []
     while stream:
         cut = data.draw(st.integers(1, len(stream)))
-        pieces += reader.feed(stream[:cut])
+        pieces += reader.read(stream[:cut])
         stream = stream[cut:]
     assert pieces[-len(FRAMES) :] == whole[-len(FRAMES) :] == FRAMES
 
@@ -165,9 +165,9 @@ def test_a_stream_without_zeros_is_discarded() -> None:
     """It uses no memory and is counted once."""
     reader = FrameReader()
     for _ in range(1000):
-        assert reader.feed(b"\x01" * 100) == []
+        assert [*reader.read(b"\x01" * 100)] == []
     assert reader.corrupt == 1
-    assert reader.feed(b"\0" + encode(FRAMES[2])) == [FRAMES[2]]
+    assert [*reader.read(b"\0" + encode(FRAMES[2]))] == [FRAMES[2]]
 
 
 def test_sample_numbers_wrap_around() -> None:

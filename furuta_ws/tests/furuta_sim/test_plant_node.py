@@ -1,6 +1,5 @@
 """The node ``plant`` in lock-step and in real time."""
 
-from itertools import pairwise
 from math import nan
 from typing import Any
 
@@ -10,10 +9,8 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from testbench import Bench
 
-from furuta_model.parameters import build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
-from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import design_plant, initial_plant, move
 from furuta_sim.plant_node import PlantNode
 
@@ -84,16 +81,6 @@ def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
     assert node.pacing.timing_counts.samples > 0
 
 
-def test_realtime_samples_lie_on_the_grid(bench: Bench) -> None:
-    """Stamps are whole periods from the start, for any jitter of the machine."""
-    node = plant(bench)
-    measurements = bench.collect(MEASUREMENT)
-    bench.spin(lambda: len(measurements) >= 100)
-    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in measurements]
-    assert {(stamp - node.start) % 1_000_000 for stamp in stamps} == {0}
-    assert all(later > earlier for earlier, later in pairwise(stamps))
-
-
 def test_realtime_keeps_its_grid_over_a_pause(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,18 +126,3 @@ def test_reset_puts_the_pendulum_back(bench: Bench) -> None:
     held = node.sample
     bench.spin(lambda: node.sample > held + 20)
     assert node.x[2] == 0.05
-
-
-def test_parameters_change_the_rig_between_samples(bench: Bench) -> None:
-    """True friction changes while running; one bad value of two rejects both."""
-    node = plant(bench)
-    assert node.set_parameters([Parameter("friction.alpha0", value=0.3)])[0].successful
-    assert node.parameters.plant.friction.parameters.alpha0 == 0.3
-    result = node.set_parameters_atomically(
-        [Parameter("friction.alpha0", value=0.4), Parameter("model.alpha", value=1e-6)]
-    )
-    assert not result.successful
-    assert "gamma" in result.reason
-    assert node.parameters.plant.friction.parameters.alpha0 == 0.3
-    expected = build(PlantNodeParameters, {"friction.alpha0": 0.3})
-    assert node.parameters == expected

@@ -1,56 +1,31 @@
-"""Controls of the page without a graph: who has paused it, and what the bridge says."""
+"""Controls of the page without a graph: what the bridge says, and what the user has chosen."""
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from furuta_view.page_layout import Note
 from furuta_view.parameter_panel import Control
 from furuta_view.parameter_types import Described
 from furuta_view.rig_controls import RigControls
 from furuta_view.server import PageServer
-from furuta_view.simulation_controls import SimulationControls
 
 
-@pytest.fixture
-def server() -> Iterator[PageServer]:
-    server = PageServer()
-    yield server
-    server.stop()
-
-
-def test_plant_continues_without_the_page_that_paused_it(server: PageServer) -> None:
-    """Another page that is closed changes nothing."""
-    link: Any = None
-    controls = SimulationControls(server, link, Note(server.gui, 1.0))
-    pacer = controls.pacer
-    first, second = (SimpleNamespace(client_id=number) for number in (1, 2))
-    controls.set_paused(True, first)
-    assert pacer.holds
-    controls.client_gone(second)
-    assert pacer.holds
-    controls.client_gone(first)
-    assert not pacer.holds
-    assert pacer.run_until(1.0, 5.0) > 5.0
-
-
-def test_silent_bridge_is_not_shown_as_it_was(server: PageServer) -> None:
+def test_silent_bridge_is_not_shown_as_it_was() -> None:
     """A bridge that has ended said last that it is armed; that may be wrong now."""
-    link: Any = None
-    rig = RigControls(server, link)
+    server, link = PageServer(), SimpleNamespace(bridge=SimpleNamespace(arm=None, disarm=None))
+    rig = RigControls(server, link)  # type: ignore[arg-type]
     said = {"armed": "True", "state": "active", "stops": "0"}
     values = [KeyValue(key=key, value=value) for key, value in said.items()]
     status = DiagnosticStatus(message="driving", values=values)
     rig.show(None, 1.0)
-    assert "no diagnostics" in rig.text
+    assert "no diagnostics" in rig.shown.content
     rig.show(status, 1.0)
-    assert "ARMED" in rig.text
+    assert "ARMED" in rig.shown.content
     rig.show(status, 30.0)
-    assert "ARMED" not in rig.text
-    assert "silent for 30 s" in rig.text
+    assert "ARMED" not in rig.shown.content
+    assert "silent for 30 s" in rig.shown.content
+    server.stop()
 
 
 def test_an_older_value_does_not_take_back_what_the_user_has_chosen() -> None:

@@ -99,7 +99,7 @@ def test_disarming_does_not_wait(link: GraphLink) -> None:
     spinning = SpinningThread([bridge])
     for jobs in (link.search, link.requests, link.computation):
         jobs.submit("hangs", lambda: bool(hangs.wait()))
-    link.arming.submit("arm", lambda: link.arm(False))
+    link.arming.submit("arm", link.bridge.disarm)
     assert called.wait(TIMEOUT)
     assert not any(requests)
     hangs.set()

@@ -1,28 +1,16 @@
 """The description of the graph, and the plan of a graph to start."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
-from furuta_graph.processes import executable, node_processes
+from furuta_graph.graph_plan import GraphOptions, plan_graph
+from furuta_graph.processes import executable
 from furuta_model.parameters import ParameterError
-from furuta_ros.topic_names import full_namespace
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, NODES, PLANT, check_graph, graph_nodes
+from furuta_sim.settings.nodes import NODES, check_graph
 from furuta_sim.settings.settings import load_settings, parameters_of
 
 OTHERS = ["estimator", "friction_observer", "controller"]
-
-
-def names(graph: Graph) -> list[str]:
-    return [node.name for node in graph.nodes]
-
-
-@pytest.mark.parametrize("controlled", [PLANT, HARDWARE_BRIDGE])
-def test_a_graph_has_one_controlled_system(controlled: str) -> None:
-    """The plant or the bridge comes first; the other nodes are the same."""
-    assert [node.name for node in graph_nodes(controlled)] == [controlled, *OTHERS]
 
 
 @pytest.mark.parametrize("name", ["plant", "hardware_bridge", "motor"])
@@ -30,14 +18,6 @@ def test_only_some_nodes_can_be_left_out(name: str) -> None:
     """The controlled system is needed, and an unknown name is an error."""
     with pytest.raises(ParameterError, match=f"without {', '.join(OTHERS)}; given {name}"):
         plan_graph(GraphOptions(without=(name,)))
-
-
-def test_leaving_out_nodes() -> None:
-    """The others remain in their order."""
-    assert names(plan_graph(GraphOptions(without=("estimator", "controller")))) == [
-        "plant",
-        "friction_observer",
-    ]
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -111,27 +91,3 @@ def test_a_node_that_is_left_out_is_not_checked() -> None:
     with pytest.raises(ParameterError, match=r"plant 0.002 s, estimator 0.001 s"):
         check_graph(made)
     check_graph({name: each for name, each in made.items() if name != "plant"})
-
-
-@pytest.mark.parametrize(
-    ("given", "full"), [("", ""), ("/", ""), ("left", "/left"), ("/lab/left_2/", "/lab/left_2")]
-)
-def test_namespaces(given: str, full: str) -> None:
-    """With a slash before the name, or empty."""
-    assert full_namespace(given) == full
-
-
-def test_parameters_of_a_process_are_types_that_ros_knows() -> None:
-    """Numbers, text, truth values, and lists of numbers; text is quoted."""
-    graph = plan_graph(GraphOptions(hardware=True, port="1"), assignments=["gain=[1, 2, 3, 4]"])
-    for process in node_processes(graph):
-        for value in process.parameters.values():
-            assert type(value) in (bool, int, float, str) or _numbers(value)
-    bridge, _, _, controller = node_processes(graph)
-    assert 'port:="1"' in bridge.parameter_arguments
-    assert "gain:=[1.0, 2.0, 3.0, 4.0]" in controller.parameter_arguments
-    assert "gain:=[0.0]" in node_processes(plan_graph(GraphOptions()))[-1].parameter_arguments
-
-
-def _numbers(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(type(each) is float for each in value)

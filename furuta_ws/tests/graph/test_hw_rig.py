@@ -13,12 +13,7 @@ from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
 from furuta_hw.rigs.calibration import PendulumSensor, SpeedSensor
 from furuta_hw.rigs.channels import converter, encoder, wrapped
-from furuta_hw.rigs.physical import (
-    PhysicalParameters,
-    normalised_coulomb,
-    normalised_model,
-    normalised_viscous,
-)
+from furuta_hw.rigs.physical import PhysicalParameters, normalise
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
@@ -95,8 +90,8 @@ def test_normalised_model_moves_as_the_physical_one(
     u: float, v: float, theta: float, w: float
 ) -> None:
     """Eq. (1) with the normalised coefficients and friction: the same accelerations."""
-    friction = normalised_coulomb(PHYSICAL) * np.sign(v) + normalised_viscous(PHYSICAL) * v
-    got = accelerations(v, theta, w, u - friction, normalised_model(PHYSICAL))
+    model, viscous, coulomb = normalise(PHYSICAL)
+    got = accelerations(v, theta, w, u - coulomb * np.sign(v) - viscous * v, model)
     np.testing.assert_allclose(got, in_newton_metres(u, v, theta, w), rtol=1e-4, atol=1e-3)
 
 
@@ -142,6 +137,20 @@ def test_the_papers_rig_has_the_default_parameters() -> None:
         ("physical: {weight: 1}", "unknown: physical.weight"),
         ("linear: {b41: 0}", "b41 must be below 0"),
         ("line: {watchdog: 0.001}", "line.watchdog must be 2 to 65535 samples"),
+        ("uncertainty: 3", "must have standard_errors"),
+        ("uncertainty: {standard_errors: {mass: 1}}", "uncertainty of unknown mass"),
+        ("uncertainty: {standard_errors: {beta: -1}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: x}}", "of beta must be a number of at least 0"),
+        ("uncertainty: {standard_errors: {beta: 1}, spread: 2}", "unknown: uncertainty.spread"),
+        (
+            "uncertainty: {standard_errors: {beta: 1}, correlations: [[1, 0]]}",
+            "must be the 1 rows of a lower triangle",
+        ),
+        (
+            "uncertainty: {standard_errors: {beta: 1, gamma: 1}, correlations: [[1], [2, 1]]}",
+            "must be the 2 rows of a lower triangle",
+        ),
+        ("waves: {orders: [1, 2], cosine: [0.1], sine: [0.1]}", "must have one length"),
     ],
 )
 def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> None:
@@ -152,14 +161,6 @@ def test_a_bad_rig_file_is_one_line(tmp_path: Path, text: str, reason: str) -> N
         load_rig(file)
     assert reason in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_an_unknown_rig_lists_the_known_ones() -> None:
-    """The rigs of the workspace are listed; a missing file is named."""
-    with pytest.raises(ParameterError, match=r"rigs are .*odrive_furuta.*paper.*qube_servo_2"):
-        find_rig("nobody")
-    with pytest.raises(ParameterError, match=r"cannot read rig file .*missing\.yaml"):
-        find_rig("missing.yaml")
 
 
 @given(st.floats(-20, 20), st.integers(4, 16), st.sampled_from((1, -1)))
@@ -175,15 +176,6 @@ def test_an_encoder_loses_no_count(code: int, counts: int, zero: float) -> None:
     """Code → angle → code is the code."""
     channel = encoder(counts, -1, round(zero))
     assert channel.to_code(channel.to_si(code)) == code
-
-
-def test_ends_of_a_range_are_detected() -> None:
-    """At the outermost codes the value may be beyond the range."""
-    channel = converter(1.0, 12, 1, 0.0)
-    assert [channel.at_rail(c) for c in (-2048, -2047, 0, 2046, 2047)] == [
-        *(True, False, False, False, True)
-    ]
-    assert not encoder(250, 1, 0.0).at_rail(10**6)
 
 
 @given(st.floats(-100, 100))
@@ -210,16 +202,11 @@ def test_speed_from_counts() -> None:
     assert sample.number == 598
 
 
-def test_sample_has_the_applied_voltage_and_the_codes() -> None:
-    """The voltage is the one that was applied up to the sample."""
-    sample = SampleConverter(Rig()).convert(frame(1, drive=1024, arm=7, speed=8, pendulum=9))
-    assert sample.voltage == 5.0
-    assert sample.codes == (7, 8, 9)
-
-
 def test_sample_has_the_state_of_the_rig() -> None:
-    """Each bit of the status, and converters at the end of their range."""
+    """Voltage, codes, each bit of the status, and converters at the end of their range."""
     converter = SampleConverter(Rig())
+    sample = converter.convert(frame(1, drive=1024, arm=7, speed=8, pendulum=9))
+    assert (sample.voltage, sample.codes) == (5.0, (7, 8, 9))
     for status in range(8):
         sample = converter.convert(frame(status, status=status))
         assert sample.armed == bool(status & ARMED)

@@ -54,6 +54,8 @@ ALL_PARTS = [
     "plant.pushes.base_x=[0.0, 0.01, 0.02]",
     "plant.pushes.base_y=[0.01]",
 ]
+# Functions of one's own.
+OWN = ["plant.friction.law=own_parts:LUGRE", "estimator.method=own_parts:differences"]
 
 
 def record(settings: Settings, seconds: float, bag: Path) -> Path:
@@ -95,6 +97,7 @@ def require_graph_is_the_offline_loop(
         ["compensation=coulomb", "sensors.ideal=true"],
         ["compensation=adaptive", "plant.friction.law=maxwell_slip", *ALL_PARTS],
         ["compensation=combined", "super_twisting=1.0", "integral_time=5.0", "phi=2.0"],
+        ["compensation=own_parts:counting", "mode=own_parts:feedback", *OWN],
     ],
     ids=lambda chosen: chosen[0],
 )

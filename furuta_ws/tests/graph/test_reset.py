@@ -1,9 +1,5 @@
-"""Falls and resets of the simulated rig, by the services that a user calls.
+"""A fall and a reset of the simulated rig, by the services that a user calls."""
 
-FURUTA_RESETS sets the number of falls in each test.
-"""
-
-import os
 from pathlib import Path
 
 import numpy as np
@@ -18,93 +14,49 @@ from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.spinning import spin_until
 from furuta_sim.settings.settings import load_settings
 
-RESETS = int(os.environ.get("FURUTA_RESETS", "1"))
-METHODS = ("kalman", "lowpass")
+
+def largest_angle(graph: SimulatedGraph, seconds: float) -> float:
+    """Run for ``seconds`` of the pendulum's time; return the largest |θ| [rad] meanwhile."""
+    plant, angles = graph.plant, [0.0]
+    end = plant.time + seconds
+    spin_until(graph.executor, lambda: angles.append(abs(plant.x[2])) or plant.time >= end)
+    return max(angles)
 
 
-class ResetGraph:
-    """A graph with a client that switches the controller and resets the plant."""
-
-    def __init__(self, *assignments: str, bag: Path | None = None) -> None:
-        settings = load_settings([], list(assignments))
-        self.node = Node("user")
-        self.graph = SimulatedGraph(
-            settings, [self.node], record=bag and (lambda: RecorderNode(bag, stamped=True))
-        )
-        self.plant = self.graph.plant
-        self._client = ParameterClient(self.node, self.graph.executor)
-        self._reset = self.node.create_client(Trigger, "plant/reset")
-
-    def run(self, seconds: float) -> float:
-        """Run for ``seconds`` of the pendulum's time; return the largest |θ| [rad] meanwhile."""
-        plant, largest = self.plant, 0.0
-        end = plant.time + seconds
-
-        def done() -> bool:
-            nonlocal largest
-            largest = max(largest, abs(plant.x[2]))
-            return plant.time >= end
-
-        spin_until(self.graph.executor, done)
-        return largest
-
-    def reset(self) -> None:
-        """Call the service and wait for its answer."""
-        answer = self._reset.call_async(Trigger.Request())
-        spin_until(self.graph.executor, answer.done)
-        assert answer.result().success
-
-    def enable(self, enabled: bool) -> None:
-        """Switch the controller."""
-        self._client.set("controller", enabled=enabled)
+def fall_and_reset(graph: SimulatedGraph, user: Node) -> None:
+    """The controller is switched off, and on again before the reset."""
+    client, reset = (
+        ParameterClient(user, graph.executor),
+        user.create_client(Trigger, "plant/reset"),
+    )
+    largest_angle(graph, 0.5)
+    client.set("controller", enabled=False)
+    assert largest_angle(graph, 4.0) > np.pi / 2
+    client.set("controller", enabled=True)
+    answer = reset.call_async(Trigger.Request())
+    spin_until(graph.executor, answer.done)
+    assert answer.result().success
+    assert largest_angle(graph, 2.0) < 0.5
 
 
-def fall_and_reset(graph: ResetGraph) -> int:
-    """Let the pendulum fall and reset it, ``RESETS`` times; return how often it was recovered."""
-    recovered = 0
-    for _ in range(RESETS):
-        graph.run(0.5)
-        graph.enable(False)
-        assert graph.run(4.0) > np.pi / 2
-        graph.enable(True)
-        graph.reset()
-        recovered += graph.run(2.0) < 0.5
-    return recovered
-
-
-@pytest.mark.timeout(60 + 15 * RESETS)
-@pytest.mark.parametrize("method", METHODS)
-def test_lockstep_recovers_by_reset(ros: None, method: str, tmp_path: Path) -> None:
-    """Every fall; and the recording with its resets can be recomputed."""
-    bag = tmp_path / "bag"
-    graph = ResetGraph("clock=lockstep", f"method={method}", bag=bag)
+@pytest.mark.parametrize(
+    ("clock", "method"),
+    [
+        ("lockstep", "kalman"),
+        ("lockstep", "lowpass"),
+        pytest.param("realtime", "kalman", marks=pytest.mark.realtime),
+    ],
+)
+def test_loop_recovers_by_reset(ros: None, clock: str, method: str, tmp_path: Path) -> None:
+    """And a recording in lock-step with its reset can be recomputed."""
+    bag, user = tmp_path / "bag", Node("user")
+    settings = load_settings([], [f"clock={clock}", f"method={method}"])
+    graph = SimulatedGraph(settings, [user], lambda: RecorderNode(bag, clock == "lockstep"))
     try:
-        assert fall_and_reset(graph) == RESETS
+        fall_and_reset(graph, user)
     finally:
-        graph.graph.close()
-    recorded, recomputed = recompute_bag(bag, (), (f"method={method}",))
-    assert len(new_starts(recorded.stamps)) == RESETS
-    assert compare(recorded, recomputed)["estimate"]["identical"]
-
-
-@pytest.mark.realtime
-@pytest.mark.timeout(60 + 15 * RESETS)
-@pytest.mark.parametrize("method", METHODS)
-def test_real_time_recovers_by_reset(ros: None, method: str) -> None:
-    """As in lock-step."""
-    graph = ResetGraph(f"method={method}")
-    try:
-        assert fall_and_reset(graph) == RESETS
-    finally:
-        graph.graph.close()
-
-
-def test_reset_of_a_balanced_pendulum(ros: None) -> None:
-    """The loop continues from the initial state, at rest and in the middle."""
-    graph = ResetGraph("clock=lockstep")
-    graph.run(1.0)
-    before = graph.plant.sample
-    graph.reset()
-    assert graph.plant.sample >= before + 200
-    assert graph.run(3.0) < 0.2
-    graph.graph.close()
+        graph.close()
+    if clock == "lockstep":
+        recorded, recomputed = recompute_bag(bag, (), (f"method={method}",))
+        assert len(new_starts(recorded.stamps)) == 1
+        assert compare(recorded, recomputed)["estimate"]["identical"]

@@ -158,7 +158,7 @@ def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
     status, out, err = furuta("identify", table, "--write", rig)
     assert (status, rig.exists()) == (1, False)
     assert "usable: no; log.csv: fit of the" in out
-    assert "error: not usable: log.csv: fit of the" in err
+    assert "error: not usable: log.csv: fit of the arm" in err
 
 
 def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:

@@ -60,7 +60,7 @@ def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path:
     result = json.loads(out)
     assert result == json.loads((out_dir / "summary.json").read_text().replace("NaN", "null"))
     names = [run["compensation"] for run in result["runs"]]
-    assert names == ["none", "coulomb", "lugre", "tuned"]
+    assert names == ["none", "coulomb", "lugre", "tuned", "recommended"]
     assert {run["samples"] for run in result["runs"]} == {4000}
     none, *compensated = (run["phi_peak_to_peak_rad"] for run in result["runs"])
     assert 0.45 < none < 0.54

@@ -25,7 +25,7 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
         )[1]
     )  # fmt: skip
     result = json.loads(text)
-    assert len(result["rows"]) == 2 * 15
+    assert len(result["rows"]) == 2 * 29
     size = simulated["phi_peak_to_peak_rad"]
     mine = {"truth": "nominal", "compensation": "mine", "phi_peak_to_peak_rad": size}
     assert mine in result["rows"]

@@ -96,7 +96,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     allowed = (address, f"blob:{address}", address.replace("http", "ws"))
     assert all(each.startswith(allowed) for each in page.requests), page.requests
 
-    page.page.get_by_label("pause", exact=True).click()
+    choose(page, "speed", "paused")
     page.wait(lambda: run_until(furuta) < FOREVER, "the plant paused")
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)

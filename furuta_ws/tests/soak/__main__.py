@@ -1,6 +1,6 @@
 """``python -m soak``: run a soak for some minutes, or repeat one slice of it.
 
-Lanes of campaigns run side by side: that is the load under which rig and processes are tested. Each
+The campaigns run side by side: that is the load under which rig and processes are tested. Each
 slice is a process of its own. Prints what was checked and every failure; ``report.json`` holds all
 counts. The exit status is 1 if an oracle is broken.
 """
@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from importlib import import_module
@@ -26,14 +25,9 @@ from soak.oracles import ORACLES
 from soak.record import Record, Slice
 from soak.resources import ResourceMonitor
 
-# Campaigns of a lane run one after the other, with these shares of the time.
-LANES: tuple[dict[str, float], ...] = (
-    {"rig": 1.0},
-    {"lockstep_processes": 1.0},
-    {"messages": 14.0, "wire": 2.0, "plant": 2.0, "full_disk": 1.0},
-)
-# Longest time [s] until every campaign has had its turn.
-ROUND = 300.0
+CAMPAIGNS = ("rig", "lockstep_processes", "messages")
+# Longest time of a slice [s].
+LONGEST_SLICE = 300.0
 # Time [s] beyond its own that a slice may take to start and to end, and after which it shows where
 # it is.
 GRACE, PATIENCE = 150.0, 30.0
@@ -77,9 +71,9 @@ def run_slice(part: Slice) -> Record:
 
 
 def _run_soak(seconds: float, seed: int, out: Path) -> int:
-    """Run all lanes for ``seconds``; return the exit status."""
-    with ThreadPoolExecutor(len(LANES)) as pool:
-        lanes = pool.map(partial(_run_lane, seconds=seconds, seed=seed, out=out), LANES)
+    """Run all campaigns for ``seconds``; return the exit status."""
+    with ThreadPoolExecutor(len(CAMPAIGNS)) as pool:
+        lanes = pool.map(partial(_run_slices, seconds=seconds, seed=seed, out=out), CAMPAIGNS)
         results = [result for lane in lanes for result in lane]
     (out / "report.json").write_text(json.dumps(results, indent=1))
     checks, broken = (
@@ -93,16 +87,11 @@ def _run_soak(seconds: float, seed: int, out: Path) -> int:
     return int(bool(broken))
 
 
-def _run_lane(lane: dict[str, float], seconds: float, seed: int, out: Path) -> list[dict[str, Any]]:
-    return [_run_process(part, out) for part in _plan(lane, seconds, seed)]
-
-
-def _plan(lane: dict[str, float], seconds: float, seed: int) -> Iterator[Slice]:
-    """The slices of a lane: rounds of all its campaigns, however short the soak is."""
-    rounds = ceil(seconds / ROUND)
-    for number in range(rounds):
-        for campaign, share in lane.items():
-            yield Slice(campaign, number, seed, seconds / rounds * share / sum(lane.values()))
+def _run_slices(campaign: str, seconds: float, seed: int, out: Path) -> list[dict[str, Any]]:
+    """Run a campaign in slices, one after the other."""
+    count = ceil(seconds / LONGEST_SLICE)
+    slices = (Slice(campaign, number, seed, seconds / count) for number in range(count))
+    return [_run_process(part, out) for part in slices]
 
 
 def _run_process(part: Slice, out: Path) -> dict[str, Any]:

@@ -143,22 +143,3 @@ def _bad_parameter(random: Random, kind: str, known: list[Declared]) -> Paramete
     if kind == "not finite":
         return Parameter(chosen.name, value=pick(random, NOT_FINITE))
     return Parameter(chosen.name, value=pick(random, ("0.1", True, 7, [0.1], [b"\x01"], ["a"])))
-
-
-def damaged_bytes(random: Random, data: bytes) -> bytes:
-    """Damage bytes of a line: flipped bits, a loss, a repetition, a cut, garbage, or a burst."""
-    kind = pick(random, ("flip", "loss", "repetition", "cut", "garbage", "burst"))
-    if kind == "flip":
-        changed = bytearray(data)
-        for _ in range(int(random.integers(1, 4))):
-            changed[int(random.integers(len(changed)))] ^= 1 << int(random.integers(8))
-        return bytes(changed)
-    at = int(random.integers(len(data)))
-    noise = random.bytes(int(random.integers(1, 80)))
-    return {
-        "loss": b"",
-        "repetition": data * int(random.integers(2, 5)),
-        "cut": data[:at],
-        "garbage": data[:at] + noise + data[at:],
-        "burst": noise + b"\0" * int(random.integers(3)),
-    }[kind]

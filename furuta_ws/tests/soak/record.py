@@ -32,14 +32,6 @@ class Slice(NamedTuple):
         return np.random.default_rng([self.seed, self.number, *self.campaign.encode()])
 
 
-class Failure(NamedTuple):
-    """A broken oracle: at which step, and what is wrong."""
-
-    oracle: str
-    step: int
-    detail: str
-
-
 class Record:
     """Counts of one slice. ``step`` is the number of the current random choice."""
 
@@ -47,10 +39,9 @@ class Record:
         self.part = part
         self.step = 0
         self._end = monotonic() + part.seconds
-        self.tried: Counter[str] = Counter()
         self.checks: Counter[str] = Counter()
         self.broken: Counter[str] = Counter()
-        self.failures: list[Failure] = []
+        self.failures: list[dict[str, Any]] = []  # which oracle, at which step, and what is wrong
 
     def next_step(self) -> bool:
         """Begin the next step; False if the slice has ended."""
@@ -65,7 +56,7 @@ class Record:
         if problem:
             self.broken[oracle] += 1
             if self.broken[oracle] <= KEPT_FAILURES:
-                self.failures.append(Failure(oracle, self.step, problem))
+                self.failures.append({"oracle": oracle, "step": self.step, "detail": problem})
 
     def as_json(self) -> dict[str, Any]:
         """Everything recorded, for a JSON file."""
@@ -73,13 +64,7 @@ class Record:
             "slice": self.part.name,
             "seed": self.part.seed,
             "steps": self.step,
-            "tried": _plain(self.tried),
-            "checks": _plain(self.checks),
-            "broken": _plain(self.broken),
-            "failures": [each._asdict() for each in self.failures],
+            "checks": self.checks,
+            "broken": self.broken,
+            "failures": self.failures,
         }
-
-
-def _plain(counts: Counter[str]) -> dict[str, int]:
-    """Counts as integers that JSON knows; some come from numpy."""
-    return {name: int(count) for name, count in counts.items()}

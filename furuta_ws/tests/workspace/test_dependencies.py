@@ -39,7 +39,8 @@ PIP = {
 }
 # rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
-    *("distributed", "playwright", "pyarrow", "unicorn", "viser", "websockets", "ziglang"),
+    *("distributed", "gymnasium", "playwright", "pyarrow", "unicorn", "viser", "websockets"),
+    "ziglang",
 }
 
 # The key of each import that has another name.
@@ -69,7 +70,7 @@ REQUIREMENT_OF_IMPORT = {
     "std_srvs": "ros-jazzy-common-interfaces",
 }
 # Folders with a ``requirements.in``.
-REQUIREMENTS = (".", "benchmarks", "course", "docs", "firmware", "furuta_ws/tests")
+REQUIREMENTS = (".", "benchmarks", "course", "docs", "examples", "firmware", "furuta_ws/tests")
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 

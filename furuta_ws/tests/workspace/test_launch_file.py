@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 import yaml
-from launch_stand_ins import Node, displayed_nodes, launched_nodes
+from launch_stand_ins import Node, launch_arguments, launched_nodes
+from sources import ROOT
 
 from furuta_model.parameters import ParameterError, declared
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
@@ -67,6 +68,23 @@ def test_namespace_and_nodes_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {node.namespace for node in launched_nodes(monkeypatch)} == {None}
 
 
+def test_every_argument_is_described(monkeypatch: pytest.MonkeyPatch) -> None:
+    """``--show-args`` says what each is for, and the documentation names each."""
+    page = (ROOT / "docs" / "graph.md").read_text()
+    for argument in launch_arguments(monkeypatch):
+        assert argument.description
+        assert f"| `{argument.name}` |" in page
+
+
+def test_compensation_takes_precedence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Over the parameter file."""
+    file = tmp_path / "mine.yaml"
+    file.write_text("friction_observer: {ros__parameters: {compensation: coulomb, alpha0: 0.3}}")
+    nodes = launched_nodes(monkeypatch, params_file=str(file), compensation="lugre")
+    given = {node.name: parameters(node) for node in nodes}["friction_observer"]
+    assert (given["compensation"], given["alpha0"]) == ("lugre", 0.3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "stamped"),
     [({"clock": "lockstep"}, True), ({"clock": "realtime"}, False), ({"port": "mock"}, False)],
@@ -95,6 +113,13 @@ def test_respawned_nodes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, port: 
     respawned = {node.name for node in nodes if node.respawn}
     assert respawned == {"estimator", "friction_observer", "controller"}
     assert not any(node.respawn for node in launched_nodes(monkeypatch, record=bag, port=port))
+
+
+def test_log_level_is_that_of_all_nodes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The recorder's too; without the argument it is ``info``."""
+    for arguments, level in (({"log_level": "debug"}, "debug"), ({}, "info")):
+        nodes = launched_nodes(monkeypatch, record=str(tmp_path / "bag"), **arguments)
+        assert {tuple(options(node, "--log-level")) for node in nodes} == {(level,)}
 
 
 @pytest.mark.parametrize(
@@ -136,7 +161,8 @@ def test_view_adds_rviz_to_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
     given = {"rig": "qube_servo_2", "namespace": "left"}
     graph = launched_nodes(monkeypatch, **given)
     added = launched_nodes(monkeypatch, view="true", **given)[len(graph) :]
-    shown = displayed_nodes(monkeypatch, **given)
+    display = "furuta_description", "display.launch.py"
+    shown = launched_nodes(monkeypatch, *display, **given)
     assert [each.executable for each in shown] == ["robot_state_publisher", "rviz2"]
     for ours, theirs in zip(added, shown, strict=True):
         assert (ours.parameters, ours.arguments) == (theirs.parameters, theirs.arguments)

@@ -13,12 +13,19 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 
 from importlib.metadata import version
 
+from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle
+from furuta.axis.compensations import compare_on_axis
+from furuta.axis.identification import identified_axis
+from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.describing_function import describing_function
+from furuta.limit_cycles.joint import Joint, JointCycle
+from furuta.limit_cycles.joint import joint_branch as branch
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
 from furuta.models import friction_law, linearize, place_poles
 from furuta.motions import (
+    friction_joint,
     limit_cycle,
     measure,
     predict_cycles,
@@ -35,11 +42,13 @@ from furuta.recordings import (
     write_series,
 )
 from furuta_hw.rigs.rig import Rig
+from furuta_identification.fitting.axis import identify_axis
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
+from furuta_recordings.readers.axis_table import read_axis
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COLUMNS
 from furuta_sim.simulation.closed_loop import Loop, Record
@@ -48,23 +57,33 @@ __version__ = version("furuta")
 
 __all__ = [
     "COLUMNS",
+    "Axis",
+    "Cascade",
     "DesiredPoles",
     "Friction",
     "FurutaPendulum",
     "IdealLoop",
+    "Joint",
+    "JointCycle",
     "Law",
     "LimitCycle",
     "Loop",
     "ParameterError",
+    "Pid",
     "Record",
     "Recording",
     "Rig",
     "__version__",
+    "branch",
+    "compare_on_axis",
     "describing_function",
+    "friction_joint",
     "friction_law",
     "ideal_loop",
+    "identified_axis",
     "identified_values",
     "identify",
+    "identify_axis",
     "limit_cycle",
     "linearize",
     "load_rig",
@@ -73,9 +92,12 @@ __all__ = [
     "measure",
     "place_poles",
     "predict_cycles",
+    "read_axis",
     "read_recording",
     "rig_names",
+    "servo_cycle",
     "simulate",
+    "simulate_axis",
     "simulated_series",
     "trace_cycle",
     "tune",

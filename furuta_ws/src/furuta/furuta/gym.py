@@ -230,8 +230,8 @@ def _step(
 for _name, _task in (("Balance", "balance"), ("SwingUp", "swing_up")):
     gymnasium.register(
         f"furuta/{_name}-v0",
-        entry_point=FurutaEnv,
-        vector_entry_point=FurutaVectorEnv,
+        entry_point="furuta.gym:FurutaEnv",
+        vector_entry_point="furuta.gym:FurutaVectorEnv",
         max_episode_steps=SAMPLES,
         kwargs={"task": _task},
     )

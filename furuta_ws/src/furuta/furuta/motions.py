@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
 
 from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
+from furuta.limit_cycles import joint as joints
 from furuta.limit_cycles import limit_cycle as cycles
 from furuta.limit_cycles import periodic_orbit
+from furuta.limit_cycles.joint import Joint, JointCycle
+from furuta.limit_cycles.linear_system import matrices
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
+from furuta.limit_cycles.predicted_joint import predict_joint
 from furuta.loops import Part, ideal_loop, with_parts
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
@@ -69,13 +76,47 @@ def measure(
     return closed_loop.outcome(with_parts(loop or Loop(), **parts), seconds, settled)
 
 
-def limit_cycle(loop: Loop | IdealLoop | None = None, theta: float = 0.05) -> LimitCycle:
+def friction_joint(
+    system: Any, friction: Friction, law: str = "stribeck", offset: np.ndarray | None = None
+) -> Joint:
+    """Any linear loop with friction at one joint, for exact limit cycles.
+
+    Args:
+        system: The closed loop from a force on the joint [N, N m] to the joint's speed [m/s,
+            rad/s]: a state space model or transfer function of python-control or scipy.signal, or
+            matrices (A, b, c).
+        friction: Its parameters, in the units of force and speed.
+        law: coulomb, stiction, stribeck, lugre or dahl.
+        offset: r (n,) of ẋ = A x + b f + r, for example of a reference that moves; by default 0.
+
+    Raises:
+        ParameterError: The system is not linear with one force and one speed, or the law is not
+            analysed.
+    """
+    return joints.joint(*matrices(system), friction, law, offset)
+
+
+@overload
+def limit_cycle(loop: Joint, *, start: np.ndarray | None = None) -> JointCycle: ...
+
+
+@overload
+def limit_cycle(loop: Loop | IdealLoop | None = None, theta: float = 0.05) -> LimitCycle: ...
+
+
+def limit_cycle(
+    loop: Loop | IdealLoop | Joint | None = None,
+    theta: float = 0.05,
+    start: np.ndarray | None = None,
+) -> LimitCycle | JointCycle:
     """The exact final motion of the ideal loop, with its sticking phases and stability.
 
     Args:
         loop: The loop; a sampled one is idealised by :func:`furuta.ideal_loop`. By default that of
-            the paper.
+            the paper. Or any linear loop that :func:`furuta.friction_joint` made.
         theta: Pendulum angle [rad] from which the loop is released at rest.
+        start: State x (n,) from which a linear loop is released; by default the joint rests and
+            all other states are displaced.
 
     Returns:
         The kind of motion, peak to peak [rad], period [s], Floquet multipliers.
@@ -83,10 +124,14 @@ def limit_cycle(loop: Loop | IdealLoop | None = None, theta: float = 0.05) -> Li
     Raises:
         ParameterError: The motion cannot be followed, or its friction law is not analysed.
     """
+    if isinstance(loop, Joint):
+        return joints.joint_cycle(loop, start)
     return cycles.limit_cycle(_ideal(loop), cycles.state_at_rest(theta))
 
 
-def trace_cycle(loop: Loop | IdealLoop | None, cycle: LimitCycle) -> Trajectory:
+def trace_cycle(
+    loop: Loop | IdealLoop | Joint | None, cycle: LimitCycle | JointCycle
+) -> Trajectory:
     """One period of a limit cycle.
 
     Args:
@@ -94,18 +139,22 @@ def trace_cycle(loop: Loop | IdealLoop | None, cycle: LimitCycle) -> Trajectory:
         cycle: What :func:`limit_cycle` found.
 
     Returns:
-        ``time`` (n,) [s], unevenly spaced; ``state`` (n, 5), x and the bristle [rad, rad/s];
-        ``control`` and ``friction`` (n,) [V].
+        ``time`` (n,) [s], unevenly spaced; ``state`` (n, 5), x and the bristle [rad, rad/s], or
+        position and x of a linear loop; ``control`` and ``friction`` (n,) [V, or unit of force].
 
     Raises:
         ParameterError: The motion is no oscillation with a finite period.
     """
+    if isinstance(loop, Joint) and isinstance(cycle, JointCycle):
+        return joints.trace_joint(loop, cycle)
+    if isinstance(loop, Joint) or isinstance(cycle, JointCycle):
+        raise ParameterError("the cycle does not belong to this kind of loop")
     if cycle.kind != "oscillation":
         raise ParameterError(f"only an oscillation can be traced, given a {cycle.kind} motion")
     return periodic_orbit.trace(_ideal(loop), cycle)
 
 
-def predict_cycles(loop: Loop | IdealLoop | None = None) -> Prediction:
+def predict_cycles(loop: Loop | IdealLoop | Joint | None = None) -> Prediction:
     """Limit cycles that the describing function predicts: 1 + G(jω)N(A, ω) = 0.
 
     Args:
@@ -113,11 +162,14 @@ def predict_cycles(loop: Loop | IdealLoop | None = None) -> Prediction:
 
     Returns:
         ``cycles`` in order of amplitude, each with ω and A [rad/s], peak to peak [rad], period [s]
-        and stability; the range of ω [rad/s] and A/ω [rad] that was searched.
+        and stability; the range of ω [rad/s] and A/ω [rad] that was searched. Of a linear loop in
+        its own units.
 
     Raises:
         ParameterError: The friction law is not analysed.
     """
+    if isinstance(loop, Joint):
+        return predict_joint(loop)
     ideal = _ideal(loop)
     return predicted(transfer(ideal.body, ideal.gains), ideal.law)
 

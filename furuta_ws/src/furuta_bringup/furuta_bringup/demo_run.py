@@ -1,4 +1,4 @@
-"""The demo: the paper's Figs 6 to 9 in sequence, through the real node graph in lock-step.
+"""The demo: the paper's Figs 6 to 9 and the recommended setting, through the graph in lock-step.
 
 First the compensator is tuned on a graph of its own. Then one pendulum keeps running while the
 compensation is switched. Both use the parameter services, as a user would.
@@ -14,14 +14,18 @@ import numpy as np
 from rclpy.node import Node
 
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import TuningPlan, TuningResult
+from furuta.studies.tuning.plan import TuningPlan, TuningResult, observer_parameters
 from furuta.studies.tuning.tuning import ProgressCallback, tune
+from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient
+from furuta_model.parameters import build
 from furuta_recordings.recorder_node import RecorderNode
+from furuta_sim.settings.nodes import CONTROLLER, FRICTION_OBSERVER
 from furuta_sim.settings.parameter_files import settings_file
-from furuta_sim.settings.settings import Settings
+from furuta_sim.settings.recommended import CONTROLLER_NAMES, RECOMMENDED
+from furuta_sim.settings.settings import Settings, settings_with
 
 
 class PausingLoop(TuningClient):
@@ -81,12 +85,26 @@ def run_demo(
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
-            changes = {"compensation": compensation}
-            if compensation == TUNED:
-                changes = tuned
-            client.set_all("friction_observer", changes)
+            for each, changes in _changes(compensation, tuned, settings).items():
+                client.set_all(each, changes)
             client.set("plant", run_until=end)
             graph.run_until(end)
             yield Phase(compensation, number * seconds, end, perf_counter() - began)
     finally:
         graph.close()
+
+
+def _changes(
+    compensation: str, tuned: dict[str, Any], settings: Settings
+) -> dict[str, dict[str, Any]]:
+    """The parameters that a phase sets, by node; the last one has the model before the tuning."""
+    if compensation == TUNED:
+        return {FRICTION_OBSERVER: tuned}
+    if compensation != RECOMMENDED:
+        return {FRICTION_OBSERVER: {"compensation": compensation}}
+    chosen = settings_with(settings, [("compensation", RECOMMENDED)])
+    observer = build(ObserverParameters, chosen[FRICTION_OBSERVER])
+    return {
+        FRICTION_OBSERVER: observer_parameters(observer),
+        CONTROLLER: {name: chosen[CONTROLLER][name] for name in CONTROLLER_NAMES},
+    }

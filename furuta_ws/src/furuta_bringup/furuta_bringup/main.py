@@ -26,6 +26,8 @@ VERBS = {
     "linearize": "Linear model, poles, gain, margins; Nyquist plot; passivity.",
     "limit-cycle": "Limit cycle, exact or predicted; its branches and maps.",
     "export": "Export the tuned loop as C for a microcontroller.",
+    "theorem": "Check theorems on limit cycles of an axis with friction.",
+    "axis": "Hunting of a servo axis with friction; which compensation helps.",
     "identify": "Identify a model from recordings.",
     "bag": "Show, export, recover, replay and recompute recorded bags.",
     "plot": "Draw a bag or a file of series.",

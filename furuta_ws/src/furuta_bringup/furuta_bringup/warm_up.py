@@ -1,11 +1,14 @@
 """Compiles all compiled functions once, so that the first run finds them in the cache."""
 
+from furuta.axis.axis import Axis, Pid, servo_cycle
+from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_model.friction.parameters import Friction
 from furuta_model.transfer import transfer
 from furuta_ros.context import ros_context
 from furuta_sim.lanes.lanes import compile_stages
@@ -23,5 +26,7 @@ if __name__ == "__main__":
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, loop.gains), loop.law)
+    servo_cycle(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0))
+    simulate_axis(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0), seconds=0.01)
     with ros_context(private=True):
         SimulatedGraph(default_settings()).close()

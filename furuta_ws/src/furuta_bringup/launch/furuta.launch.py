@@ -10,12 +10,10 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_description.display import display_nodes
-from furuta_graph.launching import LOG_LEVELS, LaunchedNode, check_choice, launched_nodes
+from furuta_description.robot_description import display_nodes
+from furuta_graph.launching import LOG_LEVELS, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
-# Time between the end of a node and its next start [s].
-RESPAWN_DELAY = 1.0
 # Arguments with their defaults and descriptions.
 ARGUMENTS = {
     "clock": ("", "realtime or lockstep; empty: that of the parameter files"),
@@ -41,24 +39,12 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     view = given.pop("view")
     check_choice("view", view, ("true", "false"))
-    graph = [_node(launched) for launched in launched_nodes(**given)]
-    displayed = display_nodes(given["rig"], given["namespace"]) if view == "true" else []
-    return [*graph, *(Node(**arguments) for arguments in displayed)]
-
-
-def _node(launched: LaunchedNode) -> Node:
-    process = launched.process
-    return Node(
-        package=process.package,
-        executable=process.executable,
-        name=process.name,
-        namespace=process.namespace or None,
-        output="screen",
-        ros_arguments=launched.ros_arguments,
-        respawn=launched.respawn,
-        respawn_delay=RESPAWN_DELAY,
-        on_exit=[Shutdown()] if launched.ends_launch else None,
-    )
+    controlled, *others = launched_nodes(**given)
+    shown = display_nodes(given["rig"], given["namespace"]) if view == "true" else []
+    return [
+        Node(**controlled, on_exit=[Shutdown()]),
+        *(Node(**arguments) for arguments in (*others, *shown)),
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -106,6 +106,15 @@ class ControllerParameters(NamedTuple):
     super_twisting: Annotated[
         float, About("super-twisting: bound on the friction's rate, 0 for none", "V/s", 0.0, 1e4)
     ] = 0.0
+    super_twisting_bandwidth: Annotated[
+        float, About("super-twisting: bandwidth that limits its gain, 0 for none", "1/s", 0.0, 1e4)
+    ] = 0.0
+    vibration_limit: Annotated[
+        float,
+        About(
+            "super-twisting: amplitude of its vibration from which it is reduced", "V", 1e-3, 1e6
+        ),
+    ] = 0.8
     arm_angle_limit: Annotated[
         float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
     ] = 2 * pi
@@ -229,8 +238,14 @@ def _balance(p: ControllerParameters) -> Balance:
         arm_reference=p.arm_reference,
         arm_error_limit=p.arm_error_limit,
         integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        super_twisting=super_twisting.design(
-            p.super_twisting, p.model, p.model_viscous, p.feedback_gain, p.sample_time
+        super_twisting=super_twisting.design_for_pendulum(
+            p.super_twisting,
+            p.super_twisting_bandwidth,
+            p.vibration_limit,
+            p.model,
+            p.model_viscous,
+            p.feedback_gain,
+            p.sample_time,
         ),
         voltage_limit=p.voltage_limit,
     )

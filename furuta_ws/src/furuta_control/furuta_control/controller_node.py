@@ -26,6 +26,7 @@ from furuta_control.estimation import covers_circle
 from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
+from furuta_model.vibration import is_sustained
 from furuta_ros.messages import read_joints
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
@@ -40,6 +41,7 @@ from furuta_ros.topics import (
     LATCHED,
     QOS,
 )
+from furuta_ros.vibration_status import VibrationStatus
 from furuta_ros.wire import ANEW, REPEATED, new_float64, read_value, take_joint_state
 
 # Time between two warnings that estimates are late [s], the first one at once.
@@ -80,6 +82,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
         self._active_mode = swing_up.OFF
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
+        self._vibration = VibrationStatus(self, "super-twisting", self._part)
         self.take_samples(JOINT_STATES, COMMAND)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction, raw=True)
         self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
@@ -168,11 +171,18 @@ class ControllerNode(SampleNode[ControllerParameters]):
     def _compute(self, friction: float) -> None:
         if not self._applied:
             forget_integrals(self._memory[0])
-        mode = self._control(self._memory, self.received, friction, self._design, self.answer)
+        mode, reduced = self._control(
+            self._memory, self.received, friction, self._design, self.answer
+        )
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()
         self.publish_answer()
+        if reduced:
+            self._vibration.report()
+
+    def _part(self) -> float:
+        return float(self._memory["balance"]["super_twisting"]["vibration"]["part"][0])
 
     def _publish_mode(self) -> None:
         """Publish what the controller does."""
@@ -193,10 +203,13 @@ def _take(
 @compiled
 def _control(
     memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray, answer: np.ndarray
-) -> int:
-    """Write the command u [V]; return the index of the mode in force."""
+) -> tuple[int, bool]:
+    """Write the command u [V]; return the index of the active mode, and whether u vibrates."""
+    vibration = memory[0].balance.super_twisting.vibration
+    swings = vibration.swings
     answer[0].value = control(memory[0], x, friction, design[0])
-    return active_mode(memory[0], design[0])
+    reduced = vibration.swings > swings and is_sustained(vibration)
+    return active_mode(memory[0], design[0]), reduced
 
 
 def main() -> None:

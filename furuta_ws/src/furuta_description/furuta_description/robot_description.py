@@ -1,12 +1,16 @@
-"""Makes the robot description (URDF) of a rig from its lengths."""
+"""The robot description (URDF) of a rig from its lengths, and the nodes that show it in RViz."""
 
 from pathlib import Path
+from typing import Any
 
 import xacro
 
 from furuta_ros.installed_files import share_directory
+from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.rigs import find_rig
 
 PACKAGE = "furuta_description"
+DEFAULT_RIG = "paper"
 
 
 def share(folder: str, name: str) -> Path:
@@ -19,3 +23,24 @@ def robot_description(arm_length: float, pendulum_length: float) -> str:
     given = {"arm_length": f"{arm_length:.6g}", "pendulum_length": f"{pendulum_length:.6g}"}
     document = xacro.process_file(str(share("urdf", "furuta.urdf.xacro")), mappings=given)
     return str(document.toxml())
+
+
+def display_nodes(rig: str = "", namespace: str = "") -> list[dict[str, Any]]:
+    """The robot state publisher with the description of a rig, and RViz.
+
+    Each is given as arguments of ``launch_ros.actions.Node``.
+
+    Raises:
+        ParameterError: There is no such rig, or the namespace is not valid.
+    """
+    where = full_namespace(namespace) or None
+    model = find_rig(rig or DEFAULT_RIG).model
+    urdf = robot_description(model.arm_length, model.pendulum_length)
+    named: dict[str, dict[str, Any]] = {
+        "robot_state_publisher": {"parameters": [{"robot_description": urdf}]},
+        "rviz2": {"arguments": ["-d", str(share("config", "furuta.rviz"))]},
+    }
+    return [
+        {"package": name, "executable": name, "name": name, "namespace": where, **given}
+        for name, given in named.items()
+    ]

@@ -7,7 +7,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_description.display import display_nodes
+from furuta_description.robot_description import display_nodes
 from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {

@@ -137,7 +137,12 @@ def design_compensator(p: ObserverParameters) -> CompensationDesign:
         observer_gain=p.observer_gain,
         adaptation_gain=p.adaptation_gain,
         combined=combined.design(p.combined, p.sample_time),
-        guard=guard.design(p.guard_time if p.is_guarded else 0.0, p.sample_time),
+        guard=guard.design(
+            p.guard_time if p.is_guarded else 0.0,
+            inf if p.chosen.jumps else highest_level(p.friction),
+            p.chosen.needs_observed_friction,
+            p.sample_time,
+        ),
         sample_time=p.sample_time,
     )
 

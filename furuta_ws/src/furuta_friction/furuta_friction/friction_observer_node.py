@@ -25,12 +25,13 @@ from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
+from furuta_ros.vibration_status import VibrationStatus
 from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
 
 # Time between two checks of the adapted levels [s].
 LEVELS_PERIOD = 5.0
 # What there is to say about a sample.
-SWITCHED_OFF, NOT_OBSERVED = 1, 2
+SWITCHED_OFF, NOT_OBSERVED, REDUCED = 1, 2, 3
 
 
 class FrictionObserverNode(SampleNode[ObserverParameters]):
@@ -45,6 +46,7 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
         self._applied: ObserverParameters | None = None
         super().__init__("friction_observer", ObserverParameters, new_float64(), overrides)
         self.watch_parameters(self.parameters_changed)
+        self._vibration = VibrationStatus(self, "the friction compensation", self._part)
         self.take_samples(JOINT_STATES, FRICTION_ESTIMATE)
         self.steady_timer(LEVELS_PERIOD, self._check_levels)
 
@@ -63,16 +65,21 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
         read_joints(message, x)
 
     def report(self, condition: int, interval: int) -> None:
-        """Log that the guard has acted, or that the compensation lacks the observed friction."""
+        """Report that the guard has acted, or that the compensation lacks the observed friction."""
         chosen = self.parameters.chosen
         if condition == SWITCHED_OFF:
             self.get_logger().error(self.parameters.switch_off_reason)
+        elif condition == REDUCED:
+            self._vibration.report()
         elif condition == NOT_OBSERVED and chosen.needs_observed_friction:
             self.get_logger().warning(
                 f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
                 "use an estimator that observes it (method kalman)",
                 throttle_duration_sec=WARNING_PERIOD,
             )
+
+    def _part(self) -> float:
+        return float(self._memory["guard"]["vibration"]["part"][0])
 
     def _check_levels(self) -> None:
         if beyond_adaptation(self._memory, self.parameters):
@@ -96,10 +103,12 @@ def _take(
         return sample, stamp, 0
     if sample == ANEW:
         reset(memory[0])
-    allowed = not memory[0].guard.tripped
+    allowed, part = not memory[0].guard.tripped, memory[0].guard.vibration.part
     answer[0].value = estimate_friction(memory[0], x, compensator[0])
     if allowed and memory[0].guard.tripped:
         return sample, stamp, SWITCHED_OFF
+    if compensator[0].guard.least_part < 1.0 and memory[0].guard.vibration.part < part:
+        return sample, stamp, REDUCED
     blind = isnan(x[OBSERVED_FRICTION]) and not isnan(x[THETA_DOT])
     return sample, stamp, NOT_OBSERVED if blind else 0
 

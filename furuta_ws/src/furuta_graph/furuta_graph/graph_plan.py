@@ -85,20 +85,14 @@ def plan_graph(
     settings = load_settings(files, assignments, base)
     if options.hardware:
         settings[HARDWARE_BRIDGE] |= _bridge_settings(options, name)
-        _check_sample_time(rig, settings)
+        of_rig, of_nodes = rig.line.sample_time, parameters_of(settings)[ESTIMATOR].sample_time
+        if of_rig != of_nodes:
+            raise ParameterError(
+                f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
+            )
     elif options.clock:
         settings[PLANT]["clock"] = options.clock
     return Graph(controlled, options.without, settings, full_namespace(options.namespace))
-
-
-def _check_sample_time(rig: Rig, settings: Settings) -> None:
-    """Raise ParameterError if the rig samples at another time than the nodes expect."""
-    of_rig = rig.line.sample_time
-    of_nodes = parameters_of(settings)[ESTIMATOR].sample_time
-    if of_rig != of_nodes:
-        raise ParameterError(
-            f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
-        )
 
 
 def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
@@ -14,20 +14,8 @@ from furuta_sim.settings.settings import collect_settings
 
 LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
 TRUTH = {"true": True, "false": False}
-
-
-class LaunchedNode(NamedTuple):
-    """A node as ``launch_ros.actions.Node`` starts it."""
-
-    process: NodeProcess
-    log_arguments: list[str]
-    ends_launch: bool = False  # its end is the end of the launch
-    respawn: bool = False  # start it again when it has ended
-
-    @property
-    def ros_arguments(self) -> list[str]:
-        """ROS arguments that set parameters and log level."""
-        return [*self.process.parameter_arguments, *self.log_arguments]
+# Time between the end of a node and its next start [s].
+RESPAWN_DELAY = 1.0
 
 
 def launched_nodes(
@@ -41,8 +29,8 @@ def launched_nodes(
     record: str = "",
     log_level: str = "info",
     respawn: str = "false",
-) -> list[LaunchedNode]:
-    """The nodes that the launch file starts; the controlled system is the first.
+) -> list[dict[str, Any]]:
+    """Arguments of ``launch_ros.actions.Node`` for each node; the controlled system is the first.
 
     The installed parameter files are the defaults; the rig takes precedence over them,
     ``params_file`` over the rig, and ``clock`` and ``compensation`` over ``params_file``. With
@@ -65,12 +53,24 @@ def launched_nodes(
     )
     graph = _graph(options, params_file, compensation)
     controlled, *others = node_processes(graph)
-    log = ["--log-level", log_level]
     return [
-        LaunchedNode(controlled, log, ends_launch=True),
-        *(LaunchedNode(node, log, respawn=TRUTH[respawn]) for node in others),
-        *(LaunchedNode(node, log) for node in _recorders(graph, record)),
+        _node_arguments(controlled, log_level),
+        *(_node_arguments(node, log_level, TRUTH[respawn]) for node in others),
+        *(_node_arguments(node, log_level) for node in _recorders(graph, record)),
     ]
+
+
+def _node_arguments(process: NodeProcess, log_level: str, respawn: bool = False) -> dict[str, Any]:
+    return {
+        "package": process.package,
+        "executable": process.executable,
+        "name": process.name,
+        "namespace": process.namespace or None,
+        "output": "screen",
+        "ros_arguments": [*process.parameter_arguments, "--log-level", log_level],
+        "respawn": respawn,
+        "respawn_delay": RESPAWN_DELAY,
+    }
 
 
 def _graph(options: GraphOptions, params_file: str, compensation: str) -> Graph:

@@ -12,7 +12,7 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from furuta_ros.services import ServiceCaller, ServiceError, WaitsForFutures
+from furuta_ros.services import ServiceCaller, ServiceError
 
 
 class ParameterClient:
@@ -23,7 +23,7 @@ class ParameterClient:
     or rejects the request.
     """
 
-    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+    def __init__(self, node: Node, executor: Any) -> None:
         self._services = ServiceCaller(node, executor)
 
     def set(self, node: str, **values: Any) -> None:

@@ -15,7 +15,8 @@ from furuta_graph.graph_plan import Graph
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
-from furuta_ros.spinning import StopSignal, fail
+from furuta_ros.spinning import fail
+from furuta_ros.stop_signal import StopSignal
 
 # Time between two checks of the processes and of what to record [s].
 CHECK_PERIOD = 0.02

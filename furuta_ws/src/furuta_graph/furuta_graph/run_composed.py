@@ -1,22 +1,20 @@
 """Running the composed graph until it is stopped, with a report at the end."""
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from time import monotonic
 from typing import TypeVar
 
 from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_graph.graph_plan import Graph
-from furuta_graph.status_line import Status, status_line
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_model.state import PHI, THETA
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.scheduling import Scheduling, apply_scheduling
-from furuta_ros.spinning import StopSignal, spin_until
+from furuta_ros.spinning import spin_until
+from furuta_ros.stop_signal import StopSignal
+from furuta_sim.plant_node import PlantNode
 from furuta_sim.realtime import RealTime
 
 # Time without a sample after which a run of limited time ends [s]: it is counted in samples.
@@ -34,10 +32,8 @@ def run_simulated(
     """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
-        counts = plant.parameters.plant.sensors.encoder_counts
-        with status_line(partial(_simulated_status, running), counts, sys.stdout):
-            spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
-        _report(running)
+        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        _report(plant)
 
 
 def run_hardware(
@@ -55,58 +51,36 @@ def run_hardware(
         stop, bridge = StopSignal(), running.bridge
         if bridge.start_up():
             raise SystemExit(1)  # the bridge has logged the reason
-        limit = _TimeLimit(bridge, seconds)
+        is_over = _time_limit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
-        counts = bridge.rig.arm.counts_per_turn
-        with status_line(partial(_rig_status, bridge), counts, sys.stdout):
-            spin_until(running.executor, lambda: stop() or limit.is_reached())
+        spin_until(running.executor, lambda: stop() or is_over())
         print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
-    if limit.silent:
-        raise UserError(
-            f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {limit.elapsed:.3f} s of "
-            f"the {seconds:g} s asked for"
-        )
 
 
-class _TimeLimit:
-    """The end of a run after ``seconds`` of the rig's time, if given, or when the rig is silent."""
+def _time_limit(bridge: HardwareBridgeNode, seconds: float | None) -> Callable[[], bool]:
+    """Whether ``seconds`` of the rig's time have passed, if given; to be called often.
 
-    def __init__(self, bridge: HardwareBridgeNode, seconds: float | None) -> None:
-        self._bridge, self._seconds = bridge, seconds
-        self._samples, self._since = bridge.samples, monotonic()
-        self.silent = False
+    Raises:
+        UserError: The rig was silent for :data:`LONGEST_SILENCE`.
+    """
+    samples, since = bridge.samples, monotonic()
 
-    @property
-    def elapsed(self) -> float:
-        """Time of the rig [s]."""
-        return self._bridge.samples * self._bridge.rig.line.sample_time
-
-    def is_reached(self) -> bool:
-        """To be called often."""
-        if self._seconds is None:
+    def is_reached() -> bool:
+        nonlocal samples, since
+        if seconds is None:
             return False
-        if self._samples != self._bridge.samples:
-            self._samples, self._since = self._bridge.samples, monotonic()
-        self.silent = monotonic() - self._since > LONGEST_SILENCE
-        return self.silent or self.elapsed >= self._seconds
+        if samples != bridge.samples:
+            samples, since = bridge.samples, monotonic()
+        elapsed = samples * bridge.rig.line.sample_time
+        if monotonic() - since > LONGEST_SILENCE:
+            raise UserError(
+                f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {elapsed:.3f} s of "
+                f"the {seconds:g} s asked for"
+            )
+        return elapsed >= seconds
 
-
-def _simulated_status(graph: SimulatedGraph) -> Status:
-    """The true state, and in real time the samples whose command came after the next one."""
-    x, pacing = graph.plant.x, graph.plant.pacing
-    if not isinstance(pacing, RealTime):
-        return Status(float(x[PHI]), float(x[THETA]))
-    count = pacing.timing_counts
-    late = max(0, count.samples - count.on_time - 1)  # the newest sample still has time
-    return Status(float(x[PHI]), float(x[THETA]), late, count.samples)
-
-
-def _rig_status(bridge: HardwareBridgeNode) -> Status:
-    """The angles that the rig measures, and the samples that were skipped."""
-    connection = bridge.connection
-    skipped = connection.skipped_samples if connection else 0
-    return Status(*bridge.angles, skipped, bridge.samples)
+    return is_reached
 
 
 @contextmanager
@@ -133,8 +107,7 @@ def _running(
         raise UserError(f"the recording is incomplete: {composed.recording_failure}")
 
 
-def _report(graph: SimulatedGraph) -> None:
-    plant = graph.plant
+def _report(plant: PlantNode) -> None:
     print(f"{plant.sample} samples, {plant.time:.3f} s")
     if isinstance(plant.pacing, RealTime):
         count = plant.pacing.timing_counts

@@ -7,17 +7,16 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.node import Node
 from rclpy.task import Future
-from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, Trigger
 
-from furuta_ros.services import ATTEMPTS, ServiceCaller, ServiceError, WaitsForFutures
-from furuta_ros.topics import ARMED, DIAGNOSTICS, LATCHED
+from furuta_ros.services import ATTEMPTS, ServiceCaller, ServiceError
+from furuta_ros.topics import DIAGNOSTICS
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0
-# Time after arming within which a stop is reported, and longest wait for its reason [s].
-STARTING = 0.5
+# Time after arming within which a stop is reported [s]: that of the bridge's diagnostics and more.
+STARTING = 1.2
 # Each transition with its number and the state after it.
 TRANSITIONS = {
     "configure": (Transition.TRANSITION_CONFIGURE, "inactive"),
@@ -44,7 +43,7 @@ def reset_plant(services: ServiceCaller) -> str:
 class BridgeClient:
     """Calls the services of the bridge. Raises :class:`ServiceError` if it does not answer."""
 
-    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+    def __init__(self, node: Node, executor: Any) -> None:
         self._node, self._executor = node, executor
         self._services = ServiceCaller(node, executor)
 
@@ -60,10 +59,20 @@ class BridgeClient:
             raise ServiceError(f"not armed: {answer.message}")
 
     def arm_and_watch(self) -> None:
-        """Arm the bridge; raises :class:`ServiceError` also if it stops within half a second."""
-        stop = _Stop(self._node)
+        """Arm the bridge; raises :class:`ServiceError` also if it stops within a second."""
         self.arm()
-        stop.wait(self._executor)
+        stopped = Future()
+
+        def receive(message: DiagnosticArray) -> None:
+            for status in message.status:
+                ours = status.name.startswith(HARDWARE_BRIDGE)
+                if ours and status.level == DiagnosticStatus.ERROR and not stopped.done():
+                    stopped.set_result(status.message)
+
+        self._node.create_subscription(DIAGNOSTICS.type, DIAGNOSTICS.name, receive, 10)
+        self._executor.spin_until_future_complete(stopped, timeout_sec=STARTING)
+        if stopped.done():
+            raise ServiceError(f"armed, and stopped at once: {stopped.result()}")
 
     def disarm(self) -> None:
         """Disarm the bridge: the rig goes to 0 V."""
@@ -85,35 +94,3 @@ class BridgeClient:
 
     def _call(self, service: str, kind: Any, request: Any, attempts: int = ATTEMPTS) -> Any:
         return self._services.call(HARDWARE_BRIDGE, service, kind, request, TIMEOUT, attempts)
-
-
-class _Stop:
-    """Waits for a stop soon after arming, and for its reason; the node is used for nothing else."""
-
-    def __init__(self, node: Node) -> None:
-        self._was_armed = False
-        self._stopped, self._explained = Future(), Future()
-        node.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
-        node.create_subscription(DIAGNOSTICS.type, DIAGNOSTICS.name, self._on_diagnostics, 10)
-
-    def wait(self, executor: WaitsForFutures) -> None:
-        """Raises ServiceError if the bridge stops before the time is up."""
-        executor.spin_until_future_complete(self._stopped, timeout_sec=STARTING)
-        if self._stopped.done():
-            executor.spin_until_future_complete(self._explained, timeout_sec=STARTING)
-            explained = self._explained.done()
-            reason = self._explained.result() if explained else "the bridge's log has the reason"
-            raise ServiceError(f"armed, and stopped at once: {reason}")
-
-    def _on_armed(self, message: Bool) -> None:
-        if self._was_armed and not message.data and not self._stopped.done():
-            self._stopped.set_result(None)
-        self._was_armed = self._was_armed or message.data
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        """Take the reason from the bridge's first report of an error after arming."""
-        for status in message.status:
-            ours = status.name.startswith(HARDWARE_BRIDGE)
-            failed = status.level == DiagnosticStatus.ERROR
-            if ours and failed and self._was_armed and not self._explained.done():
-                self._explained.set_result(status.message)

@@ -39,7 +39,9 @@ class Guard:
         """Take note of a sample."""
         last = self._sample
         steps = (sample.number - last.number) % 2**32 if last else 0
-        self._fade_counts(steps)
+        fade = exp(-steps * self._dt / WINDOW)
+        self._bad_frames *= fade
+        self._disagreement *= fade
         if last and steps:
             moved = sample.arm_angle - last.arm_angle
             self._disagreement += moved - sample.arm_speed * self._dt * steps
@@ -159,8 +161,3 @@ class Guard:
         if now - self._armed_at > self.limits.measurement_age:
             return "the rig did not arm"
         return ""
-
-    def _fade_counts(self, steps: int) -> None:
-        fade = exp(-steps * self._dt / WINDOW)
-        self._bad_frames *= fade
-        self._disagreement *= fade

@@ -127,6 +127,7 @@ def make_intrinsic(
     if config.DISABLE_JIT and in_python is not None:
         return in_python
     made: Any = numba.extending.intrinsic(function)
+    made.furuta_digest = _digest(function)
     return made
 
 

@@ -12,6 +12,7 @@ names if the field is annotated with :data:`INLINE`.
 """
 
 import math
+import re
 import reprlib
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,6 +25,9 @@ INLINE = "inline"
 LARGEST = sys.float_info.max
 # Bits of an integer that is larger; Python refuses to print one of many more.
 LARGEST_EXPONENT = 2 * sys.float_info.max_exp
+
+# The name of a part of the user's own, module:function.
+OWN_PART = re.compile(r"[^\W\d][\w.]*:.+")
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
@@ -55,7 +59,7 @@ class About:
     def allowed(self) -> str:
         """The allowed values in words."""
         if self.choices:
-            own = " or an own one as module:function" if self.own else ""
+            own = ", or an own one as module:function" if self.own else ""
             return f"one of {', '.join(self.choices)}{own}"
         if self.low == -math.inf:
             return "any" if self.high == math.inf else f"at most {self.high:g}"
@@ -104,7 +108,7 @@ class Declared(NamedTuple):
             raise ParameterError(
                 f"{self.name} must be a {self.kind.__name__}, given {shortened(value)}"
             )
-        is_own = self.about.own and ":" in str(value)
+        is_own = self.about.own and bool(OWN_PART.fullmatch(str(value)))
         if self.about.choices and value not in self.about.choices and not is_own:
             raise ParameterError(
                 f"{self.name} must be {self.about.allowed}, given {shortened(value)}"

@@ -40,8 +40,8 @@ class Crossing(NamedTuple):
 class Transfer(NamedTuple):
     """G(s) of (10): coefficients, highest power first, with common factors s."""
 
-    numerator: tuple[float, float, float, float]
-    denominator: tuple[float, float, float, float, float]
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
 
     def at(self, omega: np.ndarray | float) -> np.ndarray:
         """G(jω) [rad/(s V)] at ω > 0 [rad/s]."""

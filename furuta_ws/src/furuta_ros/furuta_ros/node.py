@@ -80,7 +80,9 @@ class FurutaNode(Node, Generic[Group]):
         With ``raw`` it gets the serialised message, in bytes. A message that is too old or that
         ``receive`` refuses is counted and logged.
         """
-        one = OnePublisher(topic.name, partial(publishers_of, self, topic), self._warn)
+        one = OnePublisher(
+            topic.name, partial(publishers_of, self, topic), self.get_logger().warning
+        )
         self.accepted_publishers[topic.name] = one
 
         accepts, age = one.accepts, self.message_age
@@ -106,7 +108,7 @@ class FurutaNode(Node, Generic[Group]):
         self.create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
         self.steady_timer(CHECK_PERIOD, one.check)
 
-    def steady_timer(self, period: float, call: Callable[[], None]) -> Timer:
+    def steady_timer(self, period: float, call: Callable[[], object]) -> Timer:
         """Call a function every ``period`` [s], whatever happens to the system's time."""
         return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -121,9 +123,6 @@ class FurutaNode(Node, Generic[Group]):
             "computer, set both clocks",
             throttle_duration_sec=WARNING_PERIOD,
         )
-
-    def _warn(self, text: str) -> None:
-        self.get_logger().warning(text)
 
 
 def _message_and_info(message: Any, info: dict[str, Any]) -> None:

@@ -44,26 +44,21 @@ def read_sections(arguments: Sequence[str]) -> list[Section]:
     ROS has read the files before, so they are valid.
     """
     files = [value for flag, value in pairwise(arguments) if flag == "--params-file"]
-    return [section for file in files for section in _file_sections(file)]
+    return [
+        Section(file, key, names)
+        for file in files
+        for key, names in _sections(read_yaml(Path(file), "parameter file"))
+    ]
 
 
-def _file_sections(file: str) -> Iterator[Section]:
-    content = read_yaml(Path(file), "parameter file")
-    if isinstance(content, Mapping):
-        for key, section in content.items():
-            yield from _sections(file, str(key), section)
-
-
-def _sections(file: str, key: str, section: Any) -> Iterator[Section]:
-    """The section of a key, or those of the keys inside it: each level is a namespace."""
-    if not isinstance(section, Mapping):
-        return
-    for name, inner in section.items():
+def _sections(content: Any, key: str = "") -> Iterator[tuple[str, frozenset[str]]]:
+    """Keys and names of the sections in a file: each level above the parameters is a namespace."""
+    for name, inner in content.items() if isinstance(content, Mapping) else ():
         if name == PARAMETERS:
             given = by_full_name(inner) if isinstance(inner, Mapping) else ()
-            yield Section(file, key, frozenset(parameter for parameter, _ in given))
+            yield key, frozenset(parameter for parameter, _ in given)
         else:
-            yield from _sections(file, f"{key}/{name}", inner)
+            yield from _sections(inner, f"{key}/{name}" if key else str(name))
 
 
 def check_names(
@@ -77,57 +72,40 @@ def check_names(
     Raises:
         ParameterError: A name is unknown, or a section lacks the namespace of the node.
     """
+    name = node.rpartition("/")[2]
     applied = [section for section in sections if section.matches(node)]
-    own = {name for section in applied if not section.for_several for name in section.names}
-    shared = {name: section for section in applied if section.for_several for name in section.names}
-    unknown = [name for name in given if name not in known and not is_of_ros(name)]
-    refused = sorted(name for name in unknown if name in own or name not in shared)
+    own = {n for section in applied if not section.for_several for n in section.names}
+    shared = {n for section in applied if section.for_several for n in section.names}
+    unknown = [n for n in given if n not in known and not is_of_ros(n)]
+    refused = sorted(n for n in unknown if n in own or n not in shared)
     if refused:
         raise ParameterError(
-            f"{_last_part(node)} has no parameter {_listed(refused)}; it has "
-            f"{', '.join(sorted(known))}"
+            f"{name} has no parameter {_listed(refused)}; it has {', '.join(sorted(known))}"
         )
-    return [*_missing_sections(sections, node), *_ignored(node, unknown, shared)]
-
-
-def _ignored(node: str, unknown: Iterable[str], shared: dict[str, Section]) -> list[str]:
-    """A warning for each section for several nodes with parameters that this one does not have."""
-    by_section: dict[tuple[str, str], list[str]] = {}
-    for name in sorted(unknown):
-        by_section.setdefault(shared[name][:2], []).append(name)
-    return [
-        f"{_last_part(node)} has no parameter {_listed(names)}; ignored, because the section {key} "
-        f"of {file} is for several nodes"
-        for (file, key), names in by_section.items()
+    return _missing_sections(sections, node, name) + [
+        f"{name} has no parameter {_listed(ignored)}; ignored, because the section {section.key} "
+        f"of {section.file} is for several nodes"
+        for section in applied
+        if (ignored := sorted(section.names.intersection(unknown)))
     ]
 
 
-def _missing_sections(sections: Sequence[Section], node: str) -> list[str]:
+def _missing_sections(sections: Sequence[Section], node: str, name: str) -> list[str]:
     """A warning for each file without a section for the node."""
     warnings = []
     for file in dict.fromkeys(section.file for section in sections):
         of_file = [section for section in sections if section.file == file]
         matching = [section for section in of_file if section.matches(node)]
-        if all(section.for_several for section in matching):
-            _refuse_missing_namespace(of_file, node)
-        if not matching:
-            keys = _listed([section.key for section in of_file])
-            warnings.append(f"{file} has no section for {node}, only for {keys}")
-    return warnings
-
-
-def _refuse_missing_namespace(sections: Sequence[Section], node: str) -> None:
-    name = _last_part(node)
-    for section in sections:
-        if section.key.lstrip("/") == name:
+        keys = [section.key for section in of_file]
+        without_namespace = [key for key in keys if key.lstrip("/") == name]
+        if without_namespace and all(section.for_several for section in matching):
             raise ParameterError(
-                f"{section.file}: the section {section.key} is for /{name}, but this node is "
+                f"{file}: the section {without_namespace[0]} is for /{name}, but this node is "
                 f"{node}; call the section {node} or /**/{name}"
             )
-
-
-def _last_part(name: str) -> str:
-    return name.rpartition("/")[2]
+        if not matching:
+            warnings.append(f"{file} has no section for {node}, only for {_listed(keys)}")
+    return warnings
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -27,13 +27,6 @@ _TYPES = {
     str: Parameter.Type.STRING,
     list: Parameter.Type.DOUBLE_ARRAY,
 }
-_LISTS = {
-    Parameter.Type.BYTE_ARRAY,
-    Parameter.Type.BOOL_ARRAY,
-    Parameter.Type.INTEGER_ARRAY,
-    Parameter.Type.DOUBLE_ARRAY,
-    Parameter.Type.STRING_ARRAY,
-}
 
 
 class NodeParameters(Generic[Group]):
@@ -51,23 +44,20 @@ class NodeParameters(Generic[Group]):
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
         self._names = {declaration.name: declaration for declaration in declared(group)}
-        given = self._with_empty_lists()
+        given = node._parameter_overrides
         node._parameter_overrides = {name: self._with_type(given[name]) for name in given}
         self._warn_about_names()
         for declaration in declared(group):
             self._declare(declaration)
         self.current: Group = build(group, self._values())
         self._next = self.current
-        node.add_pre_set_parameters_callback(self._with_types)
+        node.add_pre_set_parameters_callback(lambda given: [self._with_type(p) for p in given])
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._keep)
 
     def on_change(self, apply: Callable[[Group], None]) -> None:
         """Call ``apply`` with the new parameters after every change."""
         self._on_change.append(apply)
-
-    def _with_types(self, parameters: list[Parameter]) -> list[Parameter]:
-        return [self._with_type(parameter) for parameter in parameters]
 
     def _with_type(self, parameter: Parameter) -> Parameter:
         """Convert a word that YAML has read as a boolean, an empty list, and a list of integers."""
@@ -78,14 +68,6 @@ class NodeParameters(Generic[Group]):
             return _with_list(parameter, declaration)
         value = declaration.word_from_bool(parameter.value)
         return parameter if value is parameter.value else Parameter(parameter.name, value=value)
-
-    def _with_empty_lists(self) -> dict[str, Parameter]:
-        """The start values; an empty list in a parameter file arrives as no value at all."""
-        given = dict(self._node._parameter_overrides)
-        for name, declaration in self._names.items():
-            if declaration.kind is list and name in given and given[name].value is None:
-                given[name] = Parameter(name, Parameter.Type.DOUBLE_ARRAY, [])
-        return given
 
     def _warn_about_names(self) -> None:
         full_name = self._node.get_fully_qualified_name()
@@ -123,40 +105,32 @@ class NodeParameters(Generic[Group]):
 
 
 def _with_list(parameter: Parameter, declaration: Declared) -> Parameter:
-    """An empty list, whose type ROS tools do not know, means the default."""
-    value = parameter.value
-    if parameter.type_ in _LISTS and len(value) == 0:
+    """An empty list means the default: ROS tools do not know its type, files give no value."""
+    kind, value = parameter.type_, parameter.value
+    if value is None or ("ARRAY" in kind.name and len(value) == 0):
         return Parameter(parameter.name, value=list(declaration.default))
-    if parameter.type_ == Parameter.Type.INTEGER_ARRAY:
+    if kind == Parameter.Type.INTEGER_ARRAY:
         return Parameter(parameter.name, value=[float(element) for element in value])
     return parameter
 
 
 def _descriptor(declaration: Declared) -> ParameterDescriptor:
     """Type, meaning and allowed values; the range itself where ROS can hold it."""
-    about = declaration.about
-    has_range = _has_range(declaration)
+    about, kind = declaration.about, declaration.kind
+    # ROS knows no open ends.
+    has_range = kind in (float, int) and math.isfinite(about.low) and math.isfinite(about.high)
     unit = f" [{about.unit}]" if about.unit else ""
     descriptor = ParameterDescriptor(
         name=declaration.name,
-        type=_TYPES[declaration.kind].value,
+        type=_TYPES[kind].value,
         description=f"{about.meaning}{unit}",
         additional_constraints="" if has_range or about.allowed == "any" else about.allowed,
         read_only=about.read_only,
     )
-    if has_range:
-        if declaration.kind is float:
-            descriptor.floating_point_range = [
-                FloatingPointRange(from_value=float(about.low), to_value=float(about.high))
-            ]
-        elif declaration.kind is int:
-            descriptor.integer_range = [
-                IntegerRange(from_value=int(about.low), to_value=int(about.high), step=1)
-            ]
+    if has_range and kind is float:
+        ends = {"from_value": float(about.low), "to_value": float(about.high)}
+        descriptor.floating_point_range = [FloatingPointRange(**ends)]
+    elif has_range:
+        ends = {"from_value": int(about.low), "to_value": int(about.high)}
+        descriptor.integer_range = [IntegerRange(**ends, step=1)]
     return descriptor
-
-
-def _has_range(declaration: Declared) -> bool:
-    """Whether ROS can hold the range: it knows no open ends."""
-    bounded = math.isfinite(declaration.about.low) and math.isfinite(declaration.about.high)
-    return bounded and declaration.kind in (float, int)

@@ -7,7 +7,6 @@ with a traceback as soon as it runs. The signal waits until :func:`exit_on_inter
 import ctypes
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
@@ -95,8 +94,3 @@ def end_with_parent() -> None:
     _PRCTL(PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != int(parent):  # it has ended before
         os._exit(128 + signal.SIGTERM)
-
-
-def program_name() -> str:
-    """The name of the executable, for messages."""
-    return os.path.basename(sys.argv[0])

@@ -5,7 +5,7 @@ Applied before ROS starts, so that its threads inherit the priority.
 
 import ctypes
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 # mlockall(2): what is mapped now, and what will be.
@@ -19,67 +19,48 @@ class Scheduling(NamedTuple):
     lock_memory: bool = False  # keep all pages in memory
 
 
-class RequestResult(NamedTuple):
-    """One request, whether it was granted, and the state afterwards or the reason."""
-
-    request: str
-    granted: bool
-    detail: str
-
-    def __str__(self) -> str:
-        return f"{self.request}: {'granted' if self.granted else 'REFUSED'}, {self.detail}"
-
-
-def apply_scheduling(requested: Scheduling) -> list[RequestResult]:
-    """Make the requests and return the results, each as the system reports it afterwards."""
-    results = []
+def apply_scheduling(requested: Scheduling) -> Iterator[str]:
+    """Make the requests; yields for each a line with the state afterwards or the reason."""
     if requested.priority:
-        results.append(_set_priority(requested.priority))
+        request = f"SCHED_FIFO priority {requested.priority}"
+        needs = "CAP_SYS_NICE or an rtprio limit (ulimit -r)"
+        yield _result_of(request, lambda: _set_priority(requested.priority), needs)
     if requested.lock_memory:
-        results.append(_lock_memory())
-    return results
+        needs = "CAP_IPC_LOCK or a memlock limit (ulimit -l)"
+        yield _result_of("memory lock", _lock_memory, needs)
 
 
 def may_have_priority(priority: int) -> bool:
     """Whether the system would grant this process a real-time priority."""
     before = os.sched_getscheduler(0), os.sched_getparam(0)
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        _set_priority(priority)
         os.sched_setscheduler(0, *before)
     except OSError:
         return False
     return True
 
 
-def _set_priority(priority: int) -> RequestResult:
-    def request() -> str:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-        policy = "SCHED_FIFO" if os.sched_getscheduler(0) == os.SCHED_FIFO else "another policy"
-        return f"{policy} {os.sched_getparam(0).sched_priority}"
-
-    needs = "needs CAP_SYS_NICE or an rtprio limit (ulimit -r)"
-    return _result_of(f"SCHED_FIFO priority {priority}", request, needs)
+def _set_priority(priority: int) -> str:
+    """Set the priority, and return that which the system reports."""
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    policy = "SCHED_FIFO" if os.sched_getscheduler(0) == os.SCHED_FIFO else "another policy"
+    return f"{policy} {os.sched_getparam(0).sched_priority}"
 
 
-def _lock_memory() -> RequestResult:
-    def request() -> str:
-        libc = ctypes.CDLL(None, use_errno=True)
-        if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
-            number = ctypes.get_errno()
-            raise OSError(number, os.strerror(number))
-        return f"{_locked_memory()} locked"
-
-    return _result_of("memory lock", request, "needs CAP_IPC_LOCK or a memlock limit (ulimit -l)")
-
-
-def _locked_memory() -> str:
+def _lock_memory() -> str:
+    """Lock all memory, and return how much the system reports as locked."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
     with open("/proc/self/status") as status:
-        return next(line.split(":")[1].strip() for line in status if line.startswith("VmLck"))
+        locked = next(line.split(":")[1].strip() for line in status if line.startswith("VmLck"))
+    return f"{locked} locked"
 
 
-def _result_of(name: str, request: Callable[[], str], hint: str) -> RequestResult:
-    """Make a request; ``hint`` tells the user what to do if the system refuses it."""
+def _result_of(request: str, make: Callable[[], str], needs: str) -> str:
     try:
-        return RequestResult(name, True, request())
+        return f"{request}: granted, {make()}"
     except OSError as error:
-        return RequestResult(name, False, f"{error.strerror}: {hint}")
+        return f"{request}: REFUSED, {error.strerror}: needs {needs}"

@@ -2,7 +2,7 @@
 
 import threading
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 from rclpy.client import Client
 from rclpy.node import Node
@@ -22,20 +22,14 @@ class ServiceError(UserError):
     """A node is missing, does not respond, or rejects a request."""
 
 
-class WaitsForFutures(Protocol):
-    """An executor, or what waits while another thread spins one."""
-
-    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Return when ``future`` is done or the time is up."""
-
-
 class ServiceCaller:
     """Calls services of other nodes, from one thread or from several.
 
-    ``node`` makes the requests and ``executor`` spins it, or waits while another thread does.
+    ``node`` makes the requests and ``executor`` spins it, or waits while another thread does: an
+    executor of rclpy, or a :class:`furuta_ros.spinning.SpinningThread`.
     """
 
-    def __init__(self, node: Node, executor: WaitsForFutures) -> None:
+    def __init__(self, node: Node, executor: Any) -> None:
         self._node, self._executor = node, executor
         self._clients: dict[str, Client] = {}
         self._lock = threading.Lock()

@@ -5,6 +5,8 @@ import sys
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
 
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
@@ -17,7 +19,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
-from furuta_ros.process_start import own_arguments, program_name
+from furuta_ros.process_start import own_arguments
 from furuta_ros.stop_signal import StopSignal
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
@@ -70,7 +72,7 @@ def freeze_startup_objects() -> None:
     gc.freeze()
 
 
-def run_node(make: Callable[[], Node]) -> int:
+def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
     """Run one node until it is told to stop; returns the process's exit status.
 
     The status is 0 if the node was ready, 130 if Ctrl-C ended it before, and 143 after SIGTERM.
@@ -78,8 +80,8 @@ def run_node(make: Callable[[], Node]) -> int:
     stop = StopSignal()
     given = own_arguments(sys.argv[1:])
     if given:
-        allowed = "takes only ROS arguments, after --ros-args"
-        return fail(f"{program_name()} {allowed}; given {shortened(' '.join(given))}", 2)
+        program, shown = Path(sys.argv[0]).name, shortened(" ".join(given))
+        return fail(f"{program} takes only ROS arguments, after --ros-args; given {shown}", 2)
     try:
         with ros_context(None):
             return _spin_node(make, stop)
@@ -89,15 +91,14 @@ def run_node(make: Callable[[], Node]) -> int:
         return 0
 
 
-def _spin_node(make: Callable[[], Node], stop: StopSignal) -> int:
+def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
     node = make()
-    alone = isinstance(node, FurutaNode) and node.one_per_graph
-    with claim_graph(node) if alone else nullcontext():
+    with claim_graph(node) if node.one_per_graph else nullcontext():
         executor = executor_of([node])
         freeze_startup_objects()
         if stop():
             return stop.status
-        problem = node.start_up() if isinstance(node, FurutaNode) else ""
+        problem = node.start_up()
         if problem:
             node.get_logger().error(f"not ready: {problem}")
         else:

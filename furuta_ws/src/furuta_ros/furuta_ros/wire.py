@@ -9,9 +9,9 @@ is its length (uint32) and its elements.
   of doubles position, velocity and effort.
 
 Messages are written into one prepared layout, :data:`JOINT_STATE` or :data:`FLOAT64`. The readers
-for compiled code take that layout with any frame, in either byte order. They check every length
-before they read. To anything else they answer :data:`UNUSUAL`; :func:`deserialized` then reads it
-as the middleware does.
+for compiled code take that layout with any frame. They check every length before they read. To
+anything else, such as another byte order, they answer :data:`UNUSUAL`; :func:`deserialized` then
+reads it as the middleware does.
 """
 
 from struct import unpack_from
@@ -140,7 +140,7 @@ def take_joint_state(data: bytes, previous: int, bounded: bool, x: np.ndarray) -
 @inlined
 def _after_names(data: bytes) -> int:
     """Where the list of positions stands, behind the joints' usual names; 0 if there is none."""
-    if len(data) < HEADER + 12 or data[0] != 0 or data[1] > 1:
+    if len(data) < HEADER + 12 or data[0] != 0 or data[1] != 1:
         return 0
     frame = _word(data, HEADER + 8)
     if frame > len(data):
@@ -182,13 +182,10 @@ def _aligned(at: int, size: int) -> int:
 def _word(data: bytes, at: int) -> Any:
     """The uint32 at ``at``; the bytes must be there."""
     first, second, third, fourth = data[at], data[at + 1], data[at + 2], data[at + 3]
-    if data[1] == 0:
-        first, second, third, fourth = fourth, third, second, first
     return np.int64(first) | np.int64(second) << 8 | np.int64(third) << 16 | np.int64(fourth) << 24
 
 
 @inlined
 def _number(data: bytes, at: int) -> float:
     """The double at ``at``; the bytes must be there."""
-    first, second = _word(data, at), _word(data, at + 4)
-    return double_of_bits(first | second << 32 if data[1] == 1 else second | first << 32)
+    return double_of_bits(_word(data, at) | _word(data, at + 4) << 32)

@@ -12,6 +12,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.parts.converter import Actuator
+from furuta_model.parts.coupling import Coupling
 from furuta_model.parts.drive import Drive
 from furuta_model.parts.friction_variation import FrictionVariation
 from furuta_model.parts.motion import Cogging, PendulumFriction
@@ -59,6 +60,7 @@ class PlantParameters(NamedTuple):
     sensors: Sensors = Sensors()
     actuator: Actuator = Actuator()
     drive: Drive = Drive()
+    coupling: Coupling = Coupling()
     cogging: Cogging = Cogging()
     pendulum_friction: PendulumFriction = PendulumFriction()
     sensor_faults: SensorFaults = SensorFaults()

@@ -20,7 +20,9 @@ from furuta_model.friction.laws import (
 )
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.converter import Actuator, convert, drive
+from furuta_model.parts.coupling import ElasticRig, design_coupling
 from furuta_model.parts.drive import Drive, mean_torque
+from furuta_model.parts.elastic_motion import advance_elastic, motor_friction
 from furuta_model.parts.friction_variation import FrictionVariation, vary_level
 from furuta_model.parts.motion import (
     Body,
@@ -75,14 +77,16 @@ class Plant(NamedTuple):
     sample_time: float
     substeps: int
     parts: Parts
+    coupling: ElasticRig
     faults: FaultySensors
 
 
 def design_plant(p: PlantParameters) -> Plant:
     """The rig that the parameters describe, with the number of integration steps it needs."""
+    friction = friction_law(p.friction.law, p.friction.parameters)
     return Plant(
         model=p.model,
-        friction=friction_law(p.friction.law, p.friction.parameters),
+        friction=friction,
         sensors=p.sensors,
         actuator=p.actuator,
         sample_time=p.sample_time,
@@ -97,9 +101,11 @@ def design_plant(p: PlantParameters) -> Plant:
             tilt=p.tilt,
             pushes=p.pushes,
             waves=p.waves,
+            elastic=p.coupling.is_elastic,
             sample_time=p.sample_time,
         ),
-        faults=design_faults(p.sensor_faults, p.sample_time, p.seed),
+        coupling=design_coupling(p.coupling, p.model, friction, p.sample_time),
+        faults=design_faults(p.sensor_faults, p.coupling.senses_motor, p.sample_time, p.seed),
     )
 
 
@@ -114,13 +120,14 @@ def _design_parts(
     tilt: Tilt,
     pushes: Pushes,
     waves: TorqueWaves,
+    elastic: bool,
     sample_time: float,
 ) -> Parts:
     """The parts, which the rigs of a study mostly have in common."""
     table = waves.table
     on = any(part != type(part)() for part in (variation, drive, cogging, pendulum_friction, tilt))
     return Parts(
-        any=on or find_law(law).springs or pushes.number > 0 or len(table) > 0,
+        any=on or elastic or find_law(law).springs or pushes.number > 0 or len(table) > 0,
         springs=springs,
         variation=variation,
         drive=drive,
@@ -223,22 +230,35 @@ def _move_with_parts(memory: PlantMemory, voltage: float, plant: Plant) -> None:
         waves=parts.waves,
         memory=memory,
     )
-    advance_with_parts(memory.x, torque, dt, plant.substeps, body, plant.friction)
+    if plant.coupling.on:
+        advance_elastic(memory.x, torque, dt, body, plant.coupling)
+    else:
+        advance_with_parts(memory.x, torque, dt, plant.substeps, body, plant.friction)
     memory.moved += 1
 
 
 @inlined
 def true_friction(memory: PlantMemory, plant: Plant) -> float:
-    """Friction F [V] of the arm."""
+    """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
     if plant.parts.any:
-        return varied_friction(memory, plant.friction, plant.parts.springs, plant.parts.variation)
+        return _friction_with_parts(memory, plant)
     return friction_force(memory.x[PHI_DOT], memory.x[BRISTLE], plant.friction)
+
+
+@compiled
+def _friction_with_parts(memory: PlantMemory, plant: Plant) -> float:
+    coupling, springs, variation = plant.coupling, plant.parts.springs, plant.parts.variation
+    if not coupling.on:
+        return varied_friction(memory, plant.friction, springs, variation)
+    arm = varied_friction(memory, coupling.arm_friction, springs, variation)
+    return arm + motor_friction(memory, springs, variation, coupling)
 
 
 def initial_plant(plant: PlantParameters) -> np.ndarray:
     """Memory (1,) of a plant in its initial state, with the bristle undeflected."""
     memory = new_memory(PlantMemory)
     memory["x"][0, :BRISTLE] = plant.initial
+    memory["motor"]["angle"], memory["motor"]["speed"] = plant.initial.phi, plant.initial.phi_dot
     return memory
 
 

@@ -13,7 +13,7 @@ from furuta_recordings.table_files import SUFFIXES
 from furuta_ros.stop_signal import StopSignal
 from furuta_view.bag_samples import BagSamples
 from furuta_view.charts import SECONDS, Charts
-from furuta_view.exact_cycle import Values, exact_cycle, model_of
+from furuta_view.exact_cycle import encoder_counts, exact_cycle, model_of
 from furuta_view.figures import figures
 from furuta_view.page_layout import Layout, status_html
 from furuta_view.samples import PHI, THETA
@@ -47,8 +47,9 @@ class BagPage:
         with layout.charts:
             self._charts = Charts(server)
         self._seconds = max(STEP, bag.seconds)
+        first = min(SECONDS, self._seconds)  # the charts are full then
         with layout.main:
-            self._time: Any = gui.add_slider("time [s]", 0.0, self._seconds, STEP, self._start())
+            self._time: Any = gui.add_slider("time [s]", 0.0, self._seconds, STEP, first)
             self._play: Any = gui.add_checkbox("play", False)
             self._speed = gui.add_slider("speed", 0.1, 4.0, 0.1, 1.0)
         self._scene = Scene(server)
@@ -71,10 +72,6 @@ class BagPage:
             self._draw(self._time.value)
             sleep(PERIOD)
 
-    def _start(self) -> float:
-        """The first time at which the charts are full."""
-        return min(SECONDS, self._seconds)
-
     def _draw(self, time: float) -> None:
         if time == self._drawn or not self._server.get_clients():
             return
@@ -84,9 +81,5 @@ class BagPage:
         if len(known):
             self._scene.move({"arm": float(known[-1, PHI]), "pendulum": float(known[-1, THETA])})
         self._charts.draw(samples)
-        rows = figures(samples, _counts(self._parameters)).rows()
+        rows = figures(samples, encoder_counts(self._parameters)).rows()
         self._layout.status.content = status_html(str(self._bag.path), rows)
-
-
-def _counts(values: Values) -> int:
-    return int(str(values.get("estimator", {}).get("sensors.encoder_counts", 0)))

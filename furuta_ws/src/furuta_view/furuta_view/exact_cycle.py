@@ -29,6 +29,11 @@ def model_of(values: Values) -> FurutaPendulum:
     return FurutaPendulum()
 
 
+def encoder_counts(values: Values) -> int:
+    """Counts per turn of the arm's encoder; 0 if there is none, or it is not known."""
+    return int(values.get(ESTIMATOR, {}).get("sensors.encoder_counts", 0))
+
+
 def relevant(values: Values) -> tuple[Any, ...]:
     """The values that the cycle depends on, to see whether it must be computed again."""
     return tuple(
@@ -68,5 +73,5 @@ def _ideal_loop(values: Values) -> IdealLoop:
     return IdealLoop(model, analysed_law(law, friction), l1, l2, l3, l4)
 
 
-def _built(node: str, values: Mapping[str, Mapping[str, Any]]) -> Any:
+def _built(node: str, values: Values) -> Any:
     return build(NODES[node].parameters, values[node])

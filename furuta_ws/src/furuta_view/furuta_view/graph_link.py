@@ -26,6 +26,8 @@ END_TIMEOUT = 1.0
 class GraphLink:
     """Requests to the nodes of the graph; each method but :meth:`nodes` is called in a job.
 
+    ``parameters`` reads and sets those of any node, ``bridge`` arms and disarms.
+
     Jobs: ``search`` describes nodes, ``requests`` does what the user asks for, ``arming`` arms and
     disarms, and ``computation`` calls no node.
     """
@@ -33,8 +35,8 @@ class GraphLink:
     def __init__(self) -> None:
         self._node = Node("view_requests", start_parameter_services=False)
         self._executor = SpinningThread([self._node])
-        self._client = ParameterClient(self._node, self._executor)
-        self._bridge = BridgeClient(self._node, self._executor)
+        self.parameters = ParameterClient(self._node, self._executor)
+        self.bridge = BridgeClient(self._node, self._executor)
         self._services = ServiceCaller(self._node, self._executor)
         self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
 
@@ -60,11 +62,11 @@ class GraphLink:
 
     def described(self, node: str) -> list[Described]:
         """All parameters of a node, as its services describe them."""
-        names = [name for name in self._client.names(node) if not is_of_ros(name)]
+        names = [name for name in self.parameters.names(node) if not is_of_ros(name)]
         if not names:
             return []
-        values = self._client.get(node, names)
-        descriptors = self._client.describe(node, names)
+        values = self.parameters.get(node, names)
+        descriptors = self.parameters.describe(node, names)
         if not descriptors:
             return [Described(name, values[name]) for name in names]
         return [
@@ -72,24 +74,9 @@ class GraphLink:
             for name, about in zip(names, descriptors, strict=True)
         ]
 
-    def set(self, node: str, values: dict[str, Any]) -> None:
-        """Set parameters of a node, all or none."""
-        self._client.set_all(node, values)
-
-    def get(self, node: str, names: list[str]) -> dict[str, Any]:
-        """Values of parameters of a node."""
-        return self._client.get(node, names)
-
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
         reset_plant(self._services)
-
-    def arm(self, armed: bool) -> None:
-        """Arm or disarm the bridge. Raises ServiceError with the reason if it refuses."""
-        if armed:
-            self._bridge.arm()
-        else:
-            self._bridge.disarm()
 
 
 def _described(name: str, value: Any, descriptor: ParameterDescriptor) -> Described:

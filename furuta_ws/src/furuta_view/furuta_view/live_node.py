@@ -98,12 +98,12 @@ class LiveNode(Node):
         for index, message in enumerate(states):
             place = index, len(states)
             self._add(message, _at(estimates, *place), _at(commands, *place))
-        for message in _take(self._events):
-            self._on_parameters(deserialize_message(message, ParameterEvent))
-        for message in _take(self._timing):
-            self.timing = deserialize_message(message, UInt64MultiArray)
-        for message in _take(self._diagnostics):
-            self._keep_status(deserialize_message(message, DiagnosticArray))
+        for event in _messages(self._events):
+            self._on_parameters(event)
+        for timing in _messages(self._timing):
+            self.timing = timing
+        for message in _messages(self._diagnostics):
+            self._keep_status(message)
 
     def _add(self, serialized: bytes, estimate: float, command: float) -> None:
         """Keep a sample if the last one that was kept is old enough."""
@@ -163,6 +163,12 @@ def _take(subscription: Subscription) -> Iterator[bytes]:
     with subscription.handle:
         while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
             yield taken[0]
+
+
+def _messages(subscription: Subscription) -> Iterator[Any]:
+    """The messages that have arrived."""
+    for message in _take(subscription):
+        yield deserialize_message(message, subscription.msg_type)
 
 
 def _floats(messages: Iterator[bytes]) -> np.ndarray:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import partial
 from itertools import count
-from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
@@ -11,15 +10,14 @@ import numpy as np
 
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.settings.nodes import ESTIMATOR, HARDWARE_BRIDGE, PLANT
+from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
-from furuta_view.exact_cycle import exact_cycle, model_of, relevant
+from furuta_view.exact_cycle import encoder_counts, exact_cycle, model_of, relevant
 from furuta_view.figures import figures, late_samples
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.live_node import LiveNode
 from furuta_view.page_layout import Layout, Note, status_html
 from furuta_view.parameters_on_page import ParametersOnPage
-from furuta_view.recording_control import RecordingControl
 from furuta_view.rig_controls import RigControls
 from furuta_view.samples import PHI, THETA, TIME
 from furuta_view.scene import Scene
@@ -35,7 +33,7 @@ CHARTS_EVERY, STATUS_EVERY, SEARCH_EVERY = 3, 15, 30
 class LivePage:
     """Everything on the page. :meth:`run` draws until it is told to stop."""
 
-    def __init__(self, server: PageServer, recordings: Path) -> None:
+    def __init__(self, server: PageServer) -> None:
         self._server, gui = server, server.gui
         self._link = GraphLink()
         self._layout = Layout(server)
@@ -45,8 +43,6 @@ class LivePage:
         self._parameters = ParametersOnPage(
             gui, self._link, self._layout.main, self._layout.parameters, self._parameters_changed
         )
-        with self._layout.files:
-            self._recording = RecordingControl(gui, self._parameters, note, recordings)
         self._node = LiveNode(self._parameters.received)
         with self._layout.charts:
             self._charts = Charts(server)
@@ -67,8 +63,7 @@ class LivePage:
 
     def close(self) -> None:
         """End what the page has begun; a plant that it holds continues."""
-        self._recording.stop()
-        if self._lockstep and self._simulation.pacer.holds:
+        if self._lockstep and self._simulation.pacer.speed is not None:
             self._set_run_until(FOREVER)
             self._link.requests.finish(END_TIMEOUT)
         self._link.close()
@@ -79,7 +74,6 @@ class LivePage:
 
     def _draw(self, number: int) -> None:
         self._node.collect()
-        self._recording.update(self._lockstep)
         newest = self._node.samples.last(SECONDS)
         time = float(newest[-1, TIME]) if len(newest) else None
         if number % SEARCH_EVERY == 0:
@@ -99,8 +93,7 @@ class LivePage:
         if time is None:
             self._layout.status.content = status_html("waiting for a running graph", [])
             return
-        sensors = self._parameters.values.get(ESTIMATOR, {})
-        rows = figures(newest, int(sensors.get("sensors.encoder_counts", 0))).rows()
+        rows = figures(newest, encoder_counts(self._parameters.values)).rows()
         if self._lockstep:
             title = f"simulated, lock-step, t = {time:.1f} s"
         else:
@@ -126,7 +119,7 @@ class LivePage:
                 self._set_run_until(until)
 
     def _set_run_until(self, until: float) -> None:
-        work = partial(self._link.set, PLANT, {"run_until": until})
+        work = partial(self._link.parameters.set_all, PLANT, {"run_until": until})
         self._link.requests.submit("pace", work)
 
     def _parameters_changed(self) -> None:

@@ -32,7 +32,6 @@ class Layout:
         if live:
             self.controls = gui.add_folder("Simulation", order=2.0)
             self.parameters = gui.add_folder("All parameters", order=3.0)
-            self.files = gui.add_folder("Files", order=4.0)
 
 
 def status_html(title: str, rows: list[tuple[str, str]]) -> str:

@@ -1,14 +1,9 @@
 """Runs the page over a running graph: the process behind ``furuta view``."""
 
-from pathlib import Path
-
 from furuta_ros.context import ros_context, tell_graph
 from furuta_ros.stop_signal import StopSignal
 from furuta_view.live_page import LivePage
 from furuta_view.server import PageServer
-
-# Where recordings are made that the page begins.
-RECORDINGS = Path("output")
 
 
 def run_page(server: PageServer, namespace: str, opens: bool) -> None:
@@ -17,7 +12,7 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     server.announce(opens)
     with ros_context(namespace=namespace):
         tell_graph(namespace)
-        page = LivePage(server, RECORDINGS)
+        page = LivePage(server)
         try:
             page.run(stop)
         finally:

@@ -28,10 +28,11 @@ class Described(NamedTuple):
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The allowed words, if the node lists them."""
+        """The allowed words, if the node lists them, with the name of an own part if it is one."""
         if not isinstance(self.value, str) or not self.constraints.startswith(CHOICES):
             return ()
-        return tuple(self.constraints.removeprefix(CHOICES).split(", "))
+        words = self.constraints.removeprefix(CHOICES).split(", ")
+        return tuple(dict.fromkeys([*(word for word in words if " " not in word), self.value]))
 
     @property
     def unit(self) -> str:
@@ -76,14 +77,10 @@ def slider_range(value: float, low: float, high: float) -> tuple[float, float, f
     """
     size = abs(value) or 1.0
     if not high - low <= WHOLE_RANGE * size:
-        reach = _round_up(REACH * size)
+        power = 10.0 ** math.floor(math.log10(REACH * size))
+        reach = math.ceil(REACH * size / power - 1e-9) * power  # rounded up
         low, high = max(low, 0.0 if value > 0.0 and low == -math.inf else -reach), min(high, reach)
     low, high = min(low, value), max(high, value)
     if isinstance(value, int):
         return math.floor(low), math.ceil(high), 1
     return low, high, 10.0 ** math.floor(math.log10((high - low or 1.0) / STEPS))
-
-
-def _round_up(value: float) -> float:
-    power = 10.0 ** math.floor(math.log10(value))
-    return math.ceil(value / power - 1e-9) * power

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import yaml
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import parameter_value_to_python
 
@@ -71,18 +70,9 @@ class ParametersOnPage:
                 self._show(node, changed.name, parameter_value_to_python(changed.value))
         self._changed()
 
-    def file(self) -> str:
-        """A ROS parameter file with all values that can be set while the nodes run."""
-        nodes = {
-            node: {"ros__parameters": {name: _plain(value) for name, value in values.items()}}
-            for node, values in self.values.items()
-            if values
-        }
-        return yaml.safe_dump(nodes, sort_keys=False)
-
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""
-        work = partial(self._link.set, node, {name: value})
+        work = partial(self._link.parameters.set_all, node, {name: value})
         self._link.requests.submit((node, name), work, partial(self._refuse, node, name))
 
     def _refuse(self, node: str, name: str, reason: str) -> None:
@@ -124,8 +114,3 @@ class ParametersOnPage:
     def _remove(self, node: str) -> None:
         self._folders.pop(node).remove()
         self.values.pop(node)
-
-
-def _plain(value: Any) -> Any:
-    """A value as YAML has it."""
-    return value if isinstance(value, (bool, int, float, str)) else list(value)

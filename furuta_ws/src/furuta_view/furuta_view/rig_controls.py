@@ -7,6 +7,7 @@ from typing import Any
 import viser
 
 from furuta_view.graph_link import GraphLink
+from furuta_view.jobs import Work
 from furuta_view.page_layout import ALARM, INK, Note
 
 # The bridge publishes its diagnostics once a second; older ones say nothing about now [s].
@@ -18,23 +19,24 @@ class RigControls:
     """A panel of its own that is always in sight.
 
     A narrow page shows one panel at a time. So the main panel begins with the status and *Disarm*.
+    ``shown`` is the element with the status.
     """
 
     def __init__(self, server: Any, link: GraphLink) -> None:
         self._link, gui = link, server.gui
-        disarm, arm = partial(self._call, False), partial(self._call, True)
+        disarm = partial(self._call, link.bridge.disarm)
         self._in_main_panel = gui.add_html("", order=-2.0)
         in_main = gui.add_button("Disarm", color="red", icon=viser.Icon.HAND_STOP, order=-1.0)
         panel = gui.add_panel(order=-1.0)
         with panel.add_tab("Rig"):
-            self._status = gui.add_html("")
+            self.shown = gui.add_html("")
             stop = gui.add_button("Disarm: 0 V", color="red", icon=viser.Icon.HAND_STOP)
             start = gui.add_button("Arm", color="green", icon=viser.Icon.PLAYER_PLAY)
             self._note = Note(gui, 9.0)
         panel.dock_above(gui.main_panel)
         in_main.on_click(disarm)
         stop.on_click(disarm)
-        start.on_click(arm)
+        start.on_click(partial(self._call, link.bridge.arm))
 
     def show(self, status: Any, age: float) -> None:
         """Show the newest diagnostics of the bridge and their age [s], or that there are none."""
@@ -48,19 +50,14 @@ class RigControls:
             below = f"{values['state']}, stops: {values['stops']}"
             self._tell(title, colour, status.message, below)
 
-    @property
-    def text(self) -> str:
-        """What is shown, as HTML."""
-        return str(self._status.content)
-
-    def _call(self, armed: bool, _: Any) -> None:
+    def _call(self, work: Work, _: Any) -> None:
         self._note.tell("")
-        self._link.arming.submit("arm", partial(self._link.arm, armed), self._note.fail)
+        self._link.arming.submit("arm", work, self._note.fail)
 
     def _tell(self, title: str, colour: str, text: str, below: str = "") -> None:
         content = (
             f'<div class="rig" style="padding:2px 8px;font-size:16px"><b style="color:{colour}">'
             f"{escape(title)}</b>: {escape(text)}<br>{escape(below)}</div>"
         )
-        if self._status.content != content:
-            self._status.content = self._in_main_panel.content = content
+        if self.shown.content != content:
+            self.shown.content = self._in_main_panel.content = content

@@ -1,4 +1,4 @@
-"""Controls of the simulated plant: push and reset; in lock-step also pause and speed."""
+"""Controls of the simulated plant: push and reset; in lock-step also the speed."""
 
 from functools import partial
 from time import sleep
@@ -20,6 +20,7 @@ BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
 # Speeds relative to real time; None: as fast as the machine allows.
 FASTEST = "as fast as possible"
 SPEEDS: dict[str, float | None] = {
+    "paused": 0.0,
     "slow, 1/10": 0.1,
     "half": 0.5,
     "real time": 1.0,
@@ -38,25 +39,16 @@ class Pacer:
 
     def __init__(self) -> None:
         self.speed: float | None = None
-        self.paused = False
         self._until = 0.0
         self._last: float | None = None
-
-    @property
-    def holds(self) -> bool:
-        """Whether the plant waits for this pacer."""
-        return self.paused or self.speed is not None
 
     def run_until(self, now: float, plant_time: float) -> float:
         """The time of the plant up to which it may run, at ``now`` of the steady clock."""
         passed = now - self._last if self._last is not None else 0.0
         self._last = now
-        if self.paused:
+        if not self.speed:
             self._until = plant_time
-            return plant_time
-        if self.speed is None:
-            self._until = plant_time
-            return FOREVER
+            return FOREVER if self.speed is None else plant_time
         # A plant that cannot keep up is not sent ahead.
         self._until = min(max(self._until, plant_time), plant_time + self.speed) + (
             passed * self.speed
@@ -65,10 +57,7 @@ class Pacer:
 
 
 class SimulationControls:
-    """Buttons and sliders for the plant, and the ``pacer`` that they set.
-
-    When the page that has paused the plant is closed, the plant continues.
-    """
+    """Buttons and sliders for the plant, and the ``pacer`` that they set."""
 
     def __init__(self, server: Any, link: GraphLink, note: Note) -> None:
         self._link, self._note, self.pacer = link, note, Pacer()
@@ -80,26 +69,11 @@ class SimulationControls:
         reset.on_click(lambda _: link.requests.submit("reset", link.reset, note.fail))
         self._speed = gui.add_dropdown("speed", list(SPEEDS), initial_value=FASTEST, visible=False)
         self._speed.on_update(lambda _: setattr(self.pacer, "speed", SPEEDS[self._speed.value]))
-        self._pause = gui.add_checkbox("pause", False, visible=False)
-        self._pause.on_update(lambda event: self.set_paused(self._pause.value, event.client))
-        self._paused_by: int | None = None
-        server.on_client_disconnect(self.client_gone)
 
     def show_pacing(self, lockstep: bool) -> None:
-        """Show pause and speed in lock-step only."""
-        if self._pause.visible != lockstep:
-            self._pause.visible = self._speed.visible = lockstep
-
-    def set_paused(self, paused: bool, client: Any) -> None:
-        """Pause or continue, as a client wishes."""
-        self.pacer.paused = paused
-        self._paused_by = client.client_id if client and paused else None
-
-    def client_gone(self, client: Any) -> None:
-        """Continue if this client has paused the plant."""
-        if client.client_id == self._paused_by:
-            self.set_paused(False, None)
-            self._pause.value = False
+        """Show the speed in lock-step only."""
+        if self._speed.visible != lockstep:
+            self._speed.visible = lockstep
 
     def _push(self, parameter: str, event: Any) -> None:
         size = self._push_size.value * (1.0 if event.target.value == RIGHT else -1.0)
@@ -108,10 +82,11 @@ class SimulationControls:
 
     def _push_now(self, parameter: str, size: float) -> None:
         """Push by parameters: begin a push without end, and end it after a while."""
-        before = self._link.get(PLANT, [*BEGUN, *SIZES])
+        parameters = self._link.parameters
+        before = parameters.get(PLANT, [*BEGUN, *SIZES])
         try:
             others = {name: [0.0] for name in SIZES}
-            self._link.set(PLANT, others | BEGUN | {parameter: [size]})
+            parameters.set_all(PLANT, others | BEGUN | {parameter: [size]})
             sleep(PUSH_TIME)
         finally:
-            self._link.set(PLANT, {name: list(value) for name, value in before.items()})
+            parameters.set_all(PLANT, {name: list(value) for name, value in before.items()})

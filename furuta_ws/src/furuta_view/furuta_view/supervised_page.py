@@ -2,17 +2,15 @@
 
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from time import sleep
 
-from furuta_graph.children import END_TIMEOUT, Children
+from furuta_graph.children import Children
 from furuta_graph.processes import CHECK_PERIOD, executable
 from furuta_ros.process_start import child_environment
-from furuta_ros.spinning import StopSignal
+from furuta_ros.stop_signal import StopSignal
 from furuta_sim.settings.nodes import PLANT
 from furuta_view.simulation_controls import FOREVER
-
-GRAPH, RELEASE = "graph", "release"
 
 
 def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[str]) -> int:
@@ -24,30 +22,26 @@ def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[st
     """
     stop = StopSignal()
     furuta = str(executable("furuta_bringup", "furuta"))
-    release = [furuta, "param", "set", *shared, PLANT, "run_until", str(FOREVER)]
     shown = _start_page([furuta, "view", *page, *shared])
     if shown is None:
         return 1
-    graph_process, helper = Children(), Children()
-
-    def page_ended() -> None:
-        print(
-            f"error: the page has ended with status {shown.returncode}; the graph runs on "
-            "(furuta view --attach shows it again)",
-            file=sys.stderr,
-        )
-        if "--lockstep" in graph:
-            helper.start(RELEASE, release)
-
+    children = Children()
     try:
-        graph_process.start(GRAPH, [furuta, "run", *shared, *graph])
-        _watch(graph_process, shown, page_ended, stop)
+        children.start("graph", [furuta, "run", *shared, *graph])
+        while not (is_over := stop() or children.any_has_ended()) and shown.poll() is None:
+            sleep(CHECK_PERIOD)
+        if not is_over:
+            _report_end(shown.returncode)
+            if "--lockstep" in graph:
+                release = [furuta, "param", "set", *shared, PLANT, "run_until", str(FOREVER)]
+                subprocess.Popen(release, env=child_environment())
+        while not (stop() or children.any_has_ended()):
+            sleep(CHECK_PERIOD)
     finally:
-        helper.end()
-        graph_process.end()
-        _end(shown)
-    failures = graph_process.failures(stop())
-    return next(iter(failures.values()), 0)
+        children.end()
+        shown.terminate()
+        shown.wait()
+    return next(iter(children.failures(stop()).values()), 0)
 
 
 def _start_page(command: list[str]) -> subprocess.Popen[str] | None:
@@ -62,25 +56,9 @@ def _start_page(command: list[str]) -> subprocess.Popen[str] | None:
     return started
 
 
-def _watch(
-    graph: Children,
-    page: subprocess.Popen[str],
-    page_ended: Callable[[], None],
-    stop: StopSignal,
-) -> None:
-    """Return when the graph ends or ``stop()``; call ``page_ended`` once if the page ends."""
-    was_told = False
-    while not (stop() or graph.any_has_ended()):
-        if page.poll() is not None and not was_told:
-            was_told = True
-            page_ended()
-        sleep(CHECK_PERIOD)
-
-
-def _end(page: subprocess.Popen[str]) -> None:
-    page.terminate()
-    try:
-        page.wait(END_TIMEOUT)
-    except subprocess.TimeoutExpired:
-        page.kill()
-        page.wait()
+def _report_end(status: int) -> None:
+    print(
+        f"error: the page has ended with status {status}; the graph runs on "
+        "(furuta view --attach shows it again)",
+        file=sys.stderr,
+    )

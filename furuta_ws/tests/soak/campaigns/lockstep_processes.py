@@ -84,7 +84,6 @@ class LockstepProcesses:
         expected = simulate(loop(settings), EXACT)
         truths = list(self._observer.truths)
         numbers = (stamps(truths) // 1_000_000).tolist()
-        record.tried["compared samples"] += len(numbers)
         problem = different_run(numbers, states(truths), expected.state)
         record.check("graph = simulation", problem)
         self._observer.clear()
@@ -104,7 +103,6 @@ class LockstepProcesses:
         """Pause or kill a node; the loop must continue, and its motion stay within bounds."""
         record, observer = self._record, self._observer
         kind = pick(self._random, KINDS)
-        record.tried[kind] += 1
         if kind == "kill":
             self._kill()
         elif kind == "pause":

@@ -114,9 +114,8 @@ class RigGraph:
     def intrude(self) -> None:
         """Drive the rig, then disturb it in a random way."""
         deadline = monotonic() + PATIENCE
-        while not (driven := self._drive()) and monotonic() < deadline:
+        while not self._drive() and monotonic() < deadline:
             pass
-        self._record.tried["driven before" if driven else "not driven before"] += 1
         kind = pick(self._random, KINDS)
         getattr(self, f"_{kind}")()
         for each in self._nodes.values():
@@ -228,7 +227,6 @@ def check_rig_log(
     _check_physics(record, x, volts)
     for silent, back in silences:
         record.check("watchdog", late_stop(time, volts, silent, back, ALLOWED))
-    record.tried["driven samples"] = int(np.sum(volts != 0.0))
 
 
 def _check_physics(record: Record, x: np.ndarray, volts: np.ndarray) -> None:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.joint import Joint, JointCycle, Units, joint, joint_cycle
+from furuta.limit_cycles.joint import Joint, JointCycle, joint, joint_cycle
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -75,9 +75,7 @@ class Cascade(NamedTuple):
 Controller = Pid | Cascade
 
 
-def servo_joint(
-    axis: Axis, controller: Controller, speed: float = 0.0, units: Units | None = None
-) -> Joint:
+def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint:
     """The closed loop while the reference moves at ``speed`` V [rad/s].
 
     The states are v, e, and as far as the controller has them the integral and the filter.
@@ -95,7 +93,7 @@ def servo_joint(
     a, r = _closed(controller, axis.inertia, speed)
     b = np.zeros(len(a))
     b[0] = 1.0 / axis.inertia
-    return joint(a, b, np.eye(len(a))[0], axis.friction, axis.law, r, units)
+    return joint(a, b, np.eye(len(a))[0], axis.friction, axis.law, r)
 
 
 def _closed(controller: Controller, inertia: float, speed: float) -> tuple[np.ndarray, np.ndarray]:

@@ -9,8 +9,8 @@ rate σ for which H stays zero at the complex frequency ω + δω + jσ: H_A δA
     U_AV_ω - V_AU_ω > 0
 
 For a law that depends on the present speed alone, V_A = 0 and U_A = dN/dA < 0. The criterion only
-covers the oscillating pair of poles. With N fixed at its real part n, the other two poles are the
-roots of a₀s² + (a₁ + nβ)s + a₄/ω² and must be stable too.
+covers the oscillating pair of poles. With N fixed at its real part n, the other roots of D + nB,
+with G = B/D, must be stable too.
 """
 
 from math import pi
@@ -100,16 +100,22 @@ def _amplitude(gain: float, law: FrictionLaw) -> float | None:
 def _cycle(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> PredictedCycle:
     by_amplitude, by_omega = residual_slopes(amplitude, omega, g, law)
     decay = float(np.imag(np.conj(by_amplitude) * by_omega))
-    a0, a1, _, _, a4 = g.denominator
-    damping = a1 + g.numerator[0] * describing_function(amplitude, omega, law).real
     return PredictedCycle(
         omega,
         amplitude,
         2.0 * amplitude / omega,
         2.0 * pi / omega,
-        decay > 0.0 and a0 > 0.0 and damping > 0.0 and a4 >= 0.0,
+        decay > 0.0 and _others_decay(amplitude, omega, g, law),
         bias(amplitude, law),
     )
+
+
+def _others_decay(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> bool:
+    """Whether all poles but the oscillating pair decay, with N fixed at its real part."""
+    n = describing_function(amplitude, omega, law).real
+    poles = np.roots(np.polyadd(g.denominator, n * np.array(g.numerator)))
+    others = poles[np.argsort(np.abs(poles**2 + omega**2))][2:]
+    return bool(np.all(others.real <= 0.0))
 
 
 def _sorted(cycles: list[PredictedCycle]) -> tuple[PredictedCycle, ...]:

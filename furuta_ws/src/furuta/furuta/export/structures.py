@@ -17,16 +17,21 @@ _KINDS = {float: REAL, int: INTEGER, bool: TRUTH}
 
 def structures(whole: Translation, kind: type) -> str:
     """The definition of the structure of a memory, after those of the memories in it."""
-    inner = [structures(whole, each) for _, each, _ in _used(whole, kind) if _is_memory(each)]
+    # The same memory may be in several places.
+    return "\n\n".join(dict.fromkeys(_definitions(whole, kind)))
+
+
+def _definitions(whole: Translation, kind: type) -> Iterator[str]:
     lines = [comment(summary(kind)), "typedef struct {"]
     for name, each, value in _used(whole, kind):
         if isinstance(value, np.ndarray):
             lines.append(f"    {whole.precision.name} {name}[{value.size}];")
         elif _is_memory(each):
+            yield from _definitions(whole, each)
             lines.append(f"    {whole.structure_name(each)} {name};")
         else:
             lines.append(f"    {whole.precision.type_of(_KINDS[each])} {name};")
-    return "\n\n".join([*inner, "\n".join([*lines, f"}} {whole.structure_name(kind)};"])])
+    yield "\n".join([*lines, f"}} {whole.structure_name(kind)};"])
 
 
 def initialisation(whole: Translation, kind: type, path: str = "memory->") -> str:

@@ -9,7 +9,10 @@ import numpy as np
 from furuta.export.text import filled
 from furuta.export.values import DOUBLE, Precision
 from furuta_model.parts.pushes import Pushes
-from furuta_sim.simulation.closed_loop import Loop, simulate
+from furuta_model.parts.sensor_faults import SensorFaults
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.plant import Noise, measure
+from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 
 SAMPLES = 500
 # A push on the pendulum that lets it fall: when and how long [s], relative to its weight.
@@ -20,19 +23,27 @@ FLOAT_TOLERANCE = 1e-3
 
 def test_program(loop: Loop, precision: Precision) -> str:
     """The program for a loop: the last bit must agree in double."""
-    plant = loop.plant
-    push = Pushes(
-        times=(PUSH_BEGIN,), durations=(PUSH_TIME,), pendulum=(PUSH_SIZE * plant.model.delta,)
-    )
-    run = simulate(loop._replace(plant=plant._replace(pushes=push)), SAMPLES * plant.sample_time)
+    size = PUSH_SIZE * loop.plant.model.delta
+    push = Pushes(times=(PUSH_BEGIN,), durations=(PUSH_TIME,), pendulum=(size,))
+    plant = loop.plant._replace(pushes=push, sensor_faults=SensorFaults())
+    run = simulate(loop._replace(plant=plant), SAMPLES * plant.sample_time)
     return filled(
         "loop_test.c",
         real=precision.name,
         samples=SAMPLES,
-        readings=_rows(run.measurement.tolist(), precision),
+        readings=_rows(_readings(run, plant).tolist(), precision),
         expected=_rows(np.column_stack([run.command, run.friction_estimate]).tolist(), DOUBLE),
         tolerance=FLOAT_TOLERANCE * loop.controller.voltage_limit if precision.suffix else 0.0,
     )
+
+
+def _readings(run: Record, plant: PlantParameters) -> np.ndarray:
+    """What the sensors said (n, 5); the record has what the estimator made of it."""
+    readings = run.measurement.copy()
+    noise = Noise(plant.seed)
+    for state, reading in zip(run.state, readings, strict=True):
+        measure(state, noise(), plant.sensors, reading)
+    return readings
 
 
 def _rows(rows: Iterable[list[float]], precision: Precision) -> str:

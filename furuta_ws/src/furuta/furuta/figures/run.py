@@ -24,6 +24,7 @@ TITLES = {
     "coulomb": "Coulomb (Fig. 7)",
     "lugre": "LuGre (Fig. 8)",
     "tuned": "LuGre, tuned (Fig. 9)",
+    "recommended": "recommended",
 }
 # Length of the part that is shown of each phase of the demo [s].
 SHOWN = 10.0
@@ -40,7 +41,7 @@ def draw_run(run: Record, path: Path) -> None:
 def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
     """Draw one column per phase and one row per signal; a row has one scale."""
     shape = (len(SIGNALS), len(phases))
-    with saved_figure(path, *shape, sharex="col", sharey="row", figsize=(14, 8)) as (figure, axes):
+    with saved_figure(path, *shape, sharex="col", sharey="row", figsize=(17, 8)) as (figure, axes):
         for column, phase in zip(axes.T, phases, strict=True):
             draw_signals(column, recorded.between(max(phase.start, phase.end - SHOWN), phase.end))
             column[0].set_title(TITLES[phase.compensation])

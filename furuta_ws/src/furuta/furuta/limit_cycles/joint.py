@@ -52,9 +52,29 @@ class Joint(NamedTuple):
     loop: LinearLoop
     units: Units
 
-    def state(self, x: np.ndarray) -> np.ndarray:
-        """The engine's state for x (n,) with a relaxed bristle, at position 0."""
+    def state(self, x: np.ndarray | None = None) -> np.ndarray:
+        """The engine's state for x (n,) with a relaxed bristle, at position 0.
+
+        By default the joint rests, and all other states are displaced by their unit.
+        """
+        if x is None:
+            x = self.units.basis @ np.append(0.0, np.ones(len(self.loop.b) - 1))
+        if np.shape(x) != (len(self.loop.b),) or not np.all(np.isfinite(x)):
+            raise ParameterError(f"the start must be {len(self.loop.b)} finite numbers, given {x}")
         return np.concatenate([[0.0], np.linalg.solve(self.units.basis, x), [0.0]])
+
+    def in_units(self, new: Units) -> Joint:
+        """The same loop in the units of another one, so that their states can be compared."""
+        old, loop = self.units, self.loop
+        time, force = new.time / old.time, new.force / old.force
+        basis = np.linalg.solve(new.basis, old.basis)
+        law = loop.law._replace(
+            parameters=friction_in(
+                Units(time, new.position / old.position, force, basis), loop.law.parameters
+            )
+        )
+        a = np.ascontiguousarray(basis @ loop.a @ np.linalg.inv(basis) * time)
+        return Joint(LinearLoop(a, basis @ loop.b * force * time, basis @ loop.r * time, law), new)
 
 
 class JointCycle(NamedTuple):
@@ -95,7 +115,6 @@ def joint(
     friction: Friction,
     law: str = "stribeck",
     offset: np.ndarray | None = None,
-    units: Units | None = None,
 ) -> Joint:
     """The loop ẋ = A x + b f + r, v = c x with friction f = −F.
 
@@ -106,7 +125,6 @@ def joint(
         friction: Its parameters in the units of force and speed.
         law: coulomb, stiction, stribeck, lugre or dahl.
         offset: r (n,), for example of a reference that moves at constant speed.
-        units: Those of another loop, so that states of both can be compared.
 
     Raises:
         ParameterError: The law is not analysed, or the matrices do not fit.
@@ -125,9 +143,9 @@ def joint(
         raise ParameterError(
             f"a force must accelerate the joint: c·b is {c @ b:g}, must be above 0"
         )
-    units = units or _units(a, b, c, friction)
+    units = _units(a, b, c, friction)
     inverse = np.linalg.inv(units.basis)
-    scaled = analysed_law(law, _scaled(friction, units))
+    scaled = analysed_law(law, friction_in(units, friction))
     return Joint(
         LinearLoop(
             np.ascontiguousarray(inverse @ a @ units.basis * units.time),
@@ -171,7 +189,7 @@ def _balance(a: np.ndarray) -> np.ndarray:
     return scales
 
 
-def _scaled(p: Friction, units: Units) -> Friction:
+def friction_in(units: Units, p: Friction) -> Friction:
     """The parameters of friction in these units."""
     return Friction(
         sigma0=p.sigma0 * units.position / units.force,
@@ -184,8 +202,8 @@ def _scaled(p: Friction, units: Units) -> Friction:
     )
 
 
-def joint_cycle(given: Joint, start: np.ndarray) -> JointCycle:
-    """The final motion from state x (n,)."""
+def joint_cycle(given: Joint, start: np.ndarray | None = None) -> JointCycle:
+    """The final motion from state x (n,), by default that of :meth:`Joint.state`."""
     return _with_units(given, limit_cycle(given.loop, given.state(start)))
 
 
@@ -213,7 +231,7 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
 def _peak_to_peak(loop: LinearLoop, cycle: LimitCycle) -> float:
     """Peak to peak of the position without its mean motion."""
     drift = cycle.rotation_rate_rad_s
-    if cycle.kind != "oscillation" or abs(drift) * cycle.period_s < STILL:
+    if cycle.kind != "oscillation" or not STILL <= abs(drift) * cycle.period_s < np.inf:
         return cycle.phi_peak_to_peak_rad
     path = trace(loop, cycle)
     time, position, speed = path.time, path.state[:, PHI] - drift * path.time, path.state[:, 1]
@@ -237,19 +255,31 @@ def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
 
 
 def joint_branch(
-    joint_at: Callable[[float, Units | None], Joint],
+    joint_at: Callable[[float], Joint],
     low: float,
     high: float,
     value: float,
-    start: np.ndarray,
+    start: np.ndarray | None = None,
 ) -> list[tuple[float, JointCycle, str]]:
-    """The branch of cycles over a parameter, from the cycle at ``value`` on: value, cycle, event.
+    """The branch of cycles over a parameter, through the cycle at ``value``.
 
-    ``joint_at`` makes the loop for a value, in the units of another one if they are given.
+    Args:
+        joint_at: Makes the loop for a value of the parameter.
+        low: Lower end of the range of the parameter.
+        high: Its upper end.
+        value: Where the branch begins, from a cycle that is the final motion there.
+        start: State x (n,) from which that motion is followed; by default that of
+            :meth:`Joint.state`.
+
+    Returns:
+        Value, cycle and event (:class:`~furuta.limit_cycles.continuation.BranchPoint`), in order
+        along the branch. Cycles with a multiplier beyond 1 are unstable.
+
+    Raises:
+        ParameterError: The final motion at ``value`` is no cycle, or a loop is not possible.
     """
-    here = joint_at(value, None)
+    here = joint_at(value)
     cycle = limit_cycle(here.loop, here.state(start))
-    points = continuation.Branch(lambda value: joint_at(value, here.units).loop, low, high).follow(
-        value, cycle
-    )
+    branch = continuation.Branch(lambda value: joint_at(value).in_units(here.units).loop, low, high)
+    points = branch.follow(value, cycle)
     return [(point.value, _with_units(here, point.cycle), point.event) for point in points]

@@ -38,6 +38,7 @@ WINDOWS = 20  # times without a reversal that the motion is followed on
 MAX_TURNS = 4  # largest number of upper reversals per period
 NEARBY = 0.05  # relative change of the section point below which Newton's method is started
 REPEATED = 1e-7  # relative change of the section point that is no change
+SAME_SIZE = 1e-4  # such a change relative to the size of a cycle
 MUCH_CLOSER = 0.1  # ratio of such changes from which another period than the failed one is tried
 STEADY = 0.01  # relative change of speed over the longest return of a steady rotation
 STILL = 1e-6  # largest speed [rad/s] and angle [rad] of the pendulum in a steady rotation
@@ -142,7 +143,10 @@ class _Search:
         cycle = periodic_orbit(self._section, point, turns, self._largest)
         if cycle is None and closeness < REPEATED:
             # Newton's method needs a smooth map; beside an unstable rest it may not be.
-            return limit_cycle_through(self._section, point, turns, self._largest)
+            cycle = limit_cycle_through(self._section, point, turns, self._largest)
+            change = closeness * float(np.linalg.norm(point))
+            if cycle is not None and change > SAME_SIZE * cycle.phi_peak_to_peak_rad:
+                return None  # it dies out beside a state that does not
         return cycle
 
     def _without_return(self, end: Return) -> LimitCycle | None:

@@ -123,30 +123,56 @@ def _observed_rate(dx: np.ndarray, mode: float, loop: LinearLoop) -> float:
 
 @compiled
 def _event(x: np.ndarray, high: float, m: np.ndarray, mode: float, loop: LinearLoop) -> float:
-    """The time of the first event before ``high``, where the event function is below zero."""
-    low = 0.0
+    """The time of the first event before ``high``, where the event function is below zero.
+
+    By bisection from a state that comes ever closer to the event.
+    """
+    low, width, size = 0.0, high, _norm(m)
     for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        value = before_event((_exponential(m, middle) @ x)[:-1], mode, loop)
-        if value < 0.0 or (value == 0.0 and low > 0.0):
-            high = middle
-        else:
-            low = middle
-        if high - low <= 1e-16 * high:
+        width *= 0.5
+        middle = _exponential(m, width) @ x if size * width > 0.5 else _advanced(x, width, m)
+        value = before_event(middle[:-1], mode, loop)
+        if not (value < 0.0 or (value == 0.0 and low > 0.0)):
+            low, x = low + width, middle
+        if width <= 1e-16 * (low + width):
             break
-    return high
+    return low + width
+
+
+@compiled
+def _advanced(x: np.ndarray, t: float, m: np.ndarray) -> np.ndarray:
+    """e^{Mt} x for a small norm of Mt, by its series."""
+    n = len(x)
+    result, term, following = x.copy(), x.copy(), np.empty(n)
+    for k in range(1, TERMS + 1):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += m[i, j] * term[j]
+            following[i] = total * t / k
+        for i in range(n):
+            term[i] = following[i]
+            result[i] += term[i]
+    return result
+
+
+@compiled
+def _norm(m: np.ndarray) -> float:
+    """The largest sum of the magnitudes of a column."""
+    size = 0.0
+    for j in range(len(m)):
+        total = 0.0
+        for i in range(len(m)):
+            total += abs(m[i, j])
+        size = max(size, total)
+    return size
 
 
 @compiled
 def _exponential(m: np.ndarray, t: float) -> np.ndarray:
     """e^{Mt} by scaling and squaring."""
     n = len(m)
-    size = 0.0
-    for j in range(n):
-        total = 0.0
-        for i in range(n):
-            total += abs(m[i, j])
-        size = max(size, total * t)
+    size = _norm(m) * t
     halvings = 0
     while size > 0.5:
         size *= 0.5

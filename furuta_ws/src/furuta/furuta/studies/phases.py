@@ -5,11 +5,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_recordings.bags.recorded_loop import RecordedRun
+from furuta_sim.settings.recommended import RECOMMENDED
 from furuta_sim.simulation.oscillation import measure_oscillation
 
-# The phases: the three compensations of the paper, then LuGre with tuned parameters.
+# The phases: the three compensations of the paper, LuGre with tuned parameters, and the recommended
+# setting.
 TUNED = "tuned"
-COMPENSATIONS = ("none", "coulomb", "lugre", TUNED)
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, RECOMMENDED)
 # Last part of each phase, after the transients, that is evaluated.
 SETTLED = 0.75
 

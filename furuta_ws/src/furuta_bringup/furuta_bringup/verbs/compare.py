@@ -44,6 +44,9 @@ HEADINGS = {
     "within_count": "within",
     "falls": "falls",
     "command_rms_v": "rms u",
+    "command_step_v": "rms Δu",
+    "command_high_frequency_v": "> 50 Hz",
+    "delay_margin_s": "delay [s]",
     "pushes_survived": "pushes",
 }
 
@@ -131,6 +134,8 @@ def command(
     report = comparison_report(outcome, scores, count, by_rig=truths)
     report["impossible"] = len(comparison.impossible)
     report["tuned"] = [best._asdict() for best in tuned]
+    chosen_settings = {each.name: each.settings for each in candidates}
+    report["recommended_settings"] = chosen_settings.get(report["recommended"], {})
     if as_json:
         print_json(report)
         return
@@ -138,10 +143,11 @@ def command(
         _print_truths(outcome)
     title = (
         f"arm, peak to peak [rad], over {report['rigs']} rigs; fraction within one count, which is "
-        f"{count:.4f} rad; rms u [V]; pushes survived"
+        f"{count:.4f} rad; rms of u, of its steps and above 50 Hz [V]; delay and pushes survived"
     )
     print_table(title, report["ranking"], HEADINGS)
-    show({name: report[name] for name in ("impossible", "tuned", "recommended")}, as_json)
+    last = ("impossible", "tuned", "recommended_settings", "recommended")
+    show({name: report[name] for name in last}, as_json)
 
 
 def _print_truths(table: Table) -> None:

@@ -53,7 +53,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Compare no, Coulomb, LuGre and tuned LuGre compensation on the real node graph.
+    """Compare the paper's compensations and the recommended one on the real node graph.
 
     The graph runs in lock-step in one process and is recorded. Parameter services tune
     the compensator and switch between the compensations.

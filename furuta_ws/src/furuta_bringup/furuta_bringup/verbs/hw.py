@@ -42,7 +42,7 @@ def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
 def arm(namespace: str) -> None:
     """Arm the bridge: commands drive the rig from now on.
 
-    If the bridge refuses, or stops within half a second, the reason is printed and the exit status
+    If the bridge refuses, or stops within a second, the reason is printed and the exit status
     is 1.
     """
     with _bridge_client(namespace) as client:

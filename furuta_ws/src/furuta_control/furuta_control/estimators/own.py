@@ -1,17 +1,12 @@
 """A method of the user's own: a function f(memory, x, measurement, p) that moves the estimate x."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.own_functions import begin_own, call_own
 from furuta_model.pendulum import FurutaPendulum
-
-if TYPE_CHECKING:
-    from furuta_control.estimation import EstimatorDesign, EstimatorMemory
 
 
 class OwnEstimation(NamedTuple):
@@ -23,7 +18,7 @@ class OwnEstimation(NamedTuple):
 
 
 @inlined
-def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Move the estimate by one sample with a ``measurement`` (5,)."""
     m = p.own.model
     model = FurutaPendulum(m.alpha, m.beta, m.gamma, m.delta)

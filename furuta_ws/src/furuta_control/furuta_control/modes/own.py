@@ -1,16 +1,11 @@
 """A mode of the user's own: a function u = f(memory, x, friction, p), called by its address."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.own_functions import begin_own, call_own
-
-if TYPE_CHECKING:
-    from furuta_control.control import ControllerDesign, ControllerMemory
 
 
 class OwnControl(NamedTuple):
@@ -26,7 +21,7 @@ class OwnControl(NamedTuple):
 
 
 @inlined
-def command(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+def command(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     """Command u [V], unsaturated, for the state estimate ``x``."""
     b = p.balance
     given = OwnControl(b.l1, b.l2, b.l3, b.l4, b.arm_reference, p.voltage_limit, p.sample_time)

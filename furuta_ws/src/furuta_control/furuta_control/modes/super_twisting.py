@@ -7,49 +7,110 @@ r"""Super-twisting rejection of friction, as an integral sliding mode on the arm
 The sliding variable s [V s] is how much friction has changed the arm's speed (Utkin and Shi 1996).
 The correction v is added to u = −Lx. C [V/s] bounds the rate at which friction changes. The gains
 are those of Levant (Int. J. Control 58, 1993).
+
+A bandwidth k [1/s] limits the gain of s: within the layer |s| < 2.25 C/k² both terms are linear,
+:math:`v = -ks + w, \dot w = -0.49\,k^2 s`. The noise of the speed then causes no chatter. s also
+passes a low-pass filter with the rate 3k. Between motor and arm a belt turns the phase by half a
+turn, and without the filter the correction would drive its vibration. A vibration that is sustained
+nevertheless reduces k (:mod:`furuta_model.vibration`).
 """
 
-from dataclasses import dataclass
-from math import copysign, sqrt
+from dataclasses import dataclass, field
+from math import copysign, expm1, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from furuta_model import vibration
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+from furuta_model.vibration import (
+    Vibration,
+    VibrationMemory,
+    part_without_vibration,
+)
+
+# Gains of the root and of the integral.
+ROOT, INTEGRAL = 1.5, 1.1
+# Rate of the low-pass filter relative to the bandwidth.
+ROLL_OFF = 3.0
+# Part of a law with a bandwidth at its start, so that it does not excite a vibration.
+FIRST_PART = 0.25
+# The layer without a bandwidth [V s].
+NO_LAYER = 1e-300
 
 
 @dataclass
 class SuperTwistingMemory:
-    """Whether it has started, the arm's speed without friction [rad/s], and w [V]."""
+    """Whether it has started, the arm's speed without friction [rad/s], s [V s] and w [V]."""
 
     started: bool = False
     speed: float = 0.0
+    sliding: float = 0.0
     correction: float = 0.0
+    vibration: VibrationMemory = field(default_factory=VibrationMemory)
 
 
 class SuperTwisting(NamedTuple):
-    """The sampled law: bound C [V/s] (0: off), (A − BL) of φ̇, b [rad/s²/V], and dt [s]."""
+    """The sampled law: C [V/s] (0: off), (A − BL) of φ̇, b [rad/s²/V], dt [s].
+
+    ``layer`` [V s] is that of the bandwidth, ``share`` that of a new value in the filtered s.
+    """
 
     rate_bound: float
+    layer: float
+    share: float
     a1: float
     a2: float
     a3: float
     a4: float
     b: float
     dt: float
+    first_part: float
+    vibration: Vibration
 
 
-def design(
-    rate_bound: float, model: FurutaPendulum, viscous: float, gain: tuple[float, ...], dt: float
+def design_for_pendulum(
+    rate_bound: float,
+    bandwidth: float,
+    vibration_limit: float,
+    model: FurutaPendulum,
+    viscous: float,
+    gain: tuple[float, ...],
+    dt: float,
 ) -> SuperTwisting:
     """The law for the feedback ``gain`` L (4,); ``viscous`` friction [V s/rad] is in the model."""
     a, b = linearize(model, viscous)
-    a1, a2, a3, a4 = (a[PHI_DOT] - b[PHI_DOT] * np.array(gain)).tolist()
-    b_arm = float(b[PHI_DOT])
-    return SuperTwisting(rate_bound=rate_bound, a1=a1, a2=a2, a3=a3, a4=a4, b=b_arm, dt=dt)
+    closed = tuple((a[PHI_DOT] - b[PHI_DOT] * np.array(gain)).tolist())
+    return design(rate_bound, bandwidth, vibration_limit, closed, float(b[PHI_DOT]), dt)
+
+
+def design(
+    rate_bound: float,
+    bandwidth: float,
+    vibration_limit: float,
+    closed: tuple[float, ...],
+    b: float,
+    dt: float,
+) -> SuperTwisting:
+    """The law for the row ``closed`` (4,) of A − BL, and ``b``, of φ̇."""
+    a1, a2, a3, a4 = closed
+    limited = bandwidth > 0.0
+    return SuperTwisting(
+        rate_bound=rate_bound,
+        layer=max(rate_bound * (ROOT / bandwidth) ** 2, NO_LAYER) if limited else NO_LAYER,
+        share=-expm1(-ROLL_OFF * bandwidth * dt) if limited else 1.0,
+        a1=a1,
+        a2=a2,
+        a3=a3,
+        a4=a4,
+        b=b,
+        dt=dt,
+        first_part=FIRST_PART if limited else 1.0,
+        vibration=vibration.design(vibration_limit, dt),
+    )
 
 
 @inlined
@@ -58,10 +119,16 @@ def correction(
 ) -> float:
     """The correction v [V] for state ``x`` and arm error [rad]; |w| ≤ ``limit`` [V]."""
     if not memory.started:
-        memory.started, memory.speed, memory.correction = True, x[PHI_DOT], 0.0
-    s = (x[PHI_DOT] - memory.speed) / p.b
+        memory.started, memory.speed = True, x[PHI_DOT]
+        memory.sliding = memory.correction = 0.0
+        memory.vibration.part = p.first_part
+    memory.sliding += p.share * ((x[PHI_DOT] - memory.speed) / p.b - memory.sliding)
     acceleration = p.a1 * error + p.a2 * x[PHI_DOT] + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
     memory.speed += p.dt * acceleration
-    w = memory.correction - copysign(1.1 * p.rate_bound * p.dt, s)
+    s = memory.sliding
+    linear = min(abs(s) / p.layer, 1.0)
+    root = copysign(ROOT * sqrt(p.rate_bound * abs(s) * linear), s)
+    part = part_without_vibration(memory.vibration, root, p.vibration)
+    w = memory.correction - copysign(INTEGRAL * p.rate_bound * p.dt * linear, s) * part * part
     memory.correction = min(max(w, -limit), limit)
-    return memory.correction - copysign(1.5 * sqrt(p.rate_bound * abs(s)), s)
+    return memory.correction - root * part

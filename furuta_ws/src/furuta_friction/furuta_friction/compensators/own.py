@@ -1,17 +1,12 @@
 """A compensator of the user's own: a function F̂ = f(memory, x, p), called by its address."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.friction.parameters import Friction, copied
 from furuta_model.own_functions import begin_own, call_own
-
-if TYPE_CHECKING:
-    from furuta_friction.compensation import CompensationDesign, CompensationMemory
 
 
 class OwnCompensation(NamedTuple):
@@ -24,7 +19,7 @@ class OwnCompensation(NamedTuple):
 
 
 @inlined
-def estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V] for the state estimate ``x`` (5,)."""
     given = OwnCompensation(copied(p.friction), p.observer_gain, p.adaptation_gain, p.sample_time)
     begin_own(memory.own, p.function)

@@ -31,5 +31,9 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
 
 
 COMPENSATOR = Compensator(
-    "stiction", "that; at rest the observed friction", estimate, needs_observed_friction=True
+    "stiction",
+    "that; at rest the observed friction",
+    estimate,
+    needs_observed_friction=True,
+    jumps=True,
 )

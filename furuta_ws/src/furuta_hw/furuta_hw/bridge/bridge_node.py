@@ -1,12 +1,11 @@
 """Node ``hardware_bridge``: passes commands to a rig and its measurements to the graph."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import isfinite, nan, pi
 from pathlib import Path
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
@@ -19,7 +18,7 @@ from furuta_hw.bridge.rig_status import rig_status
 from furuta_hw.bridge.sample_clock import SampleClock
 from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_hw.driver_loading import make_driver
+from furuta_hw.drivers import make_driver
 from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
@@ -84,7 +83,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate, raw=True)
         self.create_service(SetBool, "~/arm", self._on_arm)
         # Transitions call methods that a subclass may override, so not from the constructor.
-        self._start_timer: Timer | None = self._steady_timer(START_DELAY, self.start_up)
+        self._start_timer: Timer | None = self.steady_timer(START_DELAY, self.start_up)
 
     @property
     def state(self) -> str:
@@ -95,12 +94,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def connection(self) -> RigConnection | None:
         """The connection to the rig, None while unconfigured."""
         return self.guarded_rig.connection if self.guarded_rig else None
-
-    @property
-    def angles(self) -> tuple[float, float]:
-        """Angles of arm and pendulum in the newest sample [rad]."""
-        arm, pendulum = self._message["position"][0].tolist()
-        return arm, pendulum
 
     def start_up(self) -> str:
         """Enter the state of ``autostart``, once; returns why that failed, if so.
@@ -131,8 +124,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
         self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
-            self._steady_timer(CHECK_PERIOD, self._check),
-            self._steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
+            self.steady_timer(CHECK_PERIOD, self._check),
+            self.steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
 
@@ -272,10 +265,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         message = DiagnosticArray(status=[status])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
-
-    def _steady_timer(self, period: float, callback: Callable[[], object]) -> Timer:
-        """Make a timer that does not follow changes of the system's time."""
-        return self.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 def main() -> None:

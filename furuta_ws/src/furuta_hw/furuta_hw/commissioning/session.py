@@ -8,7 +8,7 @@ from time import monotonic
 from typing import TypeVar
 
 from furuta_hw.connection.rig_driver import LineStatistics, RigSample
-from furuta_hw.driver_loading import make_driver
+from furuta_hw.drivers import make_driver
 from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
@@ -63,7 +63,10 @@ class RigSession:
         The angle of the pendulum is not limited. Raises :class:`RigError`.
         """
         samples = self._samples_from_here()
-        guard = self._make_guard(voltage, arm_range)
+        limits = self.rig.limits._replace(
+            voltage=voltage, arm_angle=arm_range, pendulum_angle=pi, estimate_age=inf
+        )
+        guard = Guard(limits, self.rig.line.sample_time)
         volts, bad_frames = next(experiment), self.statistics().bad
         try:
             for sample in samples:
@@ -94,12 +97,6 @@ class RigSession:
         start = next(samples).arm_angle
         for sample in samples:
             yield sample._replace(arm_angle=sample.arm_angle - start, at_rail=False)
-
-    def _make_guard(self, voltage: float, arm_range: float) -> Guard:
-        limits = self.rig.limits._replace(
-            voltage=voltage, arm_angle=arm_range, pendulum_angle=pi, estimate_age=inf
-        )
-        return Guard(limits, self.rig.line.sample_time)
 
     def _arm(self, guard: Guard, now: float, sample: RigSample) -> None:
         if guard.stops:

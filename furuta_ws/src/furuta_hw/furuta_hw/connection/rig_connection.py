@@ -66,8 +66,6 @@ class RigConnection:
 
     def arm(self) -> None:
         """Arm the rig. Raises :class:`LineError`."""
-        if not self.connected:
-            raise LineError(self.failure)
         with self._closed_on_failure():
             self._driver.arm()
 

@@ -143,10 +143,6 @@ class FrameReader:
         self._rest = b""
         self._overlong = False
 
-    def feed(self, data: bytes) -> list[Frame]:
-        """Return the frames that ``data`` completes."""
-        return list(self.read(data))
-
     def read(self, data: bytes) -> Iterator[Frame]:
         """Yield the frames that ``data`` completes; ``corrupt`` counts up to the frame yielded."""
         *pieces, rest = (self._rest + data).split(b"\0")

@@ -48,28 +48,23 @@ class PhysicalParameters(NamedTuple):
             raise ParameterError(f"physical needs {', '.join(missing)} above 0")
 
 
-def volts_per_torque(p: PhysicalParameters) -> float:
-    """Compute κ = R / (N k_t) [V/(N m)]."""
-    return p.resistance / (p.gear_ratio * p.torque_constant)
+class Normalised(NamedTuple):
+    """α, β, γ, δ of eq. (1) in volts; viscous friction with back-EMF σ₂ [V s/rad]; α₀ [V]."""
+
+    model: FurutaPendulum
+    viscous: float
+    coulomb: float
 
 
-def normalised_model(p: PhysicalParameters) -> FurutaPendulum:
-    """Compute α, β, γ, δ of eq. (1), in volts."""
-    k = volts_per_torque(p)
+def normalise(p: PhysicalParameters) -> Normalised:
+    """The paper's normalised model of a rig."""
+    k = p.resistance / (p.gear_ratio * p.torque_constant)  # κ [V/(N m)]
     m, arm, l = p.pendulum_mass, p.arm_length, p.pendulum_length  # noqa: E741
-    return FurutaPendulum(
+    model = FurutaPendulum(
         alpha=k * (p.arm_inertia + p.gear_ratio**2 * p.rotor_inertia + m * arm**2),
         beta=k * (p.pendulum_inertia + m * l**2),
         gamma=k * m * arm * l,
         delta=k * m * p.gravity * l,
     )
-
-
-def normalised_viscous(p: PhysicalParameters) -> float:
-    """Compute σ₂ [V s/rad]: viscous friction and back-EMF."""
-    return volts_per_torque(p) * p.arm_damping + p.gear_ratio * p.back_emf_constant
-
-
-def normalised_coulomb(p: PhysicalParameters) -> float:
-    """Compute the Coulomb level α₀ [V]."""
-    return volts_per_torque(p) * p.friction_torque
+    viscous = k * p.arm_damping + p.gear_ratio * p.back_emf_constant
+    return Normalised(model, viscous, k * p.friction_torque)

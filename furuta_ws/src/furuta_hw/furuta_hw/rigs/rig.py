@@ -10,6 +10,7 @@ from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSenso
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import About, ParameterError
+from furuta_model.parts.coupling import Coupling
 from furuta_model.parts.drive import Drive
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
@@ -68,6 +69,7 @@ class Rig(NamedTuple):
     drive: DriveConverter = DriveConverter()
     line: RigLine = RigLine()
     limits: SafetyLimits = SafetyLimits()
+    coupling: Coupling = Coupling()
     pendulum_friction: PendulumFriction = PendulumFriction()
     tilt: Tilt = Tilt()
     waves: TorqueWaves = TorqueWaves()

@@ -1,23 +1,16 @@
 """Reads and writes rig files: YAML with a section for each part of a :class:`Rig`.
 
 The model is given in one of three forms: ``model`` (α, β, γ, δ), ``linear`` (the four identified
-coefficients of (3)) or ``physical``. The arm's travel is given as ``limits.arm_angle`` [rad] or as
-``limits.arm_turns``. Values that a file does not give are those of the paper's rig.
+coefficients of (3)) or ``physical``. Values that a file does not give are those of the paper's rig.
 """
 
 from collections.abc import Iterable, Mapping
-from math import pi
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import yaml
 
-from furuta_hw.rigs.physical import (
-    PhysicalParameters,
-    normalised_coulomb,
-    normalised_model,
-    normalised_viscous,
-)
+from furuta_hw.rigs.physical import PhysicalParameters, normalise
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.uncertainty import Uncertainty, uncertainty_from, uncertainty_section
 from furuta_model.linear import from_linear
@@ -35,8 +28,6 @@ class LinearCoefficients(NamedTuple):
     b41: Annotated[float, About("θ̈ per u", "rad/(V s²)", high=0.0)] = -29.0
 
 
-# The arm's travel in turns, an alternative to ``limits.arm_angle`` in radians.
-ARM_TURNS = "limits.arm_turns"
 # Sections of a rig file that hold text for the reader, and one that has its own reader.
 TEXT_SECTIONS = ("name", "sources", "notes")
 UNCERTAINTY = "uncertainty"
@@ -45,8 +36,7 @@ ALWAYS_WRITTEN = ("model", "friction", "poles")
 # The other forms of the model, and all names that a file may have.
 _FORMS: dict[str, type[NamedTuple]] = {"linear": LinearCoefficients, "physical": PhysicalParameters}
 _NAMES = {parameter.name for parameter in declared(Rig)} | {
-    *(f"{form}.{name}" for form, group in _FORMS.items() for name in group._fields),
-    ARM_TURNS,
+    f"{form}.{name}" for form, group in _FORMS.items() for name in group._fields
 }
 _SECTIONS = {name.partition(".")[0] for name in _NAMES}
 
@@ -96,7 +86,7 @@ def _rig(content: Mapping[str, Any]) -> Rig:
     unknown = sorted(str(name) for name in given if name not in _NAMES)
     if unknown:
         raise ParameterError(f"unknown: {', '.join(unknown)}")
-    return build(Rig, _with_model(_with_arm_angle(given)))
+    return build(Rig, _with_model(given))
 
 
 def _numbers(value: Any) -> Any:
@@ -116,23 +106,12 @@ def _with_model(given: dict[str, Any]) -> dict[str, Any]:
         return _model(from_linear(*linear)) | given
     if "physical" in forms:
         physical = build(PhysicalParameters, given, "physical.")
-        friction = {"friction.viscous": normalised_viscous(physical)}
-        if physical.friction_torque > 0.0:
-            friction["friction.alpha0"] = normalised_coulomb(physical)
-        return _model(normalised_model(physical)) | friction | given
+        model, viscous, coulomb = normalise(physical)
+        friction = {"friction.viscous": viscous}
+        if coulomb > 0.0:
+            friction["friction.alpha0"] = coulomb
+        return _model(model) | friction | given
     return given
-
-
-def _with_arm_angle(given: dict[str, Any]) -> dict[str, Any]:
-    """Convert ``limits.arm_turns``, which cables allow to either side, to ``limits.arm_angle``."""
-    if ARM_TURNS not in given:
-        return given
-    if "limits.arm_angle" in given:
-        raise ParameterError(f"give one of limits.arm_angle and {ARM_TURNS}")
-    turns = given[ARM_TURNS]
-    if isinstance(turns, bool) or not isinstance(turns, (int, float)) or not 0.0 < turns <= 1e5:
-        raise ParameterError(f"{ARM_TURNS} must be above 0 and at most 100000, given {turns}")
-    return given | {"limits.arm_angle": 2.0 * pi * turns}
 
 
 def _model(model: FurutaPendulum) -> dict[str, Any]:

@@ -12,7 +12,7 @@ Each wave of the torque has two values, `wave14_cos` and `wave14_sin` [V] for 14
 """
 
 from collections.abc import Mapping
-from math import exp, isfinite
+from math import exp
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,6 +41,14 @@ LARGEST_WAVE = 10.0  # amplitude [V]
 INERTIAS = ("arm_inertia", "beta", "gamma", "delta")
 _PARTS = ("cos", "sin")
 _FRICTION = ("sigma0", "sigma1", "stribeck_velocity", "viscous", "alpha0", "alpha1", "asymmetry")
+# Where a rig has each value that is neither of its model nor of a wave.
+_PLACES = {name: ("friction", name) for name in _FRICTION} | {
+    "pendulum_viscous": ("pendulum_friction", "damping"),
+    "pendulum_coulomb": ("pendulum_friction", "coulomb"),
+    "delay": ("drive", "delay"),
+    "tilt_x": ("tilt", "x"),
+    "tilt_y": ("tilt", "y"),
+}
 
 
 class Uncertainty(NamedTuple):
@@ -84,12 +92,7 @@ def values_of(rig: Rig) -> dict[str, float]:
     return {
         "arm_inertia": body.alpha - body.gamma**2 / body.beta,
         **{name: getattr(body, name) for name in INERTIAS[1:]},
-        **{name: getattr(rig.friction, name) for name in _FRICTION},
-        "pendulum_viscous": rig.pendulum_friction.damping,
-        "pendulum_coulomb": rig.pendulum_friction.coulomb,
-        "delay": rig.drive.delay,
-        "tilt_x": rig.tilt.x,
-        "tilt_y": rig.tilt.y,
+        **{name: getattr(getattr(rig, part), field) for name, (part, field) in _PLACES.items()},
         **wave_values(rig.waves),
     }
 
@@ -103,23 +106,12 @@ def changed_rig(rig: Rig, names: tuple[str, ...], change: np.ndarray) -> Rig:
         else:
             low, high = ABSOLUTE.get(name, (-LARGEST_WAVE, LARGEST_WAVE))
             values[name] = min(max(values[name] + difference, low), high)
-    return _with_values(rig, values)
-
-
-def _with_values(rig: Rig, values: dict[str, float]) -> Rig:
-    """The rig with other values by name."""
+    for name, (part, field) in _PLACES.items():
+        rig = rig._replace(**{part: getattr(rig, part)._replace(**{field: values[name]})})
     beta, gamma = values["beta"], values["gamma"]
     alpha = values["arm_inertia"] + gamma**2 / beta
-    return rig._replace(
-        model=FurutaPendulum(alpha, beta, gamma, values["delta"]),
-        friction=rig.friction._replace(**{name: values[name] for name in _FRICTION}),
-        pendulum_friction=rig.pendulum_friction._replace(
-            damping=values["pendulum_viscous"], coulomb=values["pendulum_coulomb"]
-        ),
-        drive=rig.drive._replace(delay=values["delay"]),
-        tilt=rig.tilt._replace(x=values["tilt_x"], y=values["tilt_y"]),
-        waves=_with_amplitudes(rig.waves, values),
-    )
+    model = FurutaPendulum(alpha, beta, gamma, values["delta"])
+    return rig._replace(model=model, waves=_with_amplitudes(rig.waves, values))
 
 
 def _with_amplitudes(waves: TorqueWaves, values: dict[str, float]) -> TorqueWaves:
@@ -172,28 +164,21 @@ def _number(name: Any, value: Any, known: tuple[str, ...]) -> float:
 
 def _correlations(rows: Any, size: int) -> np.ndarray:
     """The whole matrix (size, size) from its lower triangle; without one, no correlations."""
-    if rows is None:
-        return np.eye(size)
-    problem = ParameterError(
-        f"uncertainty.correlations must be the {size} rows of a lower triangle with numbers from "
-        "-1 to 1, and 1 at the end of each row"
-    )
-    if not isinstance(rows, list) or len(rows) != size:
-        raise problem
     matrix = np.eye(size)
-    for i, row in enumerate(rows):
-        if not isinstance(row, list) or len(row) != i + 1:
-            raise problem
-        for j, value in enumerate(row):
-            number = number_from_text(value)
-            if not isinstance(number, (int, float)) or not isfinite(number) or abs(number) > 1.0:
-                raise problem
-            matrix[i, j] = matrix[j, i] = number
-    if (
-        np.any(np.diag(matrix) != 1.0)
-        or np.linalg.eigvalsh(matrix).min(initial=0.0) < -ROUNDING * size
-    ):
-        raise problem
+    try:
+        lower = [np.array(row, float) for row in rows or matrix[:0]]
+        valid = rows is None or [row.shape for row in lower] == [(i + 1,) for i in range(size)]
+    except (TypeError, ValueError):
+        valid = False
+    if valid:
+        for i, row in enumerate(lower):
+            matrix[i, : i + 1] = matrix[: i + 1, i] = row
+        valid = bool(np.all(np.abs(matrix) <= 1.0) and np.all(np.diag(matrix) == 1.0))
+    if not valid or np.linalg.eigvalsh(matrix).min(initial=0.0) < -ROUNDING * size:
+        raise ParameterError(
+            f"uncertainty.correlations must be the {size} rows of a lower triangle with numbers "
+            "from -1 to 1, and 1 at the end of each row"
+        )
     return matrix
 
 

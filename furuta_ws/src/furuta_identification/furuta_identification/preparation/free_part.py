@@ -62,7 +62,7 @@ class _Swings(NamedTuple):
     """
 
     time: np.ndarray
-    points: np.ndarray
+    turns: np.ndarray
     amplitude: np.ndarray
     frequency: np.ndarray
     arm: np.ndarray
@@ -152,7 +152,7 @@ def _why(swings: _Swings) -> str:
 
 def _cut(recording: Recording, swings: _Swings, first: int, end: int) -> FreePart:
     """The swings from ``first`` to before ``end``."""
-    points = swings.points[first : end + 1]
+    points = swings.turns[first : end + 1]
     start, stop, middle = (swings.time[k] for k in (first, end, (first + end) // 2))
     angles = recording.measured[points, THETA]
     centre = float(np.mean(0.5 * (angles[1:] + angles[:-1])))

@@ -63,7 +63,7 @@ class Body(NamedTuple):
 
 
 @inlined
-def _stage(
+def arm_stage(
     phi: float,
     v: float,
     theta: float,
@@ -168,7 +168,7 @@ def _keep(body: Body) -> None:
     keep_springs(body.memory, body.springs)
 
 
-advance_with_parts = integrator(_stage, _keep)
+advance_with_parts = integrator(arm_stage, _keep)
 
 
 @inlined

@@ -1,6 +1,6 @@
 """What the plant remembers from sample to sample."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -12,6 +12,20 @@ from furuta_model.state import PLANT_STATES, RIGID_STATES
 # Largest delay of drive and sensors [samples].
 MAX_DELAY: Final = 100
 DELAY_SLOTS: Final = MAX_DELAY + 1
+
+
+@dataclass
+class MotorMemory:
+    """The motor behind an elastic coupling: angle [rad], speed [rad/s] and its friction.
+
+    ``bristle`` and the springs are those of :class:`PlantMemory` and its state, on the motor.
+    """
+
+    angle: float = 0.0
+    speed: float = 0.0
+    bristle: float = 0.0
+    springs: np.ndarray = zeros(MAX_SPRINGS)
+    next_springs: np.ndarray = zeros(MAX_SPRINGS)
 
 
 @dataclass
@@ -30,6 +44,7 @@ class PlantMemory:
         last_reading: Last reading of each signal, which a stuck sensor repeats.
         voltages: The last voltages of the drive [V], for its delay.
         states: The last states, for the delay of the sensors.
+        motor: The motor, if its coupling to the arm is elastic.
     """
 
     x: np.ndarray = zeros(PLANT_STATES)
@@ -43,3 +58,4 @@ class PlantMemory:
     last_reading: np.ndarray = zeros(RIGID_STATES)
     voltages: np.ndarray = zeros(DELAY_SLOTS)
     states: np.ndarray = zeros(DELAY_SLOTS, RIGID_STATES)
+    motor: MotorMemory = field(default_factory=MotorMemory)

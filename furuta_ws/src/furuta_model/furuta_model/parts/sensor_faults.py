@@ -30,7 +30,10 @@ class SensorFaults(NamedTuple):
 
 
 class FaultySensors(NamedTuple):
-    """The faults, as compiled code uses them; ``stuck_from`` [readings]."""
+    """The faults, as compiled code uses them; ``stuck_from`` [readings].
+
+    ``on_motor``: encoder and tachometer are on the motor's side of an elastic coupling.
+    """
 
     any: bool
     delay: int
@@ -40,13 +43,14 @@ class FaultySensors(NamedTuple):
     arm_bias: float
     arm_speed_bias: float
     pendulum_bias: float
+    on_motor: bool
     seed: int
 
 
-def design_faults(p: SensorFaults, dt: float, seed: int) -> FaultySensors:
-    """The faults for samples of ``dt`` [s]."""
+def design_faults(p: SensorFaults, on_motor: bool, dt: float, seed: int) -> FaultySensors:
+    """The faults for samples of ``dt`` [s]; sensors ``on_motor`` count as faulty."""
     return FaultySensors(
-        p._replace(stuck_from=0.0) != SensorFaults(),
+        on_motor or p._replace(stuck_from=0.0) != SensorFaults(),
         p.reading_delay,
         p.missing,
         SIGNALS_OF_SENSORS[SENSORS.index(p.stuck)],
@@ -54,14 +58,25 @@ def design_faults(p: SensorFaults, dt: float, seed: int) -> FaultySensors:
         p.arm_bias,
         p.arm_speed_bias,
         p.pendulum_bias,
+        on_motor,
         seed,
     )
+
+
+@compiled
+def sensed_state(memory: PlantMemory, i: int, on_motor: bool) -> float:
+    """State i where its sensor is."""
+    if on_motor and i == PHI:
+        return memory.motor.angle
+    if on_motor and i == PHI_DOT:
+        return memory.motor.speed
+    return memory.x[i]
 
 
 @inlined
 def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
     """State i as the sensors see it: some samples ago, with bias."""
-    value = memory.x[i]
+    value = sensed_state(memory, i, p.on_motor)
     if p.delay > 0 and memory.readings > 0:
         value = memory.states[max(memory.readings - p.delay, 0) % DELAY_SLOTS, i]
     bias = 0.0
@@ -79,7 +94,7 @@ def apply_faults(memory: PlantMemory, measurement: np.ndarray, p: FaultySensors)
     """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
     reading = memory.readings
     for i in range(RIGID_STATES):
-        memory.states[reading % DELAY_SLOTS, i] = memory.x[i]
+        memory.states[reading % DELAY_SLOTS, i] = sensed_state(memory, i, p.on_motor)
         if i == p.stuck and reading >= max(p.stuck_from, 1.0):
             measurement[i] = memory.last_reading[i]
         memory.last_reading[i] = measurement[i]

@@ -1,14 +1,17 @@
-"""The springs of the Maxwell-slip law in the plant's memory."""
+"""The springs of the Maxwell-slip law in the memory of the plant."""
 
 from furuta_model.compiled import inlined
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.friction.maxwell_slip import slip_deflection, stretched
-from furuta_model.parts.plant_memory import PlantMemory
+from furuta_model.parts.plant_memory import MotorMemory, PlantMemory
+
+# Whose springs: those of the arm, or those of its motor.
+SpringMemory = PlantMemory | MotorMemory
 
 
 @inlined
 def springs_force(
-    memory: PlantMemory, v: float, h: float, springs: int, law: FrictionLaw
+    memory: SpringMemory, v: float, h: float, springs: int, law: FrictionLaw
 ) -> tuple[float, float]:
     """Mean friction [V] of the springs over ``h`` [s] at speed v [rad/s], without viscous part.
 
@@ -27,14 +30,14 @@ def springs_force(
 
 
 @inlined
-def keep_springs(memory: PlantMemory, springs: int) -> None:
+def keep_springs(memory: SpringMemory, springs: int) -> None:
     """Take the deflections that :func:`springs_force` computed last."""
     for i in range(springs):
         memory.springs[i] = memory.next_springs[i]
 
 
 @inlined
-def springs_friction(memory: PlantMemory, v: float, springs: int, law: FrictionLaw) -> float:
+def springs_friction(memory: SpringMemory, v: float, springs: int, law: FrictionLaw) -> float:
     """Friction [V] of the springs at speed v [rad/s], without viscous part."""
     p = law.parameters
     level = sliding_level(v, v, law)

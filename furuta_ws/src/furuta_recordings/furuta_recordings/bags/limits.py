@@ -1,16 +1,19 @@
 """Limits within which bags are read, and what keeps them in ``rosbags``.
 
-A few kilobytes can stand for gigabytes, and ``rosbags`` and ``mcap`` decompress without a bound. So
-they get the decompressors of this module. Bags of rosbag2 and of Foxglove's writers stay far below
-these limits.
+A few kilobytes can stand for gigabytes, and ``rosbags`` and ``mcap`` decompress without a bound. A
+megabyte of YAML takes ``rosbags`` half a minute. So it gets the decompressors and the reader of
+offered qualities of service of this module. Bags of rosbag2 and of Foxglove's writers stay far
+below these limits.
 """
 
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 import zstandard
 from lz4.frame import LZ4FrameDecompressor
-from rosbags.rosbag2 import storage_mcap
+from rosbags.interfaces import Qos
+from rosbags.rosbag2 import storage_mcap, storage_sqlite3
+from rosbags.rosbag2.metadata import parse_qos
 
 from furuta_model.parameters import ParameterError
 
@@ -19,7 +22,7 @@ from furuta_model.parameters import ParameterError
 LARGEST_CHUNK: Final = 2**25
 LARGEST_EXPANSION: Final = 100
 SMALL: Final = 2**16
-# Largest description of a message type [bytes], and most topics.
+# Largest description of a message type or topic [bytes], and most topics.
 LARGEST_DESCRIPTION: Final = 2**18
 MOST_TOPICS: Final = 10_000
 
@@ -46,6 +49,14 @@ def decompress_chunk(data: bytes, size: int, compression: str) -> bytes:
     return content
 
 
+def parse_offered_qos(dcts: Any) -> list[Qos]:
+    """The qualities of service that a topic's publishers offered; an MCAP file has them as YAML."""
+    if len(dcts) > LARGEST_DESCRIPTION:
+        raise ParameterError(f"a topic described by {len(dcts)} characters of metadata")
+    return parse_qos(dcts)
+
+
+storage_mcap.parse_qos = storage_sqlite3.parse_qos = parse_offered_qos
 storage_mcap.DECOMPRESSORS.update(
     {name: partial(decompress_chunk, compression=name) for name in ("", "lz4", "zstd")}
 )

@@ -34,7 +34,10 @@ SPEED_UNITS = {
     "1/s": 1.0,
 }
 COMMAND_UNITS = {**dict.fromkeys(("v", "volt", "volts"), 1.0), "mv": 1e-3}
-_UNITS = {*TIME_UNITS, *ANGLE_UNITS, *SPEED_UNITS, *COMMAND_UNITS}
+# Units of an axis: of a position along a straight line, and of a current, torque or force.
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
+DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, "nm": 1.0, "n": 1.0}
+_UNITS = {*TIME_UNITS, *ANGLE_UNITS, *SPEED_UNITS, *LENGTH_UNITS, *DRIVE_UNITS}
 # Names of a time that contain the unit: those of Arduino's functions.
 _TIMES = {"millis": "ms", "micros": "us"}
 

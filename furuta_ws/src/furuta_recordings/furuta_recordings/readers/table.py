@@ -37,7 +37,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     (arm, pendulum), about_joints = _joints(path, columns, mapping)
     angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
     stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
-    command = None if mapping.command == NO_COMMAND else _command_column(path, columns, mapping)
+    command = None if mapping.command == NO_COMMAND else command_column(path, columns, mapping)
     series = []
     for joint, angle in zip((arm, pendulum), angles, strict=True):
         series.append(in_si(path, columns, angle, ANGLE_UNITS))
@@ -112,7 +112,7 @@ def _angle(path: Path, columns: Columns, joint: str) -> str:
     return name
 
 
-def _command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
+def command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
     """The column that the user named, exactly or in part; otherwise one with a usual name."""
     wanted = (mapping.command or "").strip("/")
     values = [name for name in columns if not name.endswith("offset")]

@@ -1,4 +1,4 @@
-"""The C firmware compiled for this computer, with the interface of the reference firmware."""
+"""The C firmware compiled for this computer."""
 
 import ctypes
 import struct
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from furuta_hw.protocol.frames import ARMED, WATCHDOG
+from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.emulator.firmware_compiler import (
     compile_firmware,
     emulated_sources,
@@ -43,8 +43,8 @@ class State(NamedTuple):
     in_session: int
 
 
-class CompiledFirmware:
-    """Drop-in replacement of :class:`furuta_sim.emulator.firmware.Firmware`.
+class CompiledFirmware(Firmware):
+    """The same as the reference firmware, whose rules the C core executes.
 
     Each object loads a copy of its own, because the firmware keeps its state in static memory.
     With ``loop``, the folder of an exported loop, that loop runs on the board.
@@ -78,37 +78,18 @@ class CompiledFirmware:
         self._outbox = self._run(POWER_ON.pack(b"b", *self._codes, *ANY_TIMING))
 
     def _run(self, operation: bytes) -> bytes:
-        ((out, self._state),) = parse_log(self._replay(operation))
+        ((out, state),) = parse_log(self._replay(operation))
+        self.number, self.answered = state.number, state.answered
+        self.period_us, self.watchdog = state.period_us, state.watchdog
+        self.session = state.session if state.in_session else None
+        self.code, self._status, self._discarded = state.drive, state.status, state.discarded
+        self.driven = self._driven_before + state.driven
         return out
 
     @property
-    def session(self) -> int | None:
-        """Number of the session; None without one."""
-        return self._state.session if self._state.in_session else None
-
-    def __getattr__(self, name: str) -> int:
-        """The ``number``, ``answered``, ``period_us``, ``watchdog`` and ``discarded`` frames."""
-        return int(getattr(self._state, name))
-
-    @property
-    def code(self) -> int:
-        """The DA code that the board holds."""
-        return self._state.drive
-
-    @property
-    def driven(self) -> int:
-        """Drive frames applied, also before a reboot."""
-        return self._driven_before + self._state.driven
-
-    @property
-    def armed(self) -> bool:
-        """Whether Drive frames are applied."""
-        return bool(self._state.status & ARMED)
-
-    @property
-    def tripped(self) -> bool:
-        """Whether the watchdog has stopped the rig since it was last armed."""
-        return bool(self._state.status & WATCHDOG)
+    def discarded(self) -> int:
+        """Frames discarded since the session started."""
+        return self._discarded
 
 
 def load_replay(*options: str | Path) -> Callable[[bytes], bytes]:

@@ -14,15 +14,12 @@ from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import build_from_known
 from furuta_model.parts.converter import Actuator
+from furuta_model.parts.sensor_faults import sensed_state
 from furuta_model.state import PHI, PHI_DOT, THETA
-from furuta_sim.emulator.compiled_firmware import CompiledFirmware
 from furuta_sim.emulator.faults import Faults, FaultyLine
 from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.plant import Noise, design_plant, initial_plant, move
-
-# Both execute the same rules.
-AnyFirmware = Firmware | CompiledFirmware
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
@@ -33,6 +30,7 @@ def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> Pl
         sensors=rig.sensors,
         actuator=Actuator(rig.drive.range, 0),  # the drive's codes are quantised already
         drive=rig.drive_dynamics,
+        coupling=rig.coupling,
         pendulum_friction=rig.pendulum_friction,
         waves=rig.waves,
         tilt=rig.tilt,
@@ -55,7 +53,7 @@ class EmulatedRig:
         rig: Rig,
         plant: PlantParameters | None = None,
         faults: Faults | None = None,
-        make_firmware: Callable[[int, int, int], AnyFirmware] = Firmware,
+        make_firmware: Callable[[int, int, int], Firmware] = Firmware,
     ) -> None:
         self.plant = plant or plant_of(rig)
         self._rig = rig
@@ -116,11 +114,13 @@ class EmulatedRig:
 
     def _codes(self) -> tuple[int, int, int]:
         x, noise, sensors = self.x, self._noise(), self.plant.sensors
+        memory, on_motor = self._memory[0], self.plant.coupling.senses_motor
         if not self.faults.encoder_stuck:
-            self._arm_code = self._arm.to_code(x[PHI])
+            self._arm_code = self._arm.to_code(sensed_state(memory, PHI, on_motor))
         speed, theta = 0, wrapped(x[THETA])
         if self._rig.speed.sensor == "tachometer":
-            speed = self._speed.to_code(x[PHI_DOT] + sensors.tachometer_noise * noise[0])
+            arm_speed = sensed_state(memory, PHI_DOT, on_motor)
+            speed = self._speed.to_code(arm_speed + sensors.tachometer_noise * noise[0])
         if self._rig.pendulum.sensor == "potentiometer":
             theta += sensors.potentiometer_noise * noise[1]
         pendulum = self._pendulum.to_code(theta)

@@ -14,7 +14,7 @@ from typing import Any
 TIMEOUT = 10.0
 
 
-def serve(path: Path, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> socket.socket:
+def serve(path: Path, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
     """Answer requests at ``path`` on a thread until the process ends."""
     path.unlink(missing_ok=True)
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -34,7 +34,6 @@ def serve(path: Path, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> soc
                     lines.flush()
 
     Thread(target=accept, name="monitor", daemon=True).start()
-    return listener
 
 
 def ask(monitor: Path, do: str, **arguments: Any) -> dict[str, Any]:

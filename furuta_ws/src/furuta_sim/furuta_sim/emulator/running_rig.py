@@ -20,7 +20,7 @@ from furuta_sim.emulator.faults import with_faults
 SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns].
 ANSWER_TIMEOUT = 1_000_000_000
-# Columns of the log.
+# Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
 COLUMNS = ("time_ns", "phi", "phi_dot", "theta", "theta_dot", "volts", "armed", "sample")
 
 
@@ -51,35 +51,13 @@ class PseudoTerminal:
             return
 
 
-class EmulatorLog:
-    """A growing table with a row per sample."""
-
-    def __init__(self) -> None:
-        self._numbers = array("d")
-
-    def add(self, time_ns: int, x: np.ndarray, volts: float, armed: bool, sample: int) -> None:
-        """Add a row: state ``x`` (4 or more) after ``volts`` [V] over the last sample.
-
-        ``time_ns`` is when the sample was due (steady clock).
-        """
-        self._numbers.extend((time_ns, *x[:4], volts, armed, sample))
-
-    def save(self, path: Path) -> int:
-        """Write the rows to an ``.npz`` file; returns their number."""
-        table = np.array(self._numbers[:]).reshape(-1, len(COLUMNS))
-        columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
-        with whole_file(path) as new:
-            np.savez(new, **columns)
-        return len(table)
-
-
 class RunningRig:
     """An emulated rig with its pseudo-terminal and its log."""
 
     def __init__(self, rig: EmulatedRig, period: float) -> None:
         self.rig = rig
         self.terminal = PseudoTerminal()
-        self.log = EmulatorLog()
+        self._log = array("d")
         self._period = round(period * 1e9)
         self.late_samples = 0
         self._lock = Lock()  # the monitor reads on its own thread
@@ -124,8 +102,17 @@ class RunningRig:
         rig = self.rig
         with self._lock:
             out = rig.step()
-        self.log.add(due, rig.x, rig.volts, rig.firmware.armed, rig.firmware.number)
+        firmware = rig.firmware
+        self._log.extend((due, *rig.x[:4], rig.volts, firmware.armed, firmware.number))
         return out
+
+    def _save(self, path: Path) -> int:
+        """Write the log, a row per sample, to an ``.npz`` file; returns the number of rows."""
+        table = np.array(self._log[:]).reshape(-1, len(COLUMNS))
+        columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
+        with whole_file(path) as new:
+            np.savez(new, **columns)
+        return len(table)
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
         """Answer a request of the monitor: status, faults, hold, reboot, save.
@@ -134,7 +121,7 @@ class RunningRig:
         """
         do = request.pop("do", None)
         if do == "save":
-            return {"rows": self.log.save(Path(request["path"]))}
+            return {"rows": self._save(Path(request["path"]))}
         with self._lock:
             return self._answer_at_once(do, request)
 

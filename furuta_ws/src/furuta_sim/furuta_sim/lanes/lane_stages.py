@@ -185,7 +185,14 @@ def measure_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         friction = friction_force(lane.x[PHI_DOT], lane.x[BRISTLE], lane.plant.friction)
-        measure_sample(lane.sums, lane.x, lane.command, friction, lane.friction_estimate)
+        measure_sample(
+            lane.sums,
+            lane.x,
+            lane.command,
+            friction,
+            lane.friction_estimate,
+            lane.plant.sample_time,
+        )
 
 
 @inlined

@@ -195,7 +195,7 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     _run_samples(block, loops, samples - measured)
     outcomes = []
     for i, loop in enumerate(loops):
-        off = bool(block.values("observer", i)[-1][-1])
+        off = block.values("observer.guard.tripped", i)
         sums = block.values("sums", i)
         outcomes.append(summary(sums, loop.sample_time, samples, measured, off))
     return outcomes

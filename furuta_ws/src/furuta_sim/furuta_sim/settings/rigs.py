@@ -68,6 +68,7 @@ def _plant_parts(rig: Rig) -> dict[str, Any]:
         "actuator.voltage_range": rig.drive.range,
         "actuator.bits": rig.drive.bits,
         **values(rig.drive_dynamics, "drive."),
+        **values(rig.coupling, "coupling."),
         **values(rig.pendulum_friction, "pendulum_friction."),
         **values(rig.waves, "waves."),
         **values(rig.tilt, "tilt."),

@@ -13,6 +13,7 @@ from furuta_ros.ros_parameters import by_full_name, is_of_ros
 from furuta_ros.yaml_files import parse_yaml, read_yaml
 from furuta_sim.settings.nodes import NODES, check_graph
 from furuta_sim.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
+from furuta_sim.settings.recommended import is_recommended, recommended_values
 from furuta_sim.settings.rigs import rig_parameters
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -69,6 +70,9 @@ def settings_with(settings: Settings, values: Iterable[tuple[str, Any]]) -> Sett
     """Settings with further values, each by a name as on the command line."""
     changed = merge_settings(settings, default_settings())
     for name, value in values:
+        if is_recommended(name, value):
+            changed = settings_with(changed, recommended_values(changed).items())
+            continue
         for match in parameters_named(name):
             changed[match.node][match.parameter.name] = match.parameter.parsed(value)
     return changed

@@ -43,13 +43,17 @@ from furuta_sim.simulation.oscillation import (
 
 # Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
+# Rate [1/s] of the filter that separates the fast part of the command: 50 Hz.
+FAST = 100.0 * np.pi
 
 
 @dataclass
 class Sums:
     """What is accumulated in a run: the oscillation, and sums over the measured part.
 
-    ``phi``, ``command`` and ``error`` are those of the squares of φ [rad²], u and F − F̂ [V²].
+    ``phi``, ``command`` and ``error`` are those of the squares of φ [rad²], u and F − F̂ [V²];
+    ``step`` and ``fast`` those of the change of u from sample to sample, and of u above
+    :data:`FAST`. ``last`` and ``slow`` are the last u and its slow part [V].
     ``fell``: whether the pendulum has been below the horizontal, in the whole run.
     """
 
@@ -57,6 +61,10 @@ class Sums:
     phi: float = 0.0
     command: float = 0.0
     error: float = 0.0
+    step: float = 0.0
+    fast: float = 0.0
+    last: float = 0.0
+    slow: float = 0.0
     fell: bool = False
 
 
@@ -105,7 +113,8 @@ class Outcome(NamedTuple):
 
     ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
     oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
-    values are about zero: arm angle [rad], command [V], error of the friction estimate F − F̂ [V].
+    values are about zero: arm angle [rad], command [V], its change from sample to sample, its part
+    above 50 Hz (first-order filter), error of the friction estimate F − F̂ [V].
     ``switched_off`` tells whether the guard has switched the compensation off, as worse than none.
     """
 
@@ -115,6 +124,8 @@ class Outcome(NamedTuple):
     stuck_fraction: float
     phi_rms_rad: float
     command_rms_v: float
+    command_step_v: float
+    command_high_frequency_v: float
     friction_error_rms_v: float
     fell: bool
     switched_off: bool
@@ -196,12 +207,14 @@ def summary(
 
     ``sums`` are the fields of :class:`Sums`; ``off``: whether the compensation is switched off.
     """
-    oscillation_sums, phi, command, error, fell = sums
+    oscillation_sums, phi, command, error, step, fast, _, _, fell = sums
     motion = oscillation(OscillationSums(*oscillation_sums), sample_time)
     return Outcome(
         *motion,
         phi_rms_rad=sqrt(phi / measured),
         command_rms_v=sqrt(command / measured),
+        command_step_v=sqrt(step / measured),
+        command_high_frequency_v=sqrt(fast / measured),
         friction_error_rms_v=sqrt(error / measured),
         fell=fell,
         switched_off=off,
@@ -233,8 +246,17 @@ def _empty_record(sample_time: float, samples: int) -> Record:
 
 
 @inlined
-def measure_sample(sums: Sums, x: np.ndarray, u: float, friction: float, estimated: float) -> None:
-    """Include a sample in what is measured: true state, u, F and F̂ [V]."""
+def measure_sample(
+    sums: Sums, x: np.ndarray, u: float, friction: float, estimated: float, dt: float
+) -> None:
+    """Include a sample of ``dt`` [s] in what is measured: true state, u, F and F̂ [V]."""
+    if sums.oscillation.samples == 0:
+        sums.last = sums.slow = u
+    fast = u - sums.slow
+    sums.slow += fast * (FAST * dt / (1.0 + FAST * dt))
+    sums.fast += fast * fast
+    sums.step += (u - sums.last) * (u - sums.last)
+    sums.last = u
     accumulate(sums.oscillation, x)
     sums.phi += x[PHI] * x[PHI]
     sums.command += u * u
@@ -285,6 +307,6 @@ def _run(
         if transient // 2 <= k < transient:
             accumulate_midpoint(result.oscillation, x)
         if k >= transient:
-            measure_sample(result, x, u, friction, estimated)
+            measure_sample(result, x, u, friction, estimated, plant.sample_time)
         note_fall(result, x)
         loop.torque = move(loop.plant, u, plant)

@@ -12,6 +12,7 @@ from furuta_model.parameters import Declared, ParameterError, build, values
 from furuta_ros.yaml_files import parse_yaml
 from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.parameter_names import Match, parameters_named
+from furuta_sim.settings.recommended import RECOMMENDED, recommended_values
 from furuta_sim.settings.settings import Settings, default_settings, load_settings, merge_settings
 
 # Factor by which tuning may change a parameter of a standard candidate, either way.
@@ -61,14 +62,17 @@ _TUNABLE = {
     "combined": _COMBINED,
 }
 _TWISTING = "controller.super_twisting"
+_BANDWIDTH = "controller.super_twisting_bandwidth"
 # Averaged over its period, dither smooths friction (Pervozvanski and Canudas de Wit, Automatica 38,
 # 2002). At 20 Hz 4 V are needed on the paper's rig.
 _DITHER = {"excitation.kind": "sine", "excitation.amplitude": 4.0, "excitation.period": 0.05}
-# Every compensation with its parameters as they are set, and methods without a friction estimate.
+# Every compensation with its parameters as they are set, methods without a friction estimate, and
+# the recommended setting, which follows from the model of the settings.
 STANDARD = {name: _standard(name, *_TUNABLE.get(name, ())) for name in COMPENSATIONS} | {
     "combined_twisting": _standard("combined", *_COMBINED, _TWISTING, super_twisting=1.0),
     "super_twisting": _standard("none", _TWISTING, super_twisting=10.0),
     "integral": _standard("none", "controller.integral_time", integral_time=5.0),
+    RECOMMENDED: ({}, (_TWISTING, _BANDWIDTH)),
     "dither": _standard("none", "controller.excitation.amplitude", **_DITHER),
 }
 
@@ -96,6 +100,8 @@ def current_values(settings: Settings, names: Iterable[str]) -> list[float]:
 
 def _standard_candidate(name: str, settings: Settings) -> Candidate:
     given, tunable = STANDARD[name]
+    if name == RECOMMENDED:
+        given = recommended_values(settings)
     plain = Candidate(name, given, {})
     pairs = zip(tunable, current_values(plain.applied_to(settings), tunable), strict=True)
     ranges = {parameter: (value / SPAN, value * SPAN) for parameter, value in pairs if value}

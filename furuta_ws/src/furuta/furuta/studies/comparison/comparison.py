@@ -11,27 +11,37 @@ import numpy as np
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
 from furuta_model.parameters import ParameterError
+from furuta_model.parts.plant_memory import MAX_DELAY
 from furuta_model.parts.pushes import Pushes
 from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.settings.settings import Settings, loop
-from furuta_sim.simulation.closed_loop import Loop, Outcome
+from furuta_sim.simulation.closed_loop import Loop, Outcome, outcome
 
 # Duration of a push on the arm [s].
 PUSH_DURATION = 0.1
+# Numbers that are kept of a run.
+MEASURED = 4
+# Time [s] in which a pendulum falls if the delay is too long.
+DELAYED_SECONDS = 10.0
 
 
 class Table(NamedTuple):
-    """Residuals [rad] and rms commands [V] (candidates, rigs), and which pushes were survived.
+    """Residuals [rad] and commands [V] (candidates, rigs), and which pushes were survived.
 
-    The residual of a rig is the arm angle, peak to peak, and infinite after a fall.
+    The residual of a rig is the arm angle, peak to peak, and infinite after a fall. ``command`` is
+    the rms value, ``step`` and ``fast`` those of its chatter. ``delay`` [s] is the delay margin of
+    each candidate on the nominal rig.
     """
 
     candidates: list[str]
     rigs: list[str]
     residual: np.ndarray
     command: np.ndarray
+    step: np.ndarray
+    fast: np.ndarray
     survived: np.ndarray
+    delay: list[float]
 
 
 class Comparison:
@@ -58,8 +68,7 @@ class Comparison:
         self._seconds = seconds
         self._pushes = pushes
         self._simulated: list[str] = []
-        self._sizes = array("d")
-        self._commands = array("d")
+        self._measured = array("d")
 
     @property
     def size(self) -> int:
@@ -69,21 +78,28 @@ class Comparison:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Run everything; yields a row per run: rig, candidate, push and outcome."""
         waiting: deque[dict[str, Any]] = deque()
-        for outcome in batch(self._loops(waiting), self._seconds):
-            self._sizes.append(residual(outcome))
-            self._commands.append(outcome.command_rms_v)
-            yield waiting.popleft() | outcome._asdict()
+        for run in batch(self._loops(waiting), self._seconds):
+            self._measured.extend(
+                (
+                    residual(run),
+                    run.command_rms_v,
+                    run.command_step_v,
+                    run.command_high_frequency_v,
+                )
+            )
+            yield waiting.popleft() | run._asdict()
         if not self._simulated:
             raise ParameterError(f"no rig is possible: {next(iter(self.impossible.values()))}")
 
     def table(self) -> Table:
         """What the rows say, once all of them have been taken."""
-        shape = len(self._simulated), len(self._controls), 1 + len(self._pushes)
-        sizes = np.reshape(self._sizes, shape).transpose(1, 0, 2)
-        commands = np.reshape(self._commands, shape).transpose(1, 0, 2)
+        shape = len(self._simulated), len(self._controls), 1 + len(self._pushes), MEASURED
+        sizes, *commands = np.reshape(self._measured, shape).transpose(3, 1, 0, 2)
+        rms, step, fast = (each[:, :, 0] for each in commands)
         survived = np.isfinite(sizes[:, :, 1:])
         names = list(self._controls)
-        return Table(names, self._simulated, sizes[:, :, 0], commands[:, :, 0], survived)
+        delays = [delay_margin(control) for control in self._controls.values()]
+        return Table(names, self._simulated, sizes[:, :, 0], rms, step, fast, survived, delays)
 
     def _loops(self, waiting: deque[dict[str, Any]]) -> Iterator[Loop]:
         """The loop of every run; the beginning of its row is appended to ``waiting``."""
@@ -109,9 +125,25 @@ class Comparison:
             yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
 
 
-def residual(outcome: Outcome) -> float:
+def delay_margin(control: Loop) -> float:
+    """The longest delay of the drive [s] with which the pendulum does not fall.
+
+    It is found by bisection in whole samples, and is at most :data:`MAX_DELAY` of them.
+    """
+    plant, stands, falls = control.plant, -1, MAX_DELAY + 1
+    while falls - stands > 1:
+        delay = (stands + falls) // 2
+        delayed = plant._replace(drive=plant.drive._replace(delay=delay))
+        if outcome(control._replace(plant=delayed), DELAYED_SECONDS).fell:
+            falls = delay
+        else:
+            stands = delay
+    return max(stands, 0) * plant.sample_time
+
+
+def residual(run: Outcome) -> float:
     """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
-    return inf if outcome.fell else outcome.phi_peak_to_peak_rad
+    return inf if run.fell else run.phi_peak_to_peak_rad
 
 
 def encoder_resolution(loop: Loop) -> float:

@@ -19,6 +19,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import build, values
+from furuta_model.parts.coupling import SIDES
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.settings import Settings, loop
@@ -27,12 +28,19 @@ from furuta_sim.settings.settings import Settings, loop
 FRICTION_ERROR, MODEL_ERROR = 0.3, 0.1
 _FRICTION = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity", "viscous")
 _MODEL = ("alpha", "beta", "gamma", "delta")
-DISTURBANCES = ("delay", "lag", "noise", "turn", "asymmetry", "cogging")
+DISTURBANCES = ("delay", "lag", "noise", "turn", "asymmetry", "cogging", "coupling")
 # Largest values of the disturbances: delay and lag of the drive [s], factor on the tachometer's
-# noise, amplitude of the level over the turn, difference between the directions, cogging [V].
+# noise, amplitude of the level over the turn, difference between the directions, cogging [V],
+# backlash [rad].
 LARGEST_DELAY, LARGEST_LAG = 0.005, 0.010
 LARGEST_NOISE_FACTOR = 10.0
-LARGEST_CHANGE, LARGEST_ASYMMETRY, LARGEST_COGGING = 0.3, 0.3, 0.05
+LARGEST_CHANGE, LARGEST_ASYMMETRY, LARGEST_COGGING, LARGEST_BACKLASH = 0.3, 0.3, 0.05, 0.005
+# Natural frequencies of an elastic coupling [Hz].
+LOWEST_FREQUENCY, HIGHEST_FREQUENCY = 50.0, 150.0
+# Elastic couplings of the named rigs: frequencies [Hz] by the side of the sensors, and backlash.
+BELTS = {"arm": (20, 50, 60, 80, 150), "motor": (20, 60, 150)}
+BACKLASH = {"arm": (5,), "motor": (1, 5, 17, 30)}  # [mrad]
+GEAR_FREQUENCY = 150.0  # [Hz]
 
 # Streams of rigs to judge by and of rigs to tune on.
 JUDGING, TUNING = 0, 1
@@ -94,9 +102,31 @@ def named_rigs(settings: Settings) -> list[SimulatedRig]:
         "cogging 0.05 V": {"cogging.torque": 0.05},
         "no friction": dict.fromkeys((*levels, "friction.viscous"), 0.0),
     }
+    changes |= _couplings()
     names = dict.fromkeys(name for change in changes.values() for name in change)
     unchanged = {name: nominal[name] for name in names}
     return [SimulatedRig(name, unchanged | change) for name, change in changes.items()]
+
+
+def _couplings() -> dict[str, PlantValues]:
+    """Elastic couplings of motor and arm."""
+    changes = {
+        f"belt {frequency} Hz, {side}": _coupling(frequency, side)
+        for side, frequencies in BELTS.items()
+        for frequency in frequencies
+    }
+    changes |= {
+        f"backlash {gap} mrad, {side}": _coupling(GEAR_FREQUENCY, side, backlash=gap / 1000)
+        for side, gaps in BACKLASH.items()
+        for gap in gaps
+    }
+    gear = _coupling(GEAR_FREQUENCY, "motor", backlash=0.005, arm_friction=0.5)
+    return changes | {"gear, friction on both sides": gear}
+
+
+def _coupling(frequency: float, sensors: str, **others: float) -> PlantValues:
+    values = {"frequency": float(frequency), "sensors": sensors, **others}
+    return {f"coupling.{name}": value for name, value in values.items()}
 
 
 @dataclass(frozen=True)
@@ -165,6 +195,20 @@ def _disturbance(name: str, r: np.random.Generator, nominal: PlantValues) -> Pla
     if name == "noise":
         noise = "sensors.tachometer_noise"
         return {noise: r.uniform(1.0, LARGEST_NOISE_FACTOR) * nominal[noise]}
+    if name == "coupling":
+        ratio = HIGHEST_FREQUENCY / LOWEST_FREQUENCY
+        return _coupling(
+            LOWEST_FREQUENCY * ratio ** r.uniform(0.0, 1.0),
+            SIDES[int(r.integers(2))],
+            motor_inertia=r.uniform(0.2, 0.8),
+            backlash=r.uniform(0.0, LARGEST_BACKLASH),
+            arm_friction=r.uniform(0.0, 1.0),
+        )
+    return _friction_disturbance(name, r)
+
+
+def _friction_disturbance(name: str, r: np.random.Generator) -> PlantValues:
+    """Random parameters of a disturbance that depends on the arm's angle or direction."""
     if name == "turn":
         return {
             "friction.variation.angle": r.uniform(0.0, LARGEST_CHANGE),

@@ -19,7 +19,8 @@ class Score(NamedTuple):
     """A candidate over all rigs.
 
     ``within_count`` is the fraction of the rigs whose residual is at most one count of the encoder.
-    The probability of a fall is less than ``falls_below`` (one-sided limit).
+    The probability of a fall is less than ``falls_below`` (one-sided limit). Commands are medians
+    over the rigs.
     """
 
     candidate: str
@@ -33,6 +34,9 @@ class Score(NamedTuple):
     falls: int
     falls_below: float
     command_rms_v: float
+    command_step_v: float
+    command_high_frequency_v: float
+    delay_margin_s: float
     pushes: int
     pushes_survived: int
 
@@ -43,16 +47,23 @@ def rank(table: Table, encoder_count: float) -> list[Score]:
     return sorted(scores, key=lambda score: (score.residual_95_rad, score.residual_median_rad))
 
 
-def recommended(scores: list[Score]) -> Score | None:
-    """The best candidate with which no pendulum fell; None if there is none."""
-    return next((score for score in scores if score.falls == 0), None)
+def recommended(scores: list[Score], encoder_count: float) -> Score | None:
+    """The candidate with the least chatter of those that are accurate, with which none fell.
+
+    Accurate is a residual (95 %) within one count of the encoder, or else the smallest of all. None
+    if pendulums fell with every candidate.
+    """
+    standing = [score for score in scores if score.falls == 0]
+    enough = max(min((score.residual_95_rad for score in standing), default=0.0), encoder_count)
+    accurate = [score for score in standing if score.residual_95_rad <= enough]
+    return min(accurate, key=lambda score: score.command_step_v, default=None)
 
 
 def comparison_report(
     table: Table, scores: list[Score], encoder_count: float, by_rig: bool
 ) -> dict[str, Any]:
     """The ranking by name; with the residuals ``by_rig`` of the named rigs."""
-    best = recommended(scores)
+    best = recommended(scores, encoder_count)
     report: dict[str, Any] = {
         "rigs": len(table.rigs),
         "encoder_count_rad": encoder_count,
@@ -81,6 +92,9 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
         int(falls.sum()),
         probability_below(falls),
         float(np.median(table.command[k])),
+        float(np.median(table.step[k])),
+        float(np.median(table.fast[k])),
+        table.delay[k],
         survived.size,
         int(survived.sum()),
     )

@@ -42,7 +42,8 @@ class SampleConverter:
             bool(frame.status & ARMED),
             bool(frame.status & FAULT),
             bool(frame.status & WATCHDOG),
-            self._at_rail(frame),
+            (self._has_tachometer and self._speed.at_rail(frame.speed))
+            or (self._has_potentiometer and self._pendulum.at_rail(frame.pendulum)),
             RawCodes(frame.arm, frame.speed, frame.pendulum),
         )
 
@@ -54,8 +55,3 @@ class SampleConverter:
             difference = (arm_angle - self._arm_angle) / (steps * self._dt)
             share = 1.0 - exp(-self._decay * steps)
             self._arm_speed += share * (difference - self._arm_speed)
-
-    def _at_rail(self, frame: SensorsFrame) -> bool:
-        return (self._has_tachometer and self._speed.at_rail(frame.speed)) or (
-            self._has_potentiometer and self._pendulum.at_rail(frame.pendulum)
-        )

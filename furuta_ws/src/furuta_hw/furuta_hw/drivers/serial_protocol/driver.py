@@ -1,31 +1,38 @@
-"""The rig driver for the serial protocol of docs/hardware.md."""
+"""The rig driver for the serial protocol of docs/hardware.md: sessions and statistics."""
+
+from secrets import randbits
+from time import monotonic
 
 from furuta_hw.connection.rig_driver import LineStatistics, RigDriver, RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
-from furuta_hw.drivers.serial_protocol.host import ProtocolHost
-from furuta_hw.drivers.serial_protocol.ports import Port, open_port
+from furuta_hw.drivers.serial_protocol.ports import open_port
 from furuta_hw.errors import LineError
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import FrameReader, SensorsFrame, WelcomeFrame, encode, is_newer
 
-# Longest wait for the rig's answer when the line is opened [s].
-CONNECT_TIMEOUT = 3.0
+# Longest wait for the rig's answer when the line is opened, and time between two attempts [s].
+CONNECT_TIMEOUT, RETRY_PERIOD = 3.0, 0.1
 
 
 class SerialProtocolDriver(RigDriver):
-    """Talks to a rig on a serial port, or to an emulated rig in this process (port ``mock``)."""
+    """Talks to a rig on a serial port, or to an emulated rig in this process (port ``mock``).
 
-    _port: Port
-    _host: ProtocolHost
-    _converter: SampleConverter
+    A session starts with Hello and has a random number, so that frames of an earlier session that
+    are still in a buffer are recognised and ignored.
+    """
+
+    _welcome: WelcomeFrame | None = None
 
     def open(self) -> None:
         """Open the port and start a session."""
         self._port = open_port(self.port, self.rig)
-        self._host = ProtocolHost(self._port, self.rig)
-        self._converter = SampleConverter(self.rig)
+        self._reader = FrameReader()
+        self._received = self._lost = self._repeated = self._other_sessions = 0
+        self._discarded_by_rig = 0
         try:
-            self._host.connect(CONNECT_TIMEOUT)
+            self._connect()
         except LineError:
-            self._port.close()
+            self.close()
             raise
 
     def close(self) -> None:
@@ -38,29 +45,101 @@ class SerialProtocolDriver(RigDriver):
 
     def decode(self, data: bytes) -> list[RigSample]:
         """Convert bytes to the samples that they complete."""
-        return [self._converter.convert(frame) for frame in self._host.receive(data)]
+        samples = []
+        for frame in self._reader.read(data):
+            if getattr(frame, "session", None) != self._session:
+                self._other_sessions += 1
+            elif isinstance(frame, WelcomeFrame):
+                self._welcome = frame
+            elif isinstance(frame, SensorsFrame) and self._welcome and self._count(frame):
+                samples.append(self._converter.convert(frame))
+        return samples
 
     def arm(self) -> None:
         """Arm the rig."""
-        self._host.arm()
+        self._port.write(encode(frames.ArmFrame(self._session, self._sample)))
 
     def drive(self, volts: float) -> None:
-        """Send the voltage [V] as a DA code."""
-        self._host.drive(self.rig.drive.channel.to_code(volts))
+        """Send the voltage [V] as a DA code, in answer to the newest sample."""
+        code = self.rig.drive.channel.to_code(volts)
+        self._port.write(encode(frames.DriveFrame(self._session, self._sample, code)))
 
     def stop(self) -> None:
         """Disarm the rig and set it to 0 V."""
-        self._host.stop()
+        self._port.write(encode(frames.StopFrame(self._session)))
 
     def restart(self) -> None:
         """Start a new session on the open port."""
-        self._converter = SampleConverter(self.rig)
         try:
-            self._host.start_session()
+            self._start_session()
         except LineError:
-            self._port.close()
+            self.close()
             raise
+
+    def _start_session(self) -> None:
+        """Ask the rig for a new session."""
+        self._converter = SampleConverter(self.rig)
+        self._session = randbits(16)
+        self._sample = self._discarded = 0  # the newest sample, and what it says was discarded
+        self._welcome = None
+        rig = self.rig
+        hello = frames.HelloFrame(
+            frames.VERSION, self._session, rig.period_us, rig.watchdog_samples
+        )
+        # The leading zero ends a frame that an earlier host may have left incomplete.
+        self._port.write(b"\0" + encode(hello))
 
     def statistics(self) -> LineStatistics:
         """Return the frames counted since the port was opened."""
-        return self._host.statistics()
+        return LineStatistics(
+            self._lost,
+            self._reader.corrupt,
+            self._repeated,
+            self._other_sessions,
+            self._discarded_by_rig,
+        )
+
+    def _connect(self) -> None:
+        """Ask for a session until the rig answers.
+
+        Raises :class:`LineError` if it does not, or has another version, period or watchdog.
+        """
+        end = monotonic() + CONNECT_TIMEOUT
+        while monotonic() < end:
+            self._start_session()
+            attempt_end = monotonic() + RETRY_PERIOD
+            while monotonic() < attempt_end:
+                self.decode(self._port.read())
+                if self._welcome is not None:
+                    self._check_agreement(self._welcome)
+                    return
+        raise LineError(
+            f"no answer within {CONNECT_TIMEOUT:g} s: no rig, a different baud rate, or no power"
+        )
+
+    def _check_agreement(self, welcome: WelcomeFrame) -> None:
+        """Raise :class:`LineError` if the rig offers something else than its file requires."""
+        rig = self.rig
+        if welcome.version != frames.VERSION:
+            raise LineError(
+                f"the rig uses version {welcome.version} of the protocol, this is version "
+                f"{frames.VERSION}"
+            )
+        if (welcome.period_us, welcome.watchdog) != (rig.period_us, rig.watchdog_samples):
+            raise LineError(
+                f"the rig offers {welcome.period_us} µs and a watchdog of {welcome.watchdog} "
+                f"samples, the rig file requires {rig.period_us} µs and {rig.watchdog_samples}"
+            )
+
+    def _count(self, frame: SensorsFrame) -> bool:
+        """Update the statistics; False for a sample that was received before."""
+        if not is_newer(frame.sample, self._sample):
+            self._repeated += 1
+            return False
+        if self._received:
+            self._lost += (frame.sample - self._sample - 1) % 2**32
+        self._received += 1
+        self._sample = frame.sample
+        self._discarded_by_rig += (frame.discarded - self._discarded) % 2**16
+        self._discarded = frame.discarded
+        return True

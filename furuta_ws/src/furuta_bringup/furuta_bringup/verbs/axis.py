@@ -1,0 +1,140 @@
+"""``furuta axis``."""
+
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import click
+
+from furuta.axis.axis import (
+    Axis,
+    Cascade,
+    Controller,
+    Pid,
+    axis_report,
+    servo_cycle,
+    servo_joint,
+)
+from furuta.axis.compensations import SHORTEST, compare_on_axis
+from furuta.axis.identification import identified_axis, parse_friction
+from furuta.axis.simulation import simulate_axis
+from furuta.limit_cycles.joint import JointCycle, trace_joint
+from furuta_bringup.file_types import FIGURE
+from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.options import json_option
+from furuta_bringup.printing import show
+from furuta_identification.fitting.axis import identify_axis
+from furuta_model.friction.laws import ANALYSED_LAWS
+from furuta_model.friction.parameters import Friction
+from furuta_recordings.readers.axis_table import read_axis
+
+GAIN = FiniteRange(0.0, 1e12)
+ABOVE = FiniteRange(0.0, 1e12, min_open=True)
+
+
+@click.command()
+@click.option("--inertia", type=ABOVE, metavar="J", help="Inertia [kg m²], or mass [kg].")
+@click.option("--friction", metavar="NAME=VALUE,...",
+    help=f"Friction by name: {', '.join(Friction._fields)} [N m, rad/s].")  # fmt: skip
+@click.option("--law", type=click.Choice(ANALYSED_LAWS), default="stribeck", show_default=True,
+    help="Friction law.")  # fmt: skip
+@click.option("--pid", type=GAIN, nargs=3, metavar="KP KI KD",
+    help="PID [N m/rad, N m/(rad s), N m s/rad].")  # fmt: skip
+@click.option("--cascade", type=GAIN, nargs=3, metavar="K KV KI",
+    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].")  # fmt: skip
+@click.option("--reference-speed", type=FiniteRange(-1e6, 1e6), default=0.0, show_default=True,
+    help="Speed of the reference [rad/s].")  # fmt: skip
+@click.option("--counts", type=click.IntRange(0, 2**31),
+    help="Counts of the encoder per turn (2π m of a straight axis), 0 for a perfect one; default: "
+    "those of the table, or 4096.")  # fmt: skip
+@click.option("--identify", "record", type=click.Path(path_type=Path), metavar="FILE",
+    help="Table of time, position and torque: finds inertia and friction.")  # fmt: skip
+@click.option("--position", metavar="COLUMN", help="Column of the position.")
+@click.option("--command", "driven", metavar="COLUMN", help="Column of the drive's torque, current "
+    "or voltage.")  # fmt: skip
+@click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
+    help="Torque or force per unit of that column.")  # fmt: skip
+@click.option("--out", type=FIGURE, help="Draw the cycle, and the error with the recommended "
+    "compensation.")  # fmt: skip
+@json_option
+def command(
+    inertia: float | None,
+    friction: str | None,
+    law: str,
+    pid: tuple[float, float, float] | None,
+    cascade: tuple[float, float, float] | None,
+    reference_speed: float,
+    counts: int | None,
+    record: Path | None,
+    position: str | None,
+    driven: str | None,
+    torque_constant: float,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Find how an axis with friction ends under its controller, and which compensation helps.
+
+    The axis is given by numbers or by a recording. Its final motion is exact: a limit cycle
+    (hunting, stick-slip), rest, steady motion, or unbounded. Then each compensation is simulated
+    at 1 kHz with the encoder, and one is recommended. Units are N m, rad, kg m² and s, or N, m and
+    kg.
+
+    Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
+    """
+    if (pid is None) == (cascade is None):
+        raise click.UsageError("give the controller: either --pid or --cascade")
+    controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
+    if (inertia is not None, friction is not None) != (record is None, record is None):
+        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
+    result: dict[str, Any] = {}
+    found = 4096
+    if record is not None:
+        fit = identify_axis(read_axis(record, position, driven, torque_constant))
+        result["identified"] = fit.report()
+        axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
+    else:
+        axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
+    counts = found if counts is None else counts
+    cycle = servo_cycle(axis, controller, reference_speed)
+    result |= {**axis_report(cycle), "compensations": [], "recommended": None}
+    if cycle.kind != "unbounded":
+        compared = compare_on_axis(
+            axis, controller, speed=reference_speed, counts=counts, cycle=cycle
+        )
+        result["compensations"] = [residual._asdict() for residual in compared.residuals]
+        result["recommended"] = compared.recommended.compensation
+    if out is not None:
+        _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
+        result["figure"] = str(out)
+    show(result, as_json)
+
+
+def _draw(
+    axis: Axis,
+    controller: Controller,
+    cycle: JointCycle,
+    speed: float,
+    counts: int,
+    recommended: str | None,
+    out: Path,
+) -> None:
+    """Draw the cycle, and simulations without and with the recommended compensation."""
+    from furuta.figures.axis import PERIODS, draw_axis
+
+    motion = None
+    if cycle.kind == "limit_cycle":
+        motion = trace_joint(servo_joint(axis, controller, speed), cycle)
+    names = dict.fromkeys(["none", recommended]) if recommended else []
+    seconds = max(2.0 * PERIODS * cycle.period_s, SHORTEST) if motion else SHORTEST
+    runs = {
+        name: simulate_axis(
+            axis,
+            controller,
+            seconds=seconds,
+            reference=speed,
+            compensation=name,
+            counts=counts,
+        )
+        for name in names
+    }
+    draw_axis(motion, cycle, runs, out)

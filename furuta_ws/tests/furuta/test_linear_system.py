@@ -1,0 +1,87 @@
+"""The library's view of any linear loop with a friction joint."""
+
+from typing import Any
+
+import control
+import numpy as np
+import pytest
+import scipy.signal
+
+import furuta
+from furuta_model.linear import linearize
+
+A = np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+B, C = np.array([[1.0], [0.0], [0.0]]), np.array([[1.0, 0.0, 0.0]])
+NUMERATOR, DENOMINATOR = [1.0, 0.0, 0.0], [1.0, 1.0, 4.0, 1.5]
+FRICTION = furuta.Friction(alpha0=1.0, alpha1=0.5)
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        control.ss(A, B, C, 0),
+        control.tf(NUMERATOR, DENOMINATOR),
+        scipy.signal.StateSpace(A, B, C, np.zeros((1, 1))),
+        scipy.signal.TransferFunction(NUMERATOR, DENOMINATOR),
+    ],
+)
+def test_every_form_of_a_loop_has_the_same_cycle(system: Any) -> None:
+    given = furuta.friction_joint((A, B, C), FRICTION, "stiction")
+    expected = furuta.limit_cycle(given)
+    assert expected.kind == "limit_cycle"
+    cycle = furuta.limit_cycle(furuta.friction_joint(system, FRICTION, "stiction"))
+    assert cycle.peak_to_peak == pytest.approx(expected.peak_to_peak, rel=1e-9)
+    assert cycle.period_s == pytest.approx(expected.period_s, rel=1e-9)
+    path = furuta.trace_cycle(given, expected)
+    assert np.ptp(path.state[:, 0]) == pytest.approx(expected.peak_to_peak, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "lugre"])
+def test_pendulum_as_a_linear_loop(law: str) -> None:
+    """Cycle and prediction are those of the pendulum's own code, linear about upright."""
+    pendulum = furuta.ideal_loop()._replace(linear=True, law=furuta.ideal_loop().law.named(law))
+    a, b = linearize(pendulum.body)
+    closed = (a + np.outer(b, pendulum.gains), b, [0.0, 1.0, 0.0, 0.0])
+    given = furuta.friction_joint(closed, pendulum.law.parameters, law)
+    mine, own = furuta.limit_cycle(given), furuta.limit_cycle(pendulum)
+    assert mine.peak_to_peak == pytest.approx(own.phi_peak_to_peak_rad, rel=1e-8)
+    assert mine.period_s == pytest.approx(own.period_s, rel=1e-8)
+    (predicted,), (expected,) = (furuta.predict_cycles(each).cycles for each in (given, pendulum))
+    assert predicted == pytest.approx(expected, rel=1e-9)
+
+
+def test_branch_of_a_loop_reaches_the_end_of_the_range() -> None:
+    """Its cycles are the final motions at their values, found in other units."""
+
+    def joint_at(damping: float) -> furuta.Joint:
+        a = A - (damping - 1.0) * B @ C
+        return furuta.friction_joint((a, B, C), FRICTION, "stiction")
+
+    points = furuta.branch(joint_at, 0.8, 1.2, 1.0)
+    assert [points[0][2], points[-1][2]] == ["end", "end"]
+    for value, cycle, _ in (points[0], points[-1]):
+        alone = furuta.limit_cycle(joint_at(value))
+        assert cycle.peak_to_peak == pytest.approx(alone.peak_to_peak, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("system", "message"),
+    [
+        (control.ss(A, B, C, 1), "without delay, given D"),
+        (control.ss(A, B, C, 0, 0.1), "continuous time, given dt = 0.1"),
+        (control.ss(A, np.eye(3), C, 0), "given 3 inputs and 1 outputs"),
+        (control.tf([1.0], [1.0, 1.0, 1.0]), "c·b is 0, must be above 0"),
+        (1.0, "given float"),
+    ],
+)
+def test_other_systems_are_rejected(system: Any, message: str) -> None:
+    with pytest.raises(furuta.ParameterError, match=message):
+        furuta.friction_joint(system, FRICTION)
+
+
+def test_bad_starts_and_foreign_cycles_are_rejected() -> None:
+    given = furuta.friction_joint((A, B, C), FRICTION, "stiction")
+    with pytest.raises(furuta.ParameterError, match="3 finite numbers"):
+        furuta.limit_cycle(given, start=np.zeros(2))
+    with pytest.raises(furuta.ParameterError, match="does not belong"):
+        furuta.trace_cycle(given, furuta.limit_cycle(furuta.ideal_loop()))
