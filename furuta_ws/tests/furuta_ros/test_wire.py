@@ -20,7 +20,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.compiled import compiled
-from furuta_ros.messages import RefusedError
+from furuta_ros.messages import RefusedError, deserialized, read_value
 from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import JOINTS
 from furuta_ros.wire import (
@@ -28,10 +28,8 @@ from furuta_ros.wire import (
     CONTINUES,
     REPEATED,
     UNUSUAL,
-    deserialized,
     new_float64,
     new_joint_state,
-    read_value,
     take_joint_state,
     write_joint_state,
 )

@@ -27,7 +27,7 @@ from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.vibration import is_sustained
-from furuta_ros.messages import read_joints
+from furuta_ros.messages import read_joints, read_value
 from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
@@ -42,7 +42,7 @@ from furuta_ros.topics import (
     QOS,
 )
 from furuta_ros.vibration_status import VibrationStatus
-from furuta_ros.wire import ANEW, REPEATED, new_float64, read_value, take_joint_state
+from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
 
 # Time between two warnings that estimates are late [s], the first one at once.
 SUMMARY_PERIOD = 30.0

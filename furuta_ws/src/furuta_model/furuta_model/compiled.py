@@ -100,6 +100,10 @@ def inlined(function: Function, **options: Any) -> Function:
     return compiled(function, forceinline=True, _nrt=False, **options)
 
 
+# By function and the arguments' types.
+_machine_code: dict[tuple[Any, ...], Any] = {}
+
+
 def for_types_of(function: Function, *arguments: Any) -> Function:
     """The machine code of ``function`` for arguments of these types, to be called from Python.
 
@@ -109,10 +113,15 @@ def for_types_of(function: Function, *arguments: Any) -> Function:
     config: Any = numba.config
     if config.DISABLE_JIT:
         return function
-    dispatcher: Any = function
-    types = tuple(map(numba.typeof, arguments))
-    dispatcher.compile(types)
-    return cast(Function, dispatcher.get_overload(types))
+    # Looking at a record's type takes milliseconds, and nodes ask at every change of a parameter.
+    kinds = (getattr(argument, "dtype", type(argument)) for argument in arguments)
+    key = (function, *kinds)
+    if key not in _machine_code:
+        dispatcher: Any = function
+        types = tuple(map(numba.typeof, arguments))
+        dispatcher.compile(types)
+        _machine_code[key] = dispatcher.get_overload(types)
+    return cast(Function, _machine_code[key])
 
 
 def make_intrinsic(

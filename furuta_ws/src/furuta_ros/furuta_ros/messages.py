@@ -1,17 +1,22 @@
-"""Readers of typed messages into the arrays of the cores.
+"""Readers of messages into the arrays and numbers of the cores.
 
 A state is an array in the order x = (φ, φ̇, θ, θ̇), followed by the arm's effort. Readers
 validate messages and raise :class:`RefusedError` for invalid ones.
 """
 
 from math import nan
+from struct import unpack_from
+from typing import Any
 
 import numpy as np
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
 
 from furuta_model.parameters import shortened
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_ros.topics import JOINTS
+from furuta_ros.wire import FLOAT64, HEADER, LITTLE_ENDIAN
 
 
 class RefusedError(ValueError):
@@ -67,3 +72,27 @@ def _values(message: JointState) -> tuple[float, float, float, float, float]:
         arm, pendulum = 1, 0
     effort = efforts[arm] if efforts else nan
     return position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort
+
+
+def deserialized(data: bytes, kind: type) -> Any:
+    """The message, as the middleware reads it. Raises RefusedError if it cannot."""
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # the middleware's own kinds of error, which differ
+        raise RefusedError(f"cannot be read: {error}") from None
+
+
+def value_of(data: bytes) -> float:
+    """The value of a serialised Float64. Raises RefusedError if it is none."""
+    if len(data) == FLOAT64.itemsize and data.startswith(LITTLE_ENDIAN):
+        (value,) = unpack_from("<d", data, HEADER)
+        return float(value)
+    return float(deserialized(data, Float64).data)
+
+
+def read_value(data: bytes) -> float:
+    """The value [V] of a serialised Float64, which must be finite and possible."""
+    value = value_of(data)
+    if not abs(value) <= LARGEST_VALUE:
+        raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
+    return value

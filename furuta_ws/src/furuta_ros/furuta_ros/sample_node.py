@@ -11,10 +11,11 @@ from sensor_msgs.msg import JointState
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import EFFORT, SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher
+from furuta_ros.messages import deserialized
 from furuta_ros.node import FurutaNode
 from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import Topic
-from furuta_ros.wire import REPEATED, UNUSUAL, deserialized, new_joint_state, write_joint_state
+from furuta_ros.wire import REPEATED, UNUSUAL, new_joint_state, write_joint_state
 
 Group = TypeVar("Group", bound=NamedTuple)
 

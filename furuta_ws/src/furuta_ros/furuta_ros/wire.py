@@ -10,22 +10,17 @@ is its length (uint32) and its elements.
 
 Messages are written into one prepared layout, :data:`JOINT_STATE` or :data:`FLOAT64`. The readers
 for compiled code take that layout with any frame. They check every length before they read. To
-anything else, such as another byte order, they answer :data:`UNUSUAL`; :func:`deserialized` then
-reads it as the middleware does.
+anything else, such as another byte order, they answer :data:`UNUSUAL`; the middleware reads it.
 """
 
-from struct import unpack_from
 from typing import Any, Final
 
 import numpy as np
-from rclpy.serialization import deserialize_message
-from std_msgs.msg import Float64
 
 from furuta_model.block import records
 from furuta_model.compiled import inlined
 from furuta_model.elementary import double_of_bits
 from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_ros.messages import RefusedError
 from furuta_ros.time_stamps import NANOSECONDS, starts_anew
 
 # Bytes before the fields; alignment counts from there.
@@ -83,30 +78,6 @@ def write_joint_state(message: Any, stamp: int, x: np.ndarray, effort: float) ->
     message.position[0], message.position[1] = x[PHI], x[THETA]
     message.velocity[0], message.velocity[1] = x[PHI_DOT], x[THETA_DOT]
     message.effort[0] = effort
-
-
-def deserialized(data: bytes, kind: type) -> Any:
-    """The message, as the middleware reads it. Raises RefusedError if it cannot."""
-    try:
-        return deserialize_message(data, kind)
-    except Exception as error:  # the middleware's own kinds of error, which differ
-        raise RefusedError(f"cannot be read: {error}") from None
-
-
-def value_of(data: bytes) -> float:
-    """The value of a serialised Float64. Raises RefusedError if it is none."""
-    if len(data) == FLOAT64.itemsize and data.startswith(LITTLE_ENDIAN):
-        (value,) = unpack_from("<d", data, HEADER)
-        return float(value)
-    return float(deserialized(data, Float64).data)
-
-
-def read_value(data: bytes) -> float:
-    """The value [V] of a serialised Float64, which must be finite and possible."""
-    value = value_of(data)
-    if not abs(value) <= LARGEST_VALUE:
-        raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
-    return value
 
 
 @inlined

@@ -12,10 +12,11 @@ from furuta_model.compiled import compiled, for_types_of
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher, sender
+from furuta_ros.messages import read_value
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
-from furuta_ros.wire import new_joint_state, read_value, write_joint_state
+from furuta_ros.wire import new_joint_state, write_joint_state
 from furuta_sim.lockstep import LockStep
 from furuta_sim.paced_node import PacedNode
 from furuta_sim.parameters import PlantNodeParameters

@@ -25,7 +25,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import describe_discovery, reaches_network
-from furuta_ros.messages import RefusedError
+from furuta_ros.messages import RefusedError, value_of
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
@@ -38,7 +38,7 @@ from furuta_ros.topics import (
     LATCHED,
     MEASUREMENT,
 )
-from furuta_ros.wire import new_joint_state, value_of
+from furuta_ros.wire import new_joint_state
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once

@@ -97,13 +97,13 @@ class Bag:
         messages.sort(key=lambda message: message[0])
         return np.array([time for time, _ in messages], np.int64), [data for _, data in messages]
 
-    def messages_in_memory(self, connections: Iterable[Topic]) -> Iterator[tuple[Topic, int, Any]]:
-        """Messages, deserialized; refuses topics that do not fit into memory.
+    def messages_in_memory(self, chosen: Iterable[Topic]) -> Iterator[tuple[Topic, int, bytes]]:
+        """Messages as :meth:`messages` gives them; refuses topics that do not fit into memory.
 
         Both the number that a file claims and the number that it has count.
         """
         read: Counter[str] = Counter()
-        for topic, time, data in self.messages(connections):
+        for topic, time, data in self.messages(chosen):
             read[topic.topic] += 1
             count = max(topic.msgcount, read[topic.topic])
             if count > MOST_IN_MEMORY:
@@ -111,7 +111,7 @@ class Bag:
                     f"{self._path}: {count} messages on {topic.topic}, at most {MOST_IN_MEMORY} "
                     "fit into memory; record shorter bags"
                 )
-            yield topic, time, self.deserialize(data, topic.msgtype)
+            yield topic, time, data
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""

@@ -20,6 +20,7 @@ from furuta_ros.topic_names import (
     MEASUREMENT,
     PARAMETER_EVENTS,
 )
+from furuta_ros.wire import UNUSUAL, take_joint_state
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 # Topics of the graph with and without a stamp, and their types; a bag with other types is of
@@ -32,6 +33,8 @@ TYPES = {
     **dict.fromkeys(NUMBERS, "std_msgs/msg/Float64"),
     CHANGES: "rcl_interfaces/msg/ParameterEvent",
 }
+# No message has this stamp [ns].
+NO_STAMP = -(2**62)
 # Fields of a parameter's value by its type (rcl_interfaces/ParameterType).
 _VALUES = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value"}
 
@@ -106,12 +109,14 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     # Stamps or times of arrival [ns], and what the messages hold.
     series = {name: (array("q"), array("d")) for name in (*STAMPED, *NUMBERS)}
     changes = []
+    x = np.zeros(SIGNALS)
     with Bag(path) as bag:
         topics = graph_topics(path, bag)
         graph = [t.topic.rpartition("/")[0] for t in topics if last_part(t.topic) == MEASUREMENT]
-        for topic, time, message in bag.messages_in_memory(topics):
+        for topic, time, data in bag.messages_in_memory(topics):
             name = last_part(topic.topic)
             if name == CHANGES:
+                message = bag.deserialize(data, topic.msgtype)
                 namespace, _, node = message.node.rpartition("/")
                 if namespace in graph:  # not a change of another graph
                     given = {p.name: _value(p.value) for p in message.changed_parameters}
@@ -120,16 +125,19 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
             times, values = series[name]
             if name in NUMBERS:
                 times.append(time)
-                values.append(message.data)
+                values.append(bag.deserialize(data, topic.msgtype).data)
                 continue
-            stamp = stamp_nanoseconds(message)
+            kind, stamp = take_joint_state(data, NO_STAMP, False, x)
+            if kind == UNUSUAL:
+                message = bag.deserialize(data, topic.msgtype)
+                stamp, x[:] = stamp_nanoseconds(message), _signals(message)
             if name == MEASUREMENT and stamp in rows:
                 continue
             if name == MEASUREMENT:
                 rows[stamp] = len(rows)
                 arrivals.append(time)
             times.append(stamp)
-            values.extend(_signals(message))
+            values.extend(x)
     if not rows:
         raise ParameterError(f"{path}: no message on {MEASUREMENT} of the graph")
     measurement, estimate, truth = (_by_row(rows, *series[name]) for name in STAMPED)

@@ -28,7 +28,8 @@ def read_bag(path: Path, mapping: Mapping) -> Recording:
         command = _command_topic(path, types, states, mapping) if driven else None
         content = _Content(path, mapping, last_part(states) == MEASUREMENT)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
-        for connection, time, message in bag.messages_in_memory(chosen):
+        for connection, time, data in bag.messages_in_memory(chosen):
+            message = bag.deserialize(data, connection.msgtype)
             content.add(connection.topic == states, time / NANOSECONDS, message)
     if not content.samples:
         raise ParameterError(f"{path}: no message on {states}")
