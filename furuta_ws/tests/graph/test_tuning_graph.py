@@ -1,16 +1,54 @@
 """Tuning a graph of real nodes through their parameter services."""
 
+import numpy as np
 import pytest
+from rclpy.node import Node
 
-from furuta.studies.tuning.guarded_loop import SimulatedLoop
-from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan
-from furuta.studies.tuning.tuning import tune
-from furuta_bringup.demo_run import tune_graph
-from furuta_sim.settings.settings import load_settings, loop
+from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan, TuningResult
+from furuta.studies.tuning.tuning import tune, tune_simulated
+from furuta_bringup.demo_run import in_lockstep
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.tuning_client import EstimateBuffer, TuningClient
+from furuta_sim.settings.settings import Settings, load_settings, loop
 
 
 def silent(message: str, seconds: float) -> None:
     """Ignore progress."""
+
+
+class PausingLoop(TuningClient):
+    """A graph in lock-step that pauses between two calls of :meth:`watch`.
+
+    The sample at which a parameter changes is therefore known, and the tuning repeatable.
+    """
+
+    def __init__(
+        self, graph: SimulatedGraph, client: ParameterClient, estimates: EstimateBuffer
+    ) -> None:
+        super().__init__(client, estimates, graph.executor)
+        self._graph = graph
+        self._end = 0.0
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """Run for ``seconds`` of pendulum time, pause, and return the estimates (n, 5)."""
+        self._end += seconds
+        self.client.set("plant", run_until=self._end)
+        estimates = super().watch(seconds)
+        self._graph.run_until(self._end)
+        return estimates
+
+
+def tune_graph(settings: Settings, plan: TuningPlan) -> TuningResult:
+    """Tune a graph of its own with ``settings``, in lock-step."""
+    node = Node("tuner")
+    estimates = EstimateBuffer(node)
+    graph = SimulatedGraph(in_lockstep(settings), [node])
+    try:
+        rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)
+        return tune(rig, rig.observer, rig.estimator, plan, silent)
+    finally:
+        graph.close()
 
 
 @pytest.mark.long
@@ -18,7 +56,6 @@ def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
     settings = load_settings([], ["plant.friction.asymmetry=0.1", "plant.friction.alpha0=0.25"])
     plan = TuningPlan(MIN_SECONDS)
-    simulated = loop(settings)
-    expected = tune(SimulatedLoop(simulated), simulated.observer, simulated.estimator, plan, silent)
-    assert tune_graph(settings, plan, silent) == expected
+    expected = tune_simulated(loop(settings), plan, silent)
+    assert tune_graph(settings, plan) == expected
     assert expected.after.amplitude < 0.03

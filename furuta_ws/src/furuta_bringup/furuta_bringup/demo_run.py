@@ -1,7 +1,6 @@
 """The demo: the paper's Figs 6 to 9 and the recommended setting, through the graph in lock-step.
 
-First the compensator is tuned on a graph of its own. Then one pendulum keeps running while the
-compensation is switched. Both use the parameter services, as a user would.
+One pendulum keeps running while parameter services switch the compensation, as a user would.
 """
 
 from collections.abc import Iterator
@@ -10,16 +9,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 from rclpy.node import Node
 
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import TuningPlan, TuningResult, observer_parameters
-from furuta.studies.tuning.tuning import ProgressCallback, tune
+from furuta.studies.tuning.plan import observer_parameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.tuning_client import EstimateBuffer, TuningClient
 from furuta_model.parameters import build
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_sim.settings.nodes import CONTROLLER, FRICTION_OBSERVER
@@ -28,41 +24,8 @@ from furuta_sim.settings.recommended import CONTROLLER_NAMES, RECOMMENDED
 from furuta_sim.settings.settings import Settings, settings_with
 
 
-class PausingLoop(TuningClient):
-    """A graph in lock-step that pauses between two calls of :meth:`watch`.
-
-    The sample at which a parameter changes is therefore known, and the tuning repeatable.
-    """
-
-    def __init__(
-        self, graph: SimulatedGraph, client: ParameterClient, estimates: EstimateBuffer
-    ) -> None:
-        super().__init__(client, estimates, graph.executor)
-        self._graph = graph
-        self._end = 0.0
-
-    def watch(self, seconds: float) -> np.ndarray:
-        """Run for ``seconds`` of pendulum time, pause, and return the estimates (n, 5)."""
-        self._end += seconds
-        self.client.set("plant", run_until=self._end)
-        estimates = super().watch(seconds)
-        self._graph.run_until(self._end)
-        return estimates
-
-
-def tune_graph(settings: Settings, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
-    """Tune a graph of its own with ``settings``, in lock-step."""
-    node = Node("furuta_demo")
-    estimates = EstimateBuffer(node)
-    graph = SimulatedGraph(_in_lockstep(settings), [node])
-    try:
-        rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)
-        return tune(rig, rig.observer, rig.estimator, plan, report)
-    finally:
-        graph.close()
-
-
-def _in_lockstep(settings: Settings) -> Settings:
+def in_lockstep(settings: Settings) -> Settings:
+    """The settings of a paused graph without compensation."""
     settings = {node: dict(given) for node, given in settings.items()}
     settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
     settings["friction_observer"]["compensation"] = COMPENSATIONS[0]
@@ -77,7 +40,7 @@ def run_demo(
     ``tuned`` are the parameters of the friction observer after the tuning.
     """
     node = Node("furuta_demo")
-    settings = _in_lockstep(settings)
+    settings = in_lockstep(settings)
     record = partial(RecorderNode, bag, stamped=True, parameters=settings_file(settings))
     graph = SimulatedGraph(settings, [node], record)
     try:

@@ -10,7 +10,8 @@ from rich.console import Console
 from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
 from furuta.studies.tuning.plan import TuningPlan, observer_parameters
-from furuta_bringup.demo_run import run_demo, tune_graph
+from furuta.studies.tuning.tuning import tune_simulated
+from furuta_bringup.demo_run import in_lockstep, run_demo
 from furuta_bringup.file_types import PATH
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
@@ -18,7 +19,7 @@ from furuta_bringup.terminal import print_table, with_progress
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_ros.context import ros_context
 from furuta_ros.whole_files import whole_file
-from furuta_sim.settings.settings import load_settings
+from furuta_sim.settings.settings import load_settings, loop
 
 PLAN = TuningPlan()
 TITLE = "limit cycle, peak to peak, last three quarters of each phase"
@@ -73,10 +74,10 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     bag = directory / "bag"
     _clear(bag)
     console = Console(stderr=True, quiet=quiet)
+    with console.status("tuning"):  # in a simulation, which has the numbers of the graph
+        result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
+    tuned = observer_parameters(result.after.observer)
     with ros_context(private=True):
-        with console.status("tuning"):
-            result = tune_graph(settings, PLAN, lambda message, seconds: None)
-        tuned = observer_parameters(result.after.observer)
         running = run_demo(settings, tuned, seconds, bag)
         phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
