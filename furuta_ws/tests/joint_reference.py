@@ -18,7 +18,10 @@ LONGEST_WAIT = 1e7  # [s]
 
 
 class Motion(NamedTuple):
-    """How the motion ended: cycle, rest or other; peak to peak and period of a cycle."""
+    """How the motion ended: cycle, rest or other; peak to peak and period of a cycle.
+
+    A rest has the size of the largest slide to it.
+    """
 
     kind: str
     peak_to_peak: float = 0.0
@@ -135,7 +138,7 @@ class ReferenceJoint:
                 lasted, x, broke = self.wait(x)
                 time += lasted
                 if not broke:
-                    return Motion("rest")
+                    return Motion("rest", largest)
             direction = 1.0 if self.holding(x) > 0.0 else -1.0
             before = q
             lasted, q, x, _, ended = self.slide(q, x, 0.0, direction, longest)
@@ -143,7 +146,7 @@ class ReferenceJoint:
             largest = max(largest, abs(q - before))
             self.at_rest = x
             if not ended:
-                return Motion("rest" if abs(x[0]) * longest < 1e-3 * largest else "other")
+                return Motion("rest" if abs(x[0]) * longest < 1e-3 * largest else "other", largest)
             lower = min(lower, q)
             if direction > 0.0 and abs(q - before) > 1e-6 * largest:
                 reversals.append((time, q, lower))
