@@ -88,7 +88,10 @@ def with_load(a: np.ndarray, inertia: float, w: float, random: Random) -> np.nda
     return more
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(200, marks=pytest.mark.long)])
+MANY = pytest.param(200, marks=[pytest.mark.long, pytest.mark.timeout(3600)])
+
+
+@pytest.mark.parametrize("count", [12, MANY])
 def test_random_loops_move_as_integrated_independently(count: int) -> None:
     """The kinds agree, and size and period of a cycle within 1e-6."""
     random = np.random.default_rng(20261124)
