@@ -39,8 +39,8 @@ PIP = {
 }
 # rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
-    *("distributed", "gymnasium", "playwright", "pyarrow", "unicorn", "viser", "websockets"),
-    "ziglang",
+    *("distributed", "flint", "gymnasium", "playwright", "pyarrow", "unicorn", "viser"),
+    *("websockets", "ziglang"),
 }
 
 # The key of each import that has another name.
@@ -61,6 +61,7 @@ TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
     "catkin_pkg": "catkin-pkg",
+    "flint": "python-flint",
     "serial": "pyserial",
     "yaml": "pyyaml",
     "dask": "distributed",

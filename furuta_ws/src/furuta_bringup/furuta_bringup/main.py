@@ -44,6 +44,7 @@ EXTRAS = {
     "distributed": "cluster",
     "pyarrow": "parquet",
     "gymnasium": "gym",
+    "flint": "prove",
 }
 
 

@@ -26,6 +26,7 @@ from furuta_bringup.printing import show
 from furuta_identification.fitting.axis import identify_axis
 from furuta_model.friction.laws import ANALYSED_LAWS
 from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.axis_table import read_axis
 
 GAIN = FiniteRange(0.0, 1e12)
@@ -54,6 +55,8 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
     "or voltage.")  # fmt: skip
 @click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
     help="Torque or force per unit of that column.")  # fmt: skip
+@click.option("--prove", is_flag=True, help="Prove the cycle of the law stiction in interval "
+    "arithmetic (needs python-flint).")  # fmt: skip
 @click.option("--out", type=FIGURE, help="Draw the cycle, and the error with the recommended "
     "compensation.")  # fmt: skip
 @json_option
@@ -69,6 +72,7 @@ def command(
     position: str | None,
     driven: str | None,
     torque_constant: float,
+    prove: bool,
     out: Path | None,
     as_json: bool,
 ) -> None:
@@ -103,10 +107,21 @@ def command(
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
         result["recommended"] = compared.recommended.compensation
+    if prove:
+        result["proof"] = _proof(axis, controller, reference_speed)
     if out is not None:
         _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
         result["figure"] = str(out)
     show(result, as_json)
+
+
+def _proof(axis: Axis, controller: Controller, speed: float) -> dict[str, Any]:
+    if speed:
+        raise ParameterError("a cycle is proved at --reference-speed 0 only")
+    from furuta.axis.proof import prove_cycle  # it needs python-flint
+
+    proof = prove_cycle(axis, controller)._asdict()
+    return proof | {"certificate": proof["certificate"]._asdict()}
 
 
 def _draw(
