@@ -7,7 +7,6 @@ from pathlib import Path
 
 from furuta_ros.errors import UserError
 
-
 # Where verbs write by default.
 OUTPUT = Path("output")
 
