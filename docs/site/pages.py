@@ -21,7 +21,7 @@ REFERENCE = {
 }
 # A page that exists only where the lab course does.
 COURSE = ROOT / "course" / "README.md"
-COURSE_ITEM = "- [Lab course](../course/README.md): six notebooks with exercises and solutions."
+COURSE_ITEM = "- [Lab course](../course/README.md): seven notebooks with exercises and solutions."
 COURSE_SECTION = "Tutorial"
 
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")

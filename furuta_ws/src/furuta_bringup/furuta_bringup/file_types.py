@@ -9,6 +9,7 @@ from furuta_recordings.table_files import SUFFIXES
 
 # A file or directory that a verb reads or writes.
 PATH = click.Path(path_type=Path)
+DIRECTORY = click.Path(path_type=Path, file_okay=False)
 
 
 class OutputFile(click.Path):

@@ -2,6 +2,7 @@
 
 import importlib
 import logging
+import re
 import sys
 from difflib import get_close_matches
 from importlib.metadata import packages_distributions, version
@@ -94,8 +95,10 @@ class Verbs(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The verb's name, its command and the other arguments; suggests a verb after a typo."""
-        similar = get_close_matches(args[0], VERBS, n=1)
+        """The verb's name, its command and the other arguments; suggests a like or related one."""
+        word = re.compile(rf"\b{re.escape(args[0])}(e?s)?\b", re.IGNORECASE)
+        named = [verb for verb, about in VERBS.items() if word.search(about)]
+        similar = get_close_matches(args[0], VERBS, n=1) or named
         if similar and args[0] not in VERBS:
             ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
         return super().resolve_command(ctx, args)
@@ -167,6 +170,11 @@ def _fail(reason: str, status: int = 1) -> int:
 
 def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
+    if isinstance(error, click.NoSuchOption):
+        name = error.option_name
+        message = None if name.startswith("--") else f"No such option {name!r}; write --NAME"
+        near = get_close_matches(name, error.possibilities or (), n=1)
+        error = click.NoSuchOption(name, message, near, error.ctx)
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{text} (see {context.command_path} --help)" if context else text

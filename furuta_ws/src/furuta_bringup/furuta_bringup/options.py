@@ -10,7 +10,7 @@ import click
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_model.friction.laws import LAWS
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace
 from furuta_sim.settings.rigs import rig_file
@@ -73,8 +73,10 @@ def parameter_options(function: Function) -> Function:
 
 
 def _law(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    if value and ":" not in value:
-        return click.Choice(LAWS).convert(value, param, ctx)
+    if value and ":" not in value and value not in LAWS:
+        raise click.BadParameter(
+            f"{value!r} is not one of {', '.join(map(repr, LAWS))}{suggestion(value, LAWS)}"
+        )
     return value
 
 

@@ -12,6 +12,7 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 
+from furuta_model.parameters import suggestion
 from furuta_ros.services import ServiceCaller, ServiceError
 
 
@@ -42,10 +43,16 @@ class ParameterClient:
 
     def _rejection(self, node: str, names: list[str], reason: str) -> str:
         """Why a node rejected parameters; rclpy itself does not name an undeclared one."""
-        unknown = sorted(set(names) - set(self.names(node)))
+        unknown = self._unknown(node, names)
         if unknown and "undeclared" in reason:
-            return f"{node} has no parameter {', '.join(unknown)}"
+            return unknown
         return f"{node} rejects {', '.join(names)}: {reason}"
+
+    def _unknown(self, node: str, names: list[str]) -> str:
+        """Which of the names a node does not have, and what is like them; empty if it has all."""
+        known = self.names(node)
+        unknown = [name + suggestion(name, known) for name in names if name not in known]
+        return f"{node} has no parameter {', '.join(unknown)}" if unknown else ""
 
     def get(self, node: str, names: list[str]) -> dict[str, Any]:
         """Values of parameters of one node."""
@@ -53,9 +60,7 @@ class ParameterClient:
         response = self._services.call(node, "get_parameters", GetParameters, request)
         unset = [value.type == ParameterType.PARAMETER_NOT_SET for value in response.values]
         if any(unset) or len(unset) != len(names):
-            known = set(self.names(node))
-            unknown = ", ".join(name for name in names if name not in known)
-            raise ServiceError(f"{node} has no parameter {unknown}")
+            raise ServiceError(self._unknown(node, names))
         values = (parameter_value_to_python(value) for value in response.values)
         return dict(zip(names, values, strict=True))
 

@@ -15,8 +15,9 @@ import math
 import re
 import reprlib
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
@@ -112,6 +113,7 @@ class Declared(NamedTuple):
         if self.about.choices and value not in self.about.choices and not is_own:
             raise ParameterError(
                 f"{self.name} must be {self.about.allowed}, given {shortened(value)}"
+                + suggestion(str(value), self.about.choices)
             )
         return value
 
@@ -134,6 +136,18 @@ class Declared(NamedTuple):
 def shortened(value: Any) -> str:
     """A value as a message shows it: what comes from outside can be millions of characters."""
     return _SHORT.repr(value)
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """The end of a message that suggests the names most like an unknown one; empty if none is.
+
+    Capitals do not count, and the last part of a dotted name may stand for it.
+    """
+    names = list(known)
+    whole = {each.lower(): each for each in names}
+    found = {each.rpartition(".")[2]: full for each, full in whole.items()} | whole
+    near = get_close_matches(name.rpartition(".")[2].lower(), found, n=3)
+    return f"; did you mean {', '.join(dict.fromkeys(found[each] for each in near))}?" * bool(near)
 
 
 def number_from_text(value: Any) -> Any:
@@ -208,7 +222,9 @@ def build_from_known(group: type[Group], given: Mapping[str, Any], kind: str) ->
     known = [each.name for each in declared(group)]
     unknown = next((name for name in given if name not in known), None)
     if unknown is not None:
-        raise ParameterError(f"no {kind} {unknown}; {kind}s are {', '.join(known)}")
+        raise ParameterError(
+            f"no {kind} {unknown}; {kind}s are {', '.join(known)}{suggestion(unknown, known)}"
+        )
     return build(group, given)
 
 

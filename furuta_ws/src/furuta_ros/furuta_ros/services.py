@@ -56,7 +56,7 @@ class ServiceCaller:
         client = self._client(kind, f"{node}/{service}")
         if not client.wait_for_service(timeout):
             raise ServiceError(
-                f"no node {node} answers (waited {timeout:g} s){self._nodes_elsewhere(node)}"
+                f"no node {node} answers (waited {timeout:g} s); {self._other_nodes(node)}"
             )
         answered = Future()
         for _ in range(attempts):
@@ -72,15 +72,17 @@ class ServiceCaller:
                 self._clients[name] = self._node.create_client(kind, name)
             return self._clients[name]
 
-    def _nodes_elsewhere(self, node: str) -> str:
-        """The end of a sentence that names the nodes of this name in all namespaces."""
-        wanted = node.rpartition("/")[2]
+    def _other_nodes(self, node: str) -> str:
+        """The nodes of this name in all namespaces, or else all that run."""
         names = sorted(
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
-            if name == wanted
+            if name != self._node.get_name()
         )
-        return f"; in other namespaces: {', '.join(names)} (--namespace)" if names else ""
+        same = [name for name in names if name.endswith(f"/{node.rpartition('/')[2]}")]
+        if same:
+            return f"in other namespaces: {', '.join(same)} (--namespace)"
+        return f"nodes are {', '.join(names)}" if names else "no node is running"
 
 
 def _pass_on(answered: Future, response: Future) -> None:

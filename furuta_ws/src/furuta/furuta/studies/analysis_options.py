@@ -65,7 +65,9 @@ def parse_range(text: str, default_count: int) -> tuple[str, np.ndarray]:
         low, high = float(parts[0]), float(parts[1])
         count = int(parts[2]) if len(parts) > 2 else default_count
     except (ValueError, IndexError):
-        raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT], given {text!r}") from None
+        raise ParameterError(
+            f"expected NAME=LOW:HIGH[:COUNT], such as omega1=2:12, given {text!r}"
+        ) from None
     if len(parts) > 3 or not (np.isfinite([low, high]).all() and low < high):
         raise ParameterError(f"{name}: needs finite LOW < HIGH, given {rest!r}")
     if not 2 <= count <= MAX_VALUES:

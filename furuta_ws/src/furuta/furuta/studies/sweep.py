@@ -36,7 +36,10 @@ def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
     name, separator, rest = text.partition("=")
     name = name.strip()
     if not separator or not rest:
-        raise ParameterError(f"expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, given {text!r}")
+        raise ParameterError(
+            "expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, such as alpha0=0.1:0.3:5, "
+            f"given {text!r}"
+        )
     (_, first), *_ = parameters_named(name)
     if ":" not in rest or (first.about.own and rest[0].isalpha()):
         return SweptParameter(name, tuple(rest.split(",")))

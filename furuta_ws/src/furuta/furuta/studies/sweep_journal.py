@@ -11,6 +11,7 @@ from pathlib import Path
 from furuta.studies.sweep import Result, Sweep
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
+from furuta_ros.whole_files import make_directory
 from furuta_sim.simulation.closed_loop import Outcome
 
 
@@ -22,7 +23,7 @@ class Journal:
 
     def __init__(self, out: Path, sweep: Sweep) -> None:
         self._path = out.with_name(out.name + ".part")
-        out.parent.mkdir(parents=True, exist_ok=True)
+        make_directory(out.parent)
         about = json.dumps(sweep._asdict() | {"columns": Outcome._fields}, default=str)
         self._file = self._path.open("a+b")
         self._file.seek(0)

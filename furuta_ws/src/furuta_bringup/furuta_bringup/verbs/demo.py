@@ -12,7 +12,7 @@ from furuta.studies.phases import COMPENSATIONS, evaluate
 from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta.studies.tuning.tuning import tune_simulated
 from furuta_bringup.demo_run import in_lockstep, run_demo
-from furuta_bringup.file_types import PATH
+from furuta_bringup.file_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
@@ -42,7 +42,7 @@ HEADINGS = {
     "--out",
     "directory",
     default="output/demo",
-    type=PATH,
+    type=DIRECTORY,
     help="Directory for figure, bag and summary.json. Files of an earlier demo are replaced.",
 )
 @model_options

@@ -124,7 +124,10 @@ def command(
     """
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
-        raise ParameterError("--rig is the rig that --write completes; give --write too")
+        raise ParameterError(
+            "--rig gives the sensors, line and limits of the rig that is written: "
+            "add --write FILE.yaml, or leave --rig out"
+        )
     if names.command == NO_COMMAND:
         if out or write or validation_paths or laws:
             raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")

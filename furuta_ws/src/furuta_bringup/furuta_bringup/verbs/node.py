@@ -36,7 +36,7 @@ def list_(as_json: bool) -> None:
     if as_json:
         print_json({"nodes": names})
     else:
-        print("\n".join(names))
+        print("\n".join(names) or "no node is running")
 
 
 @command.command(context_settings={"ignore_unknown_options": True})

@@ -88,7 +88,7 @@ def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
         else [tuple(text.split("=", 1)) for text in assignments]
     )
     if any(len(pair) != 2 or pair[0].startswith("-") for pair in pairs):
-        raise click.UsageError("expected NAME VALUE, or NAME=VALUE ...")
+        raise click.UsageError("expected NAME VALUE, or NAME=VALUE, such as omega1=7")
     with _client(namespace) as client:
         client.set_all(node, {name: _value(client, node, name, text) for name, text in pairs})
 

@@ -50,10 +50,10 @@ def command(
     Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
     arguments to continue it.
     """
-    check_table(out)
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()
+    check_table(out)
     journal = Journal(out, sweep)
     resumed, counts = journal.count, Counter[str]()
     try:

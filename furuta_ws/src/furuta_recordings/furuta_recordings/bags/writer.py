@@ -22,6 +22,7 @@ from furuta_recordings.bags.metadata import (
     distribution,
     metadata,
 )
+from furuta_ros.whole_files import make_directory
 
 # The tables of rosbag2's sqlite3 storage in Jazzy.
 _SCHEMA_VERSION = 4
@@ -67,7 +68,7 @@ class BagWriter:
     ) -> None:
         if os.path.lexists(path):
             raise ParameterError(f"{path} already exists; name another directory for the bag")
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_directory(path.parent)
         self.path, self._file = path, f"{path.name}_0.db3"
         self._topics: list[BagTopic] = []
         self._counts: list[int] = []

@@ -1,9 +1,8 @@
 """Finding parameters of the graph by name."""
 
-import difflib
 from typing import NamedTuple
 
-from furuta_model.parameters import Declared, ParameterError, declared
+from furuta_model.parameters import Declared, ParameterError, declared, suggestion
 from furuta_sim.settings.nodes import NODES
 
 EVERY_NODE = "/**"
@@ -59,5 +58,4 @@ def _last_part(name: str) -> str:
 def _suggestion(name: str) -> str:
     full_names = {match.parameter.name for node in NODES for match in _parameters(node)}
     known = full_names | {_last_part(full_name) for full_name in full_names}
-    near = difflib.get_close_matches(_last_part(name), sorted(known), n=3)
-    return f"; did you mean {', '.join(near)}?" if near else ""
+    return suggestion(name, sorted(known))

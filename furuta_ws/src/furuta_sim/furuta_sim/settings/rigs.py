@@ -6,7 +6,7 @@ from typing import Any
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
 from furuta_hw.rigs.uncertainty import Uncertainty
-from furuta_model.parameters import ParameterError, values
+from furuta_model.parameters import ParameterError, suggestion, values
 from furuta_ros.installed_files import share_directory
 
 SUFFIX = ".yaml"
@@ -23,14 +23,18 @@ def rig_directory() -> Path:
 
 
 def rig_file(name: str) -> Path:
-    """The file of a rig, by its path or by the name of one that comes with the workspace."""
+    """The file of a rig, by its path or by the name of one that comes with the workspace.
+
+    What has a slash or ends in .yaml or .yml is a path, whether there is a file or not.
+    """
     path = Path(name)
-    if path.suffix == SUFFIX or path.exists():
+    if "/" in name or path.suffix in (SUFFIX, ".yml") or path.exists():
         return path.absolute()
     known = {file.stem: file for file in sorted(rig_directory().glob(f"*{SUFFIX}"))}
     if name not in known:
         raise ParameterError(
             f"no rig {name}; rigs are {', '.join(known)}, or name a file that ends in {SUFFIX}"
+            + suggestion(name, known)
         )
     return known[name]
 
