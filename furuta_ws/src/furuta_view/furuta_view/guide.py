@@ -1,0 +1,154 @@
+"""The folder of the guided scenes: a scene to choose, its text, and what was measured in it."""
+
+from collections.abc import Callable
+from html import escape
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from furuta_view.figures import figures
+from furuta_view.graph_link import GraphLink
+from furuta_view.guided_scenes import (
+    Values,
+    by_node,
+    guided_scenes,
+    names_of,
+    step_values,
+    values_of,
+)
+from furuta_view.page_layout import Note, status_html
+from furuta_view.samples import TIME
+
+FREE = "free play"
+BACK, NEXT = "back", "next"
+HINT = "five guided scenes; free play restores the parameters that they change"
+# Time after which a step is measured [s]: a transient, and what the figures measure.
+SETTLED = 8.0
+MEASURED = "arm peak to peak, period"
+
+
+class Guide:
+    """Leads through the scenes; in free play the parameters are as they were before.
+
+    ``values`` gives the parameters of the nodes, and ``pace`` sets whether time is real. Where a
+    node or parameter is missing, as on a rig, there are no scenes.
+    """
+
+    def __init__(
+        self, gui: Any, link: GraphLink, values: Callable[[], Values], pace: Callable[[bool], None]
+    ) -> None:
+        self._link, self._values, self._pace = link, values, pace
+        self._scenes = guided_scenes()
+        self._names = names_of(self._scenes)
+        self._places = [(scene, step) for scene in self._scenes for step in scene.steps]
+        self._titles = [f"{n} {scene.title}" for n, scene in enumerate(self._scenes, 1)]
+        self._position: int | None = None
+        self._before: dict[str, Any] | None = None
+        self._since: float | None = None
+        self._fallen = False
+        self._measured: dict[int, str] = {}
+        self._folder = gui.add_folder(None, order=1.0, visible=False)
+        with self._folder:
+            self._choice = gui.add_dropdown("scene", [FREE, *self._titles], hint=HINT)
+            self._text = gui.add_html("", visible=False)
+            self._buttons = gui.add_button_group("step", (BACK, NEXT, FREE), visible=False)
+            self._table = gui.add_html("", visible=False)
+            self._note = Note(gui, 9.0)
+        self._choice.on_update(self._chosen)
+        self._buttons.on_click(lambda event: self._pressed(event.target.value))
+
+    @property
+    def active(self) -> bool:
+        """Whether a scene is shown."""
+        return self._position is not None
+
+    def leave(self) -> None:
+        """Go to free play: restore what the scenes have changed."""
+        if self.active:
+            self._go(None)
+
+    def update(self, samples: np.ndarray, fallen: bool, predicted: list[tuple[str, str]]) -> None:
+        """Measure the newest samples (n, 8); ``predicted`` are rows of names and values."""
+        self._fallen, position = fallen, self._position
+        self._folder.visible = values_of(self._names, self._values()) is not None
+        if position is None or self._link.requests.pending("scene"):
+            return
+        time = float(samples[-1, TIME])
+        if self._since is None or time < self._since:
+            self._since = time
+        if fallen:
+            self._measured[position] = "fallen"
+        elif time - self._since > SETTLED:
+            motion = figures(samples, 0)
+            self._measured[position] = motion_text(motion.phi_peak_to_peak, motion.period)
+        self._table.content = status_html(MEASURED, [*self._rows(position), *predicted])
+
+    def _rows(self, position: int) -> list[tuple[str, str]]:
+        """Name and measurement of each step of the scene."""
+        here = self._places[position][0]
+        return [
+            (f"▸ {step.name}" if place == position else step.name, self._measured.get(place, "…"))
+            for place, (scene, step) in enumerate(self._places)
+            if scene is here
+        ]
+
+    def _chosen(self, event: Any) -> None:
+        """Begin the scene that a user has chosen."""
+        if event.client is not None:
+            titles = [scene.title for scene, _ in self._places]
+            number = self._titles.index(self._choice.value) if self._choice.value != FREE else None
+            self._go(None if number is None else titles.index(self._scenes[number].title))
+
+    def _pressed(self, button: str) -> None:
+        """One step further or back; after the last one comes free play."""
+        position = self._position
+        if button == FREE or position is None:
+            return self._go(None)
+        position += 1 if button == NEXT else -1
+        return self._go(position if 0 <= position < len(self._places) else None)
+
+    def _go(self, position: int | None) -> None:
+        self._position = position
+        for handle in (self._text, self._buttons, self._table):
+            handle.visible = position is not None
+        if position is None:
+            self._choice.value = FREE
+        else:
+            scene, step = self._places[position]
+            self._measured.pop(position, None)
+            self._choice.value = self._titles[self._scenes.index(scene)]
+            self._text.content = (
+                '<div class="scene" role="status" style="padding:0 10px 8px;font-size:13px;'
+                f'line-height:1.4">{escape(scene.text)}<br><b>{escape(step.name)}.</b> '
+                f"{escape(step.look)}</div>"
+            )
+            self._table.content = status_html(MEASURED, self._rows(position))
+        self._note.tell("")
+        self._link.requests.submit("scene", self._apply, self._note.fail)
+
+    def _apply(self) -> None:
+        """Set the parameters of the step, or those that were before the scenes. Called in a job."""
+        position = self._position
+        if self._before is None:
+            self._before = values_of(self._names, self._values())
+            self._pace(True)
+        assert self._before is not None  # the folder is hidden otherwise
+        step = None if position is None else self._places[position][1]
+        new = self._before if step is None else step_values(step, self._before, self._values())
+        for node, values in by_node(new).items():
+            self._link.parameters.set_all(node, values)
+        self._since = None
+        if self._fallen:
+            self._link.reset()
+        if step is None:
+            self._before = None
+            self._pace(False)
+            return
+        for parameter, size in step.push.items():
+            self._link.push(parameter, size)
+
+
+def motion_text(peak_to_peak: float, period: float) -> str:
+    """Size [rad] and, where there is one, period [s] of a motion."""
+    return f"{peak_to_peak:.3f} rad" + (f", {period:.2f} s" if isfinite(period) else "")

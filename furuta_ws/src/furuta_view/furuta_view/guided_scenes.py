@@ -1,0 +1,82 @@
+"""The guided scenes and what each step of one sets; ``guided_scenes.yaml`` holds them."""
+
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from furuta_ros.yaml_files import parse_yaml
+from furuta_sim.settings.nodes import FRICTION_OBSERVER
+from furuta_sim.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
+
+FILE = "guided_scenes.yaml"
+# Values by node and parameter name.
+Values = Mapping[str, Mapping[str, Any]]
+
+
+class Step(NamedTuple):
+    """What a step sets (by full name), multiplies and pushes, and where to look."""
+
+    name: str
+    look: str
+    settings: Mapping[str, Any] = {}
+    times: Mapping[str, float] = {}
+    push: Mapping[str, float] = {}
+
+
+class GuidedScene(NamedTuple):
+    """A title, three sentences and steps."""
+
+    title: str
+    text: str
+    steps: tuple[Step, ...]
+
+
+def guided_scenes() -> list[GuidedScene]:
+    """All scenes; what is always set is part of each step's settings."""
+    content = parse_yaml(files(__package__).joinpath(FILE).read_text(), FILE)
+    always = {"settings": content["always"]}
+    return [
+        GuidedScene(
+            scene["title"],
+            scene["text"],
+            tuple(
+                Step(**step | {"settings": always["settings"] | step.get("settings", {})})
+                for step in scene["steps"]
+            ),
+        )
+        for scene in content["scenes"]
+    ]
+
+
+def names_of(scenes: list[GuidedScene]) -> list[str]:
+    """Full names of all parameters that the scenes change."""
+    steps = [step for scene in scenes for step in scene.steps]
+    own = {name for step in steps for name in (*step.settings, *step.times)}
+    recommended = {f"controller.{name}" for name in CONTROLLER_NAMES}
+    return sorted(own | recommended | {f"{FRICTION_OBSERVER}.guard_time"})
+
+
+def values_of(names: list[str], values: Values) -> dict[str, Any] | None:
+    """Values by full name; None if a node does not run or has not such a parameter."""
+    places = [name.partition(".")[::2] for name in names]
+    if any(name not in values.get(node, {}) for node, name in places):
+        return None
+    return {f"{node}.{name}": values[node][name] for node, name in places}
+
+
+def step_values(step: Step, before: Mapping[str, Any], values: Values) -> dict[str, Any]:
+    """Values by full name of all parameters that any step changes, for this step."""
+    scaled = {name: factor * before[name] for name, factor in step.times.items()}
+    new = dict(before) | dict(step.settings) | scaled
+    if any(is_recommended(*item) for item in step.settings.items()):
+        new |= recommended_values(values)
+    return new
+
+
+def by_node(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Values by node and name from values by full name."""
+    nodes: dict[str, dict[str, Any]] = {}
+    for full_name, value in values.items():
+        node, _, name = full_name.partition(".")
+        nodes.setdefault(node, {})[name] = value
+    return nodes
