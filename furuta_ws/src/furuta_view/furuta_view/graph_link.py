@@ -1,7 +1,8 @@
 """Calls the services of a running graph: parameters, reset, arming.
 
-A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for, and
-arming have a thread each: *Disarm* never waits for another node.
+A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for,
+arming and the pace have a thread each: *Disarm* never waits for another node, and the plant runs on
+while it is pushed.
 """
 
 from time import sleep
@@ -36,7 +37,7 @@ class GraphLink:
     ``parameters`` reads and sets those of any node, ``bridge`` arms and disarms.
 
     Jobs: ``search`` describes nodes, ``requests`` does what the user asks for, ``arming`` arms and
-    disarms, and ``computation`` calls no node.
+    disarms, ``pacing`` sets how far the plant runs, and ``computation`` calls no node.
     """
 
     def __init__(self) -> None:
@@ -45,11 +46,12 @@ class GraphLink:
         self.parameters = ParameterClient(self._node, self._executor)
         self.bridge = BridgeClient(self._node, self._executor)
         self._services = ServiceCaller(self._node, self._executor)
-        self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
+        self._jobs = [Jobs() for _ in range(5)]
+        self.search, self.requests, self.arming, self.pacing, self.computation = self._jobs
 
     def close(self) -> None:
         """End the threads."""
-        for jobs in (self.search, self.requests, self.arming, self.computation):
+        for jobs in self._jobs:
             jobs.close(END_TIMEOUT)
         self._executor.close(END_TIMEOUT)
 

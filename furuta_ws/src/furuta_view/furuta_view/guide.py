@@ -1,12 +1,14 @@
 """The folder of the guided scenes: a scene to choose, its text, and what was measured in it."""
 
 from collections.abc import Callable
+from functools import partial
 from html import escape
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from furuta_view.exact_cycle import encoder_counts
 from furuta_view.figures import figures
 from furuta_view.graph_link import GraphLink
 from furuta_view.guided_scenes import (
@@ -23,8 +25,9 @@ from furuta_view.samples import TIME
 FREE = "free play"
 BACK, NEXT = "back", "next"
 HINT = "five guided scenes; free play restores the parameters that they change"
-# Time after which a step is measured [s]: a transient, and what the figures measure.
-SETTLED = 8.0
+# Time after which a step pushes, and after which it is measured [s]: a transient, and what the
+# figures measure.
+PUSH_AFTER, SETTLED = 3.0, 8.0
 MEASURED = "arm peak to peak, period"
 
 
@@ -48,6 +51,7 @@ class Guide:
         self._since: float | None = None
         self._fallen = False
         self._measured: dict[int, str] = {}
+        self._pushes: dict[str, float] = {}
         self._folder = gui.add_folder(None, order=1.0, visible=False)
         with self._folder:
             self._choice = gui.add_dropdown("scene", [FREE, *self._titles], hint=HINT)
@@ -77,10 +81,13 @@ class Guide:
         time = float(samples[-1, TIME])
         if self._since is None or time < self._since:
             self._since = time
+        passed = time - self._since
+        if passed > PUSH_AFTER:
+            self._push()
         if fallen:
             self._measured[position] = "fallen"
-        elif time - self._since > SETTLED:
-            motion = figures(samples, 0)
+        elif passed > SETTLED:
+            motion = figures(samples, encoder_counts(self._values()))
             self._measured[position] = motion_text(motion.phi_peak_to_peak, motion.period)
         self._table.content = status_html(MEASURED, [*self._rows(position), *predicted])
 
@@ -117,6 +124,7 @@ class Guide:
         else:
             scene, step = self._places[position]
             self._measured.pop(position, None)
+            self._pushes = {}
             self._choice.value = self._titles[self._scenes.index(scene)]
             self._text.content = (
                 '<div class="scene" role="status" style="padding:0 10px 8px;font-size:13px;'
@@ -136,7 +144,8 @@ class Guide:
         assert self._before is not None  # the folder is hidden otherwise
         step = None if position is None else self._places[position][1]
         new = self._before if step is None else step_values(step, self._before, self._values())
-        for node, values in by_node(new).items():
+        # The controller's modes depend on the estimator: set it after that, and restore it before.
+        for node, values in sorted(by_node(new).items(), reverse=step is not None):
             self._link.parameters.set_all(node, values)
         self._since = None
         if self._fallen:
@@ -144,9 +153,13 @@ class Guide:
         if step is None:
             self._before = None
             self._pace(False)
-            return
-        for parameter, size in step.push.items():
-            self._link.push(parameter, size)
+        self._pushes = dict(step.push) if step else {}
+
+    def _push(self) -> None:
+        """Push once, as the step says."""
+        pushes, self._pushes = self._pushes, {}
+        for push in pushes.items():
+            self._link.requests.submit("push", partial(self._link.push, *push), self._note.fail)
 
 
 def motion_text(peak_to_peak: float, period: float) -> str:

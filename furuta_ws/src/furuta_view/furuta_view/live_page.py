@@ -81,6 +81,7 @@ class LivePage:
         self._guide.leave()
         if self._lockstep and self._simulation.pacer.speed is not None:
             self._set_run_until(FOREVER)
+            self._link.pacing.finish(END_TIMEOUT)
         self._link.requests.finish(END_TIMEOUT)
         self._link.close()
 
@@ -114,12 +115,12 @@ class LivePage:
         fallen = has_fallen(float(newest[-1, THETA]), values)
         self._fall.show(fallen, values)
         self._guide.update(newest, fallen, self._predicted)
-        title = f"{'rig' if self._rig else 'simulated'}, t = {self._seconds(time):.1f} s"
         if self._lockstep:
-            title = f"lock-step, {title}"
+            title = "lock-step"
         else:
+            title = "rig" if self._rig else "simulated"
             rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
-        self._layout.status.content = status_html(title, rows)
+        self._layout.status.content = status_html(f"{title}, t = {self._seconds(time):.1f} s", rows)
 
     def _seconds(self, time: float) -> float:
         """Time since the start [s]; in real time since the first sample on the page."""
@@ -147,7 +148,7 @@ class LivePage:
 
     def _set_run_until(self, until: float) -> None:
         work = partial(self._link.parameters.set_all, PLANT, {"run_until": until})
-        self._link.requests.submit("pace", work)
+        self._link.pacing.submit("pace", work)
 
     def _parameters_changed(self) -> None:
         """Draw the pendulum at its lengths, and the cycle of its parameters."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import viser
 
-CHARTS_WIDTH, CONTROLS_WIDTH = 440, 380  # [pixels]
-BRAND = (29, 95, 180)
+CHARTS_WIDTH, CONTROLS_WIDTH = 440, 360  # [pixels]
+BRAND = (0, 60, 110)  # dark enough for white letters on the buttons that viser makes of it
 ALARM, INK = "#b91c1c", "#334155"
 
 
@@ -47,7 +47,7 @@ def status_html(title: str, rows: list[tuple[str, str]]) -> str:
     """A title and a table of figures."""
     cells = "".join(
         f'<tr><td style="color:#475569">{escape(name)}</td>'
-        f'<td style="text-align:right;font-weight:600">{escape(value)}</td></tr>'
+        f'<td style="text-align:right;font-weight:600;white-space:nowrap">{escape(value)}</td></tr>'
         for name, value in rows
     )
     return (

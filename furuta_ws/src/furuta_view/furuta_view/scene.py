@@ -14,7 +14,7 @@ DAYLIGHT = 1.5  # brightness of the sides away from the light
 # Position of the camera and the point that it looks at, in heights of the joint above the ground.
 CAMERA, TARGET = (1.6, -2.0, 1.65), (0.0, 0.0, 1.05)
 # On a narrow page the panel covers the lower part; the pendulum is above it then.
-NARROW = 0.75  # width over height
+NARROW = 0.55  # width over height
 NARROW_CAMERA, NARROW_TARGET = (2.2, -2.7, 2.2), (0.0, 0.0, -0.6)
 
 
