@@ -52,7 +52,8 @@ def status_html(title: str, rows: list[tuple[str, str]]) -> str:
     )
     return (
         f'<div class="status" style="padding:2px 10px;font-size:14px"><b>{escape(title)}</b>'
-        f'<table style="width:100%;font-size:13px;line-height:1.35;font-variant-numeric:tabular-nums">{cells}</table></div>'
+        f'<table style="width:100%;font-size:13px;line-height:1.35;'
+        f'font-variant-numeric:tabular-nums">{cells}</table></div>'
     )
 
 
