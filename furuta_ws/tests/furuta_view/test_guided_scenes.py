@@ -13,15 +13,14 @@ from furuta_view.fall_notice import has_fallen
 from furuta_view.guided_scenes import (
     Step,
     by_node,
-    guided_scenes,
+    guided_steps,
     names_of,
     step_values,
     values_of,
 )
 from furuta_view.parameter_types import slider_range
 
-SCENES = guided_scenes()
-STEPS = [step for scene in SCENES for step in scene.steps]
+STEPS = guided_steps()
 VALUES = {node: values(group) for node, group in parameters_of(default_settings()).items()}
 # Linear sRGB as seen without one kind of cone: Machado, Oliveira, Fernandes 2009, severity 1.
 SIGHT = {
@@ -67,15 +66,15 @@ def test_colours_of_a_chart_differ(sight: str) -> None:
 
 
 def test_each_scene_has_three_sentences_and_each_step_one_thing_to_look_at() -> None:
-    for scene in SCENES:
-        assert scene.text.count(". ") + scene.text.endswith(".") == 3
+    for text in {step.text for step in STEPS}:
+        assert text.count(". ") + text.endswith(".") == 3
     assert all(step.look.startswith("Look at ") for step in STEPS)
 
 
 @pytest.mark.parametrize("step", STEPS, ids=lambda step: step.name)
 def test_steps_set_what_nodes_accept(step: Step) -> None:
     """Every step sets every parameter that any changes, so none is left over from another one."""
-    names = names_of(SCENES)
+    names = names_of(STEPS)
     before = values_of(names, VALUES)
     assert before is not None
     new = step_values(step, before, VALUES)
@@ -87,7 +86,7 @@ def test_steps_set_what_nodes_accept(step: Step) -> None:
 def test_no_scenes_where_a_node_is_missing() -> None:
     """On a rig there is no plant."""
     rig = {node: group for node, group in VALUES.items() if node != "plant"}
-    assert values_of(names_of(SCENES), rig) is None
+    assert values_of(names_of(STEPS), rig) is None
 
 
 def test_fall_is_where_the_controller_gives_up() -> None:

@@ -8,17 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from furuta_view.exact_cycle import encoder_counts
+from furuta_view.exact_cycle import Values, encoder_counts
 from furuta_view.figures import figures
 from furuta_view.graph_link import GraphLink
-from furuta_view.guided_scenes import (
-    Values,
-    by_node,
-    guided_scenes,
-    names_of,
-    step_values,
-    values_of,
-)
+from furuta_view.guided_scenes import by_node, guided_steps, names_of, step_values, values_of
 from furuta_view.page_layout import Note, status_html
 from furuta_view.samples import TIME
 
@@ -34,19 +27,19 @@ MEASURED = "arm peak to peak, period"
 class Guide:
     """Leads through the scenes; in free play the parameters are as they were before.
 
-    ``values`` gives the parameters of the nodes, and ``pace`` sets whether time is real. Where a
-    node or parameter is missing, as on a rig, there are no scenes.
+    ``position`` is that of the step, None in free play. ``values`` gives the parameters of the
+    nodes, and ``pace`` sets whether time is real. Where a node or parameter is missing, as on a
+    rig, there are no scenes.
     """
 
     def __init__(
         self, gui: Any, link: GraphLink, values: Callable[[], Values], pace: Callable[[bool], None]
     ) -> None:
         self._link, self._values, self._pace = link, values, pace
-        self._scenes = guided_scenes()
-        self._names = names_of(self._scenes)
-        self._places = [(scene, step) for scene in self._scenes for step in scene.steps]
-        self._titles = [f"{n} {scene.title}" for n, scene in enumerate(self._scenes, 1)]
-        self._position: int | None = None
+        self._steps = guided_steps()
+        self._names = names_of(self._steps)
+        self._titles = [step.title for step in self._steps]
+        self.position: int | None = None
         self._before: dict[str, Any] | None = None
         self._since: float | None = None
         self._fallen = False
@@ -54,7 +47,9 @@ class Guide:
         self._pushes: dict[str, float] = {}
         self._folder = gui.add_folder(None, order=1.0, visible=False)
         with self._folder:
-            self._choice = gui.add_dropdown("scene", [FREE, *self._titles], hint=HINT)
+            self._choice = gui.add_dropdown(
+                "scene", [FREE, *dict.fromkeys(self._titles)], hint=HINT
+            )
             self._text = gui.add_html("", visible=False)
             self._buttons = gui.add_button_group("step", (BACK, NEXT, FREE), visible=False)
             self._table = gui.add_html("", visible=False)
@@ -62,19 +57,14 @@ class Guide:
         self._choice.on_update(self._chosen)
         self._buttons.on_click(lambda event: self._pressed(event.target.value))
 
-    @property
-    def active(self) -> bool:
-        """Whether a scene is shown."""
-        return self._position is not None
-
     def leave(self) -> None:
         """Go to free play: restore what the scenes have changed."""
-        if self.active:
+        if self.position is not None:
             self._go(None)
 
     def update(self, samples: np.ndarray, fallen: bool, predicted: list[tuple[str, str]]) -> None:
         """Measure the newest samples (n, 8); ``predicted`` are rows of names and values."""
-        self._fallen, position = fallen, self._position
+        self._fallen, position = fallen, self.position
         self._folder.visible = values_of(self._names, self._values()) is not None
         if position is None or self._link.requests.pending("scene"):
             return
@@ -93,42 +83,38 @@ class Guide:
 
     def _rows(self, position: int) -> list[tuple[str, str]]:
         """Name and measurement of each step of the scene."""
-        here = self._places[position][0]
         return [
             (f"▸ {step.name}" if place == position else step.name, self._measured.get(place, "…"))
-            for place, (scene, step) in enumerate(self._places)
-            if scene is here
+            for place, step in enumerate(self._steps)
+            if step.title == self._titles[position]
         ]
 
     def _chosen(self, event: Any) -> None:
         """Begin the scene that a user has chosen."""
         if event.client is not None:
-            titles = [scene.title for scene, _ in self._places]
-            number = self._titles.index(self._choice.value) if self._choice.value != FREE else None
-            self._go(None if number is None else titles.index(self._scenes[number].title))
+            title = self._choice.value
+            self._go(self._titles.index(title) if title in self._titles else None)
 
     def _pressed(self, button: str) -> None:
         """One step further or back; after the last one comes free play."""
-        position = self._position
-        if button == FREE or position is None:
-            return self._go(None)
-        position += 1 if button == NEXT else -1
-        return self._go(position if 0 <= position < len(self._places) else None)
+        steps = range(len(self._steps))
+        position = (self.position or 0) + {BACK: -1, NEXT: 1}.get(button, len(steps))
+        self._go(position if position in steps else None)
 
     def _go(self, position: int | None) -> None:
-        self._position = position
+        self.position = position
         for handle in (self._text, self._buttons, self._table):
             handle.visible = position is not None
         if position is None:
             self._choice.value = FREE
         else:
-            scene, step = self._places[position]
+            step = self._steps[position]
             self._measured.pop(position, None)
             self._pushes = {}
-            self._choice.value = self._titles[self._scenes.index(scene)]
+            self._choice.value = step.title
             self._text.content = (
                 '<div class="scene" role="status" style="padding:0 10px 8px;font-size:13px;'
-                f'line-height:1.4">{escape(scene.text)}<br><b>{escape(step.name)}.</b> '
+                f'line-height:1.4">{escape(step.text)}<br><b>{escape(step.name)}.</b> '
                 f"{escape(step.look)}</div>"
             )
             self._table.content = status_html(MEASURED, self._rows(position))
@@ -137,12 +123,12 @@ class Guide:
 
     def _apply(self) -> None:
         """Set the parameters of the step, or those that were before the scenes. Called in a job."""
-        position = self._position
+        position = self.position
         if self._before is None:
             self._before = values_of(self._names, self._values())
             self._pace(True)
         assert self._before is not None  # the folder is hidden otherwise
-        step = None if position is None else self._places[position][1]
+        step = None if position is None else self._steps[position]
         new = self._before if step is None else step_values(step, self._before, self._values())
         # The controller's modes depend on the estimator: set it after that, and restore it before.
         for node, values in sorted(by_node(new).items(), reverse=step is not None):

@@ -1,11 +1,11 @@
-"""The guided scenes and what each step of one sets; ``guided_scenes.yaml`` holds them."""
+"""The guided scenes and what each of their steps sets; ``guided_scenes.yaml`` holds them."""
 
 from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
 from furuta_ros.yaml_files import parse_yaml
-from furuta_sim.settings.nodes import FRICTION_OBSERVER
+from furuta_sim.settings.nodes import CONTROLLER, FRICTION_OBSERVER
 from furuta_sim.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
 
 FILE = "guided_scenes.yaml"
@@ -14,45 +14,38 @@ Values = Mapping[str, Mapping[str, Any]]
 
 
 class Step(NamedTuple):
-    """What a step sets (by full name), multiplies and pushes, and where to look."""
+    """A step: title and three sentences of its scene, name, where to look, and what it changes.
 
+    It sets parameters (by full name), multiplies others by a number of ``times``, and pushes.
+    """
+
+    title: str
+    text: str
     name: str
     look: str
-    settings: Mapping[str, Any] = {}
+    settings: Mapping[str, Any]
     times: Mapping[str, float] = {}
     push: Mapping[str, float] = {}
 
 
-class GuidedScene(NamedTuple):
-    """A title, three sentences and steps."""
-
-    title: str
-    text: str
-    steps: tuple[Step, ...]
-
-
-def guided_scenes() -> list[GuidedScene]:
-    """All scenes; what is always set is part of each step's settings."""
+def guided_steps() -> list[Step]:
+    """The steps of all scenes; what is always set is part of each one's settings."""
     content = parse_yaml(files(__package__).joinpath(FILE).read_text(), FILE)
-    always = {"settings": content["always"]}
     return [
-        GuidedScene(
-            scene["title"],
-            scene["text"],
-            tuple(
-                Step(**step | {"settings": always["settings"] | step.get("settings", {})})
-                for step in scene["steps"]
-            ),
+        Step(
+            title=f"{number} {scene['title']}",
+            text=scene["text"],
+            **step | {"settings": content["always"] | step.get("settings", {})},
         )
-        for scene in content["scenes"]
+        for number, scene in enumerate(content["scenes"], 1)
+        for step in scene["steps"]
     ]
 
 
-def names_of(scenes: list[GuidedScene]) -> list[str]:
-    """Full names of all parameters that the scenes change."""
-    steps = [step for scene in scenes for step in scene.steps]
+def names_of(steps: list[Step]) -> list[str]:
+    """Full names of all parameters that the steps change."""
     own = {name for step in steps for name in (*step.settings, *step.times)}
-    recommended = {f"controller.{name}" for name in CONTROLLER_NAMES}
+    recommended = {f"{CONTROLLER}.{name}" for name in CONTROLLER_NAMES}
     return sorted(own | recommended | {f"{FRICTION_OBSERVER}.guard_time"})
 
 

@@ -111,7 +111,9 @@ class LivePage:
             self._layout.status.content = status_html("waiting for a running graph", [])
             return
         values = self._parameters.values
-        rows = [] if self._guide.active else figures(newest, encoder_counts(values)).rows()
+        rows = figures(newest, encoder_counts(values)).rows()
+        if self._guide.position is not None:  # whose table has them
+            rows = []
         fallen = has_fallen(float(newest[-1, THETA]), values)
         self._fall.show(fallen, values)
         self._guide.update(newest, fallen, self._predicted)
