@@ -79,6 +79,28 @@ class Page:
         shown = self.page.get_by_text(label, exact=True).locator("visible=true")
         return shown.first.locator("xpath=ancestor::*[.//input][1]")
 
+    def choose(self, label: str, option: str) -> None:
+        """Choose an option of a list."""
+        self.row(label).locator("input").first.click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+
+    def press(self, button: str) -> None:
+        """Press the first button with this name."""
+        self.page.get_by_role("button", name=button, exact=True).first.click()
+
+    def figures(self) -> dict[str, str]:
+        """Values by name in all tables."""
+        cells = "r => [...r.cells].map(c => c.innerText)"
+        rows = f"[...document.querySelectorAll('.status tr')].map({cells})"
+        return {name.strip("▸ "): value for name, value in self.page.evaluate(rows)}
+
+    def serious_violations(self, selector: str) -> list[str]:
+        """What axe-core finds serious in the elements; skips the test where it is not installed."""
+        reason = "axe-playwright-python is not installed; `make test` installs it"
+        axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
+        found = axe.run(self.page, context=selector).response["violations"]
+        return [each["id"] for each in found if each["impact"] in ("serious", "critical")]
+
     def _keep_error(self, message: Any) -> None:
         if message.type == "error":
             self.errors.append(message.text)

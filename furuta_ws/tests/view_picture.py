@@ -21,18 +21,12 @@ def newest(page: Page, part: float) -> float:
     return float(np.ptp(values[-int(len(values) * part) :])) if len(values) > 600 else np.nan
 
 
-def choose(page: Page, label: str, option: str) -> None:
-    """Choose an option of a list."""
-    page.row(label).locator("input").first.click()
-    page.page.get_by_role("option", name=option, exact=True).click()
-
-
 def show_compensation(page: Page) -> None:
     """Let LuGre compensation end the limit cycle in the middle of the charts."""
     page.page.locator(".mantine-Notification-root button").first.click()
-    choose(page, "speed", "real time")
+    page.choose("speed", "real time")
     page.wait(lambda: newest(page, 1.0) > 0.45, "the limit cycle in a full chart")
-    choose(page, "compensation", "lugre")
+    page.choose("compensation", "lugre")
     page.wait(lambda: newest(page, 0.35) < 0.05, "less of it")
 
 

@@ -1,6 +1,8 @@
 """``furuta view`` as a user has it: the page of a running graph in a headless Chromium."""
 
+import json
 import os
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,12 +12,17 @@ import numpy as np
 import pytest
 from browser import Page, open_browser
 
+from furuta_view.fall_notice import RESET
+from furuta_view.guided_scenes import guided_steps
 from furuta_view.simulation_controls import FOREVER
 
 pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
 
 # Width and height of the page: a small one, because software draws it [pixels].
 SIZE = (1000, 500)
+NARROW = (400, 800)
+NODES_OF_SCENES = ("controller", "estimator", "friction_observer")
+ENCODER_COUNT = 2.0 * np.pi / 250  # [rad]
 
 
 @pytest.fixture(scope="module")
@@ -53,11 +60,6 @@ def arm_size(page: Page) -> float:
     return float(np.ptp(values[len(values) // 2 :])) if len(values) > 300 else 0.0
 
 
-def choose(page: Page, label: str, option: str) -> None:
-    page.row(label).locator("input").first.click()
-    page.page.get_by_role("option", name=option, exact=True).click()
-
-
 def parameter(furuta: Any, node: str, name: str) -> str:
     status, out, err = furuta("param", "get", node, name)
     assert status == 0, err
@@ -82,7 +84,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
     before = page.wait(lambda: arm_size(page) > 0.4 and arm_size(page), "the limit cycle")
 
-    choose(page, "compensation", "lugre")
+    page.choose("compensation", "lugre")
     page.wait(lambda: 0.0 < arm_size(page) < before / 10.0, "a limit cycle ten times smaller")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
 
@@ -96,7 +98,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     allowed = (address, f"blob:{address}", address.replace("http", "ws"))
     assert all(each.startswith(allowed) for each in page.requests), page.requests
 
-    choose(page, "speed", "paused")
+    page.choose("speed", "paused")
     page.wait(lambda: run_until(furuta) < FOREVER, "the plant paused")
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)
@@ -104,6 +106,93 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert any("the graph runs on" in line for line in process.stderr)
     page.wait(lambda: run_until(furuta) == FOREVER, "the plant continues")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 0
+
+
+def size(figure: str) -> float:
+    """Peak to peak [rad] in a row of the scenes; infinite after a fall."""
+    return np.inf if figure == "fallen" else float(figure.split(maxsplit=1)[0])
+
+
+def measured(page: Page, step: str) -> float:
+    """Peak to peak of the arm in a step [rad], when it is known."""
+    page.wait(lambda: page.figures().get(step, "…") != "…", f"a figure of {step}")
+    return size(page.figures()[step])
+
+
+def test_narrow_page_leads_through_a_scene_and_says_a_fall(
+    processes: Any, furuta: Any, browser: Any
+) -> None:
+    """What is measured is what is predicted; pendulum, chart and way back are in sight."""
+    process, address = started(processes, "--", "--lockstep")
+    page = browser(address, *NARROW)
+    page.wait(lambda: arm_size(page) > 0.4, "the limit cycle")
+    chart = page.page.locator(".uplot").first.bounding_box()
+    assert chart["y"] + chart["height"] <= NARROW[1]
+
+    page.choose("scene", "2 Predict it")
+    assert measured(page, "feedback as it is") == pytest.approx(0.511, rel=0.02)
+    assert page.figures()["exact, uncompensated"] == "0.511 rad, 2.37 s"
+    _, out, _ = furuta("limit-cycle", "--predict", "--json")
+    (cycle,) = json.loads(out)["cycles"]
+    predicted = f"{cycle['phi_peak_to_peak_rad']:.3f} rad, {cycle['period_s']:.2f} s"
+    assert page.figures()["describing function"] == predicted
+    page.press("next")
+    page.wait(lambda: parameter(furuta, "controller", "omega1") == "10.5", "faster poles")
+    page.press("free play")
+    page.wait(lambda: parameter(furuta, "controller", "omega1") == "7.0", "the poles before")
+
+    assert not page.text(".fallen")
+    furuta("param", "set", "controller", "enabled", "false")
+    page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
+    assert page.serious_violations(".fallen, .status, .scene, svg") == []
+    furuta("param", "set", "controller", "enabled", "true")
+    assert page.page.get_by_role("button", name=RESET).count()  # of the controls are folded away
+    page.page.keyboard.press("r")
+    page.wait(lambda: not page.text(".fallen"), "upright")
+    assert page.errors == []
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("shape", [(1280, 800), NARROW])
+def test_all_scenes(processes: Any, furuta: Any, browser: Any, shape: tuple[int, int]) -> None:
+    """Each to its end; what is measured agrees with the text, and free play restores everything."""
+    process, address = started(processes, "--", "--lockstep")
+    page = browser(address, *shape)
+    page.wait(lambda: arm_size(page) > 0.4, "the limit cycle")
+    before = [furuta("param", "list", node)[1] for node in NODES_OF_SCENES]
+    sizes = {}
+    steps = guided_steps()
+    page.choose("scene", steps[0].title)
+    for step in steps:
+        page.wait(lambda step=step: f"▸ {step.name}" in page.text(".status"), step.name)
+        sizes[step.name] = measured(page, step.name)
+        assert step.look in page.text(".scene")
+        exact = page.figures()["exact, uncompensated"]
+        if step.name in ("with friction", "feedback as it is", "faster first poles", "none"):
+            assert sizes[step.name] == pytest.approx(size(exact), rel=0.02)
+        if step.name == "push on the pendulum":
+            page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
+        elif step.push:
+            page.wait(lambda step=step: measured(page, step.name) < ENCODER_COUNT, "recovery")
+        page.press("next")
+    page.page.wait_for_selector(".scene", state="hidden")
+    assert sizes["without friction"] < 0.01
+    assert sizes["Coulomb"] < sizes["none"] / 10
+    assert sizes["recommended"] < sizes["LuGre"] < sizes["Coulomb"]
+    assert sizes["friction × 1.5, LuGre"] > 0.2
+    assert sizes["bristle 3 times as stiff, LuGre"] > 0.1
+    assert sizes["friction × 1.5, recommended"] < ENCODER_COUNT
+    assert sizes["belt of 50 Hz, recommended"] < ENCODER_COUNT
+    assert sizes["push on the pendulum"] == np.inf
+    page.wait(
+        lambda: [furuta("param", "list", node)[1] for node in NODES_OF_SCENES] == before,
+        "the parameters before",
+    )
+    assert page.errors == []
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 0
 
@@ -125,6 +214,9 @@ def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> 
         return "ARMED" in status or ("stops: " in status and "stops: 0" not in status)
 
     page.wait(has_been_armed, "armed")
+    seconds = re.search(r"t = ([0-9.]+) s", page.text(".status"))
+    assert seconds is not None
+    assert float(seconds[1]) < 1000.0  # since the start, not since 1970
     page.page.get_by_role("button", name="Disarm: 0 V").click()
     page.wait(lambda: "not armed: " in page.text(".rig"), "disarmed")
     assert page.errors == []

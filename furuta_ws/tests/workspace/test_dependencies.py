@@ -39,8 +39,8 @@ PIP = {
 }
 # rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
-    *("distributed", "flint", "gymnasium", "playwright", "pyarrow", "unicorn", "viser"),
-    *("websockets", "ziglang"),
+    *("axe_playwright_python", "distributed", "flint", "gymnasium", "playwright", "pyarrow"),
+    *("unicorn", "viser", "websockets", "ziglang"),
 }
 
 # The key of each import that has another name.

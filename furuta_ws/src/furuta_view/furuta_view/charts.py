@@ -12,11 +12,13 @@ from furuta_view.xy_chart import Curve, Plane, xy_chart
 SECONDS = 10.0
 PLANE_SECONDS = 5.0
 HEIGHT = 148  # [pixels]
-ARM, PENDULUM, TRUE, ESTIMATED, GREY = "#1d5fb4", "#d9660f", "#15803d", "#be185d", "#94a3b8"
+# Colours of Okabe and Ito; those of one chart differ for colour-blind eyes too.
+ARM, PENDULUM, TRUE, ESTIMATED = "#0072B2", "#D55E00", "#000000", "#009E73"
+COMMANDED, GREY = "#56B4E9", "#999999"
 # Label, colour and column of each curve over time.
 ANGLES = [("arm φ [rad]", ARM, PHI), ("pendulum θ [rad]", PENDULUM, THETA)]
 VOLTAGES = [
-    ("u [V]", GREY, COMMAND),
+    ("u [V]", COMMANDED, COMMAND),
     ("friction F [V]", TRUE, FRICTION),
     ("estimate F̂ [V]", ESTIMATED, ESTIMATE),
 ]

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import trace
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.transfer import transfer
 from furuta_sim.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
 
 # What the motion depends on; other parameters need no new computation.
@@ -59,6 +61,22 @@ def exact_cycle(values: Values) -> np.ndarray | None:
     except (KeyError, ParameterError):
         return None
     return np.column_stack([motion.time, motion.state])
+
+
+def cycle_size(cycle: np.ndarray | None) -> tuple[float, float] | None:
+    """The arm's peak to peak [rad] and the period [s] of :func:`exact_cycle`."""
+    return None if cycle is None else (float(np.ptp(cycle[:, 1])), float(np.ptp(cycle[:, 0])))
+
+
+def predicted_size(values: Values) -> tuple[float, float] | None:
+    """The same as the describing function predicts it; None if it predicts no stable cycle."""
+    try:
+        loop = _ideal_loop(values)
+        cycles = predict_cycles(transfer(loop.body, loop.gains), loop.law).cycles
+    except (KeyError, ParameterError):
+        return None
+    stable = [cycle for cycle in cycles if cycle.stable]
+    return (stable[-1].phi_peak_to_peak_rad, stable[-1].period_s) if stable else None
 
 
 def _ideal_loop(values: Values) -> IdealLoop:

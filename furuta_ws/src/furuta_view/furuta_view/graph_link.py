@@ -1,9 +1,11 @@
 """Calls the services of a running graph: parameters, reset, arming.
 
-A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for, and
-arming have a thread each: *Disarm* never waits for another node.
+A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for,
+arming and the pace have a thread each: *Disarm* never waits for another node, and the plant runs on
+while it is pushed.
 """
 
+from time import sleep
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -14,11 +16,17 @@ from furuta_graph.system_client import BridgeClient, reset_plant
 from furuta_ros.ros_parameters import is_of_ros
 from furuta_ros.services import ServiceCaller
 from furuta_ros.spinning import SpinningThread
+from furuta_sim.settings.nodes import PLANT
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
 
 # Nodes of the view itself and of the recorder, which are not part of the graph.
 OWN_NODES = ("view", "view_requests", "recorder", "furuta_hw")
+# How long a push lasts [s].
+PUSH_TIME = 0.1
+SIZES = ("pushes.arm", "pushes.pendulum", "pushes.base_x", "pushes.base_y")
+# A push that has begun and does not end by itself.
+BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
 # Longest wait for the end of a call when the view ends [s].
 END_TIMEOUT = 1.0
 
@@ -29,7 +37,7 @@ class GraphLink:
     ``parameters`` reads and sets those of any node, ``bridge`` arms and disarms.
 
     Jobs: ``search`` describes nodes, ``requests`` does what the user asks for, ``arming`` arms and
-    disarms, and ``computation`` calls no node.
+    disarms, ``pacing`` sets how far the plant runs, and ``computation`` calls no node.
     """
 
     def __init__(self) -> None:
@@ -38,11 +46,12 @@ class GraphLink:
         self.parameters = ParameterClient(self._node, self._executor)
         self.bridge = BridgeClient(self._node, self._executor)
         self._services = ServiceCaller(self._node, self._executor)
-        self.search, self.requests, self.arming, self.computation = (Jobs() for _ in range(4))
+        self._jobs = [Jobs() for _ in range(5)]
+        self.search, self.requests, self.arming, self.pacing, self.computation = self._jobs
 
     def close(self) -> None:
         """End the threads."""
-        for jobs in (self.search, self.requests, self.arming, self.computation):
+        for jobs in self._jobs:
             jobs.close(END_TIMEOUT)
         self._executor.close(END_TIMEOUT)
 
@@ -77,6 +86,16 @@ class GraphLink:
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
         reset_plant(self._services)
+
+    def push(self, parameter: str, size: float) -> None:
+        """Push the plant by parameters: begin a push without end, and end it after a while."""
+        before = self.parameters.get(PLANT, [*BEGUN, *SIZES])
+        try:
+            others = {name: [0.0] for name in SIZES}
+            self.parameters.set_all(PLANT, others | BEGUN | {parameter: [size]})
+            sleep(PUSH_TIME)
+        finally:
+            self.parameters.set_all(PLANT, {name: list(value) for name, value in before.items()})
 
 
 def _described(name: str, value: Any, descriptor: ParameterDescriptor) -> Described:

@@ -12,9 +12,18 @@ from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
-from furuta_view.exact_cycle import encoder_counts, exact_cycle, model_of, relevant
+from furuta_view.exact_cycle import (
+    cycle_size,
+    encoder_counts,
+    exact_cycle,
+    model_of,
+    predicted_size,
+    relevant,
+)
+from furuta_view.fall_notice import FallNotice, has_fallen
 from furuta_view.figures import figures, late_samples
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
+from furuta_view.guide import Guide, motion_text
 from furuta_view.live_node import LiveNode
 from furuta_view.page_layout import Layout, Note, status_html
 from furuta_view.parameters_on_page import ParametersOnPage
@@ -40,6 +49,10 @@ class LivePage:
         with self._layout.controls:
             note = Note(gui, 90.0)
             self._simulation = SimulationControls(server, self._link, note)
+        self._fall = FallNotice(gui, self._simulation.reset)
+        self._guide = Guide(
+            gui, self._link, lambda: self._parameters.values, self._simulation.run_in_real_time
+        )
         self._parameters = ParametersOnPage(
             gui, self._link, self._layout.main, self._layout.parameters, self._parameters_changed
         )
@@ -50,6 +63,8 @@ class LivePage:
         self._rig: RigControls | None = None
         self._drawn_model: FurutaPendulum | None = None
         self._cycle_of: tuple[Any, ...] = ()
+        self._predicted: list[tuple[str, str]] = []
+        self._start = 0.0
 
     def run(self, stop: Callable[[], bool]) -> None:
         """Draw until ``stop()``."""
@@ -63,9 +78,11 @@ class LivePage:
 
     def close(self) -> None:
         """End what the page has begun; a plant that it holds continues."""
+        self._guide.leave()
         if self._lockstep and self._simulation.pacer.speed is not None:
             self._set_run_until(FOREVER)
-            self._link.requests.finish(END_TIMEOUT)
+            self._link.pacing.finish(END_TIMEOUT)
+        self._link.requests.finish(END_TIMEOUT)
         self._link.close()
 
     @property
@@ -93,13 +110,26 @@ class LivePage:
         if time is None:
             self._layout.status.content = status_html("waiting for a running graph", [])
             return
-        rows = figures(newest, encoder_counts(self._parameters.values)).rows()
+        values = self._parameters.values
+        rows = figures(newest, encoder_counts(values)).rows()
+        if self._guide.position is not None:  # whose table has them
+            rows = []
+        fallen = has_fallen(float(newest[-1, THETA]), values)
+        self._fall.show(fallen, values)
+        self._guide.update(newest, fallen, self._predicted)
         if self._lockstep:
-            title = f"simulated, lock-step, t = {time:.1f} s"
+            title = "lock-step"
         else:
             title = "rig" if self._rig else "simulated"
             rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
-        self._layout.status.content = status_html(title, rows)
+        self._layout.status.content = status_html(f"{title}, t = {self._seconds(time):.1f} s", rows)
+
+    def _seconds(self, time: float) -> float:
+        """Time since the start [s]; in real time since the first sample on the page."""
+        if time < FOREVER:  # lock-step counts from 0, and never so far
+            return time
+        self._start = self._start or time
+        return time - self._start
 
     def _update_rig(self) -> None:
         values = self._parameters.values
@@ -120,7 +150,7 @@ class LivePage:
 
     def _set_run_until(self, until: float) -> None:
         work = partial(self._link.parameters.set_all, PLANT, {"run_until": until})
-        self._link.requests.submit("pace", work)
+        self._link.pacing.submit("pace", work)
 
     def _parameters_changed(self) -> None:
         """Draw the pendulum at its lengths, and the cycle of its parameters."""
@@ -134,4 +164,12 @@ class LivePage:
             self._link.computation.submit("cycle", self._compute_cycle)
 
     def _compute_cycle(self) -> None:
-        self._charts.cycle = exact_cycle(self._parameters.values)
+        values = self._parameters.values
+        cycle = self._charts.cycle = exact_cycle(values)
+        found = {
+            "exact, uncompensated": cycle_size(cycle),
+            "describing function": predicted_size(values),
+        }
+        self._predicted = [
+            (name, motion_text(*size) if size else "no cycle") for name, size in found.items()
+        ]

@@ -1,12 +1,15 @@
-"""The layout of the page: charts at the left, the pendulum in the middle, controls at the right."""
+"""The layout of the page: charts at the left, the pendulum in the middle, controls at the right.
+
+A narrow page has all of it in one panel: status and scenes, then controls, then charts.
+"""
 
 from html import escape
 from typing import Any
 
 import viser
 
-CHARTS_WIDTH, CONTROLS_WIDTH = 440, 340  # [pixels]
-BRAND = (29, 95, 180)
+CHARTS_WIDTH, CONTROLS_WIDTH = 440, 360  # [pixels]
+BRAND = (0, 60, 110)  # dark enough for white letters on the buttons that viser makes of it
 ALARM, INK = "#b91c1c", "#334155"
 
 
@@ -22,28 +25,35 @@ class Layout:
         gui.set_panel_label("Furuta pendulum")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(CONTROLS_WIDTH)
-        panel = gui.add_panel()
-        self.charts = panel.add_tab("Charts")
-        panel.dock_left()
-        panel.set_width(CHARTS_WIDTH)
+        charts = gui.add_panel(order=2.0)
+        self.charts = charts.add_tab("Charts")
+        charts.dock_left()
+        charts.set_width(CHARTS_WIDTH)
+        charts.expand()  # a narrow page shows panels below each other, collapsed otherwise
         waiting = "waiting for a running graph" if live else ""
         self.status = gui.add_html(status_html(waiting, []), order=0.0)
-        self.main = gui.add_folder("Main parameters" if live else "Time", order=1.0)
-        if live:
-            self.controls = gui.add_folder("Simulation", order=2.0)
-            self.parameters = gui.add_folder("All parameters", order=3.0)
+        if not live:
+            self.main = gui.add_folder("Time", order=1.0)
+            return
+        controls = gui.add_panel(order=1.0)
+        controls.dock_below(gui.main_panel)
+        with controls.add_tab("Controls"):
+            self.main = gui.add_folder("Main parameters")
+            self.controls = gui.add_folder("Simulation")
+            self.parameters = gui.add_folder("All parameters")
 
 
 def status_html(title: str, rows: list[tuple[str, str]]) -> str:
     """A title and a table of figures."""
     cells = "".join(
         f'<tr><td style="color:#475569">{escape(name)}</td>'
-        f'<td style="text-align:right;font-weight:600">{escape(value)}</td></tr>'
+        f'<td style="text-align:right;font-weight:600;white-space:nowrap">{escape(value)}</td></tr>'
         for name, value in rows
     )
     return (
-        f'<div class="status" style="padding:2px 10px;font-size:15px"><b>{escape(title)}</b>'
-        f'<table style="width:100%;font-variant-numeric:tabular-nums">{cells}</table></div>'
+        f'<div class="status" style="padding:2px 10px;font-size:14px"><b>{escape(title)}</b>'
+        f'<table style="width:100%;font-size:13px;line-height:1.35;'
+        f'font-variant-numeric:tabular-nums">{cells}</table></div>'
     )
 
 

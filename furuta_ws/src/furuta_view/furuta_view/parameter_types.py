@@ -73,12 +73,13 @@ def slider_range(value: float, low: float, high: float) -> tuple[float, float, f
     """Ends and step of a slider that moves ``value`` within the allowed range.
 
     The allowed range can be millions of times as wide as any useful value. The slider then reaches
-    a few times the present one. Of a whole number all three are whole.
+    a few times the present one, or far from 0, which tells no size. Of a whole number all three are
+    whole.
     """
-    size = abs(value) or 1.0
-    if not high - low <= WHOLE_RANGE * size:
-        power = 10.0 ** math.floor(math.log10(REACH * size))
-        reach = math.ceil(REACH * size / power - 1e-9) * power  # rounded up
+    reach = REACH * abs(value) or WHOLE_RANGE
+    if not high - low <= WHOLE_RANGE * (abs(value) or 1.0):
+        power = 10.0 ** math.floor(math.log10(reach))
+        reach = math.ceil(reach / power - 1e-9) * power  # rounded up
         low, high = max(low, 0.0 if value > 0.0 and low == -math.inf else -reach), min(high, reach)
     low, high = min(low, value), max(high, value)
     if isinstance(value, int):

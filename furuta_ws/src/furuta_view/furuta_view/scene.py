@@ -13,6 +13,9 @@ GROUND = (226, 232, 240)
 DAYLIGHT = 1.5  # brightness of the sides away from the light
 # Position of the camera and the point that it looks at, in heights of the joint above the ground.
 CAMERA, TARGET = (1.6, -2.0, 1.65), (0.0, 0.0, 1.05)
+# On a narrow page the panel covers the lower part; the pendulum is above it then.
+NARROW = 0.55  # width over height
+NARROW_CAMERA, NARROW_TARGET = (2.2, -2.7, 2.2), (0.0, 0.0, -0.6)
 
 
 class Scene:
@@ -93,6 +96,8 @@ class Scene:
     def _place_camera(self, client: viser.ClientHandle) -> None:
         """Look at the pendulum, once its size is known."""
         if self._height:
+            narrow = client.camera.aspect < NARROW
+            camera, target = (NARROW_CAMERA, NARROW_TARGET) if narrow else (CAMERA, TARGET)
             with client.atomic():
-                client.camera.position = self._height * np.array(CAMERA)
-                client.camera.look_at = self._height * np.array(TARGET)
+                client.camera.position = self._height * np.array(camera)
+                client.camera.look_at = self._height * np.array(target)

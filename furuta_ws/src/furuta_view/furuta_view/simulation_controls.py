@@ -1,29 +1,23 @@
 """Controls of the simulated plant: push and reset; in lock-step also the speed."""
 
 from functools import partial
-from time import sleep
 from typing import Any
 
 import viser
 
-from furuta_sim.settings.nodes import PLANT
+from furuta_view.fall_notice import RESET
 from furuta_view.graph_link import GraphLink
 from furuta_view.page_layout import Note
 
-# A push: torque [V], and how long it lasts [s].
-PUSH_TIME = 0.1
 PUSHES = {"push arm": "pushes.arm", "push pendulum": "pushes.pendulum"}
-LEFT, RIGHT = "− ←", "→ +"
-SIZES = ("pushes.arm", "pushes.pendulum", "pushes.base_x", "pushes.base_y")
-# A push that has begun and does not end by itself.
-BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
+CLOCKWISE, ANTICLOCKWISE = "clockwise", "anticlockwise"  # seen from above: φ falls, φ rises
 # Speeds relative to real time; None: as fast as the machine allows.
-FASTEST = "as fast as possible"
+FASTEST, REAL_TIME = "as fast as possible", "real time"
 SPEEDS: dict[str, float | None] = {
     "paused": 0.0,
     "slow, 1/10": 0.1,
     "half": 0.5,
-    "real time": 1.0,
+    REAL_TIME: 1.0,
     "double": 2.0,
     "five times": 5.0,
     FASTEST: None,
@@ -64,11 +58,24 @@ class SimulationControls:
         gui = server.gui
         self._push_size = gui.add_slider("push size [V]", 0.1, 5.0, 0.1, 1.0)
         for label, parameter in PUSHES.items():
-            gui.add_button_group(label, (LEFT, RIGHT)).on_click(partial(self._push, parameter))
-        reset = gui.add_button("Reset: pendulum upright", icon=viser.Icon.RESTORE)
-        reset.on_click(lambda _: link.requests.submit("reset", link.reset, note.fail))
+            buttons = gui.add_button_group(
+                label, (CLOCKWISE, ANTICLOCKWISE), hint="seen from above, for 0.1 s"
+            )
+            buttons.on_click(partial(self._push, parameter))
+        gui.add_button(RESET, icon=viser.Icon.RESTORE).on_click(lambda _: self.reset())
         self._speed = gui.add_dropdown("speed", list(SPEEDS), initial_value=FASTEST, visible=False)
         self._speed.on_update(lambda _: setattr(self.pacer, "speed", SPEEDS[self._speed.value]))
+        self._speed_before = FASTEST
+
+    def reset(self) -> None:
+        """Put the pendulum upright."""
+        self._link.requests.submit("reset", self._link.reset, self._note.fail)
+
+    def run_in_real_time(self, real_time: bool) -> None:
+        """In lock-step run in real time, or at the speed before."""
+        if real_time:
+            self._speed_before = self._speed.value
+        self._speed.value = REAL_TIME if real_time else self._speed_before
 
     def show_pacing(self, lockstep: bool) -> None:
         """Show the speed in lock-step only."""
@@ -76,17 +83,6 @@ class SimulationControls:
             self._speed.visible = lockstep
 
     def _push(self, parameter: str, event: Any) -> None:
-        size = self._push_size.value * (1.0 if event.target.value == RIGHT else -1.0)
-        work = partial(self._push_now, parameter, size)
+        sign = 1.0 if event.target.value == ANTICLOCKWISE else -1.0
+        work = partial(self._link.push, parameter, sign * self._push_size.value)
         self._link.requests.submit("push", work, self._note.fail)
-
-    def _push_now(self, parameter: str, size: float) -> None:
-        """Push by parameters: begin a push without end, and end it after a while."""
-        parameters = self._link.parameters
-        before = parameters.get(PLANT, [*BEGUN, *SIZES])
-        try:
-            others = {name: [0.0] for name in SIZES}
-            parameters.set_all(PLANT, others | BEGUN | {parameter: [size]})
-            sleep(PUSH_TIME)
-        finally:
-            parameters.set_all(PLANT, {name: list(value) for name, value in before.items()})

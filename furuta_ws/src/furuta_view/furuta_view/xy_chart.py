@@ -95,9 +95,11 @@ def _axes(plane: Plane, x_ticks: list[float], y_ticks: list[float]) -> str:
 
 
 def _legend(curves: list[Curve]) -> str:
-    """Names in the colours of their curves, at the right of the title."""
+    """A piece of each curve and its name, at the right of the title."""
     spans = [
-        f'<tspan fill="{curve.colour}" dx="10">{escape(curve.name)}</tspan>' for curve in curves
+        f'<tspan fill="{curve.colour}" dx="10">━</tspan>'
+        f'<tspan fill="{INK}" dx="3">{escape(curve.name)}</tspan>'
+        for curve in curves
     ]
     return (
         f'<text x="{WIDTH - RIGHT - 4}" y="18" text-anchor="end" font-size="13" '
