@@ -25,6 +25,10 @@ class SlowNode:
         """All nodes."""
         return [("slow", "/left")]
 
+    def get_name(self) -> str:
+        """The caller itself."""
+        return "caller"
+
     def wait_for_service(self, timeout: float) -> bool:
         """Whether the service is there."""
         return self.present

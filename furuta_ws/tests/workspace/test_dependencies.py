@@ -99,7 +99,7 @@ def helpers() -> set[str]:
 def assert_declared(names: set[str], found: set[str], extras: list[str]) -> None:
     """Each import has its key, or its extra if there is no key; nothing else is declared."""
     assert {KEY_OF_IMPORT.get(name, name) for name in names - WITHOUT_KEY} == found
-    assert names & WITHOUT_KEY == set(extras)
+    assert {REQUIREMENT_OF_IMPORT.get(name, name) for name in names & WITHOUT_KEY} == set(extras)
 
 
 def extras(package: str) -> dict[str, list[str]]:

@@ -123,6 +123,6 @@ def test_wheel_requires_what_it_imports() -> None:
     of_ros |= {"rcl_interfaces", "ament_index_python"}
     other_names = {
         **{"yaml": "pyyaml", "serial": "pyserial", "dask": "distributed"},
-        **{"urdf_parser_py": "urdf-parser-py"},
+        **{"flint": "python-flint", "urdf_parser_py": "urdf-parser-py"},
     }
     assert {other_names.get(n, n) for n in imported - of_ros - {"ziglang"}} <= required

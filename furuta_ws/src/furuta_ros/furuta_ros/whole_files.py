@@ -16,7 +16,7 @@ def make_directory(path: Path) -> None:
 
     Except for the usual :data:`OUTPUT` a line on standard error says so: it may be a slip.
     """
-    if not path.exists():
+    if not path.is_dir():
         path.mkdir(parents=True, exist_ok=True)
         whole = path.resolve()
         if OUTPUT.resolve() not in (whole, *whole.parents):

@@ -26,8 +26,8 @@ TITLES = {
     "tuned": "LuGre, tuned (Fig. 9)",
     "recommended": "recommended",
 }
-# Length of the part that is shown of each phase of the demo [s].
-SHOWN = 10.0
+# Length of the part that is shown of each phase of the demo, and of its friction [s].
+SHOWN, FRICTION_SHOWN = 10.0, 2.5
 
 
 def draw_run(run: Record, path: Path) -> None:
@@ -39,14 +39,20 @@ def draw_run(run: Record, path: Path) -> None:
 
 
 def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
-    """Draw one column per phase and one row per signal; a row has one scale."""
+    """Draw one column per phase and one row per signal; a row has one scale.
+
+    The friction is shown for a shorter time, so that its estimate can be told from it.
+    """
     shape = (len(SIGNALS), len(phases))
-    with saved_figure(path, *shape, sharex="col", sharey="row", figsize=(17, 8)) as (figure, axes):
+    with saved_figure(path, *shape, sharey="row", figsize=(17, 8.5)) as (figure, axes):
         for column, phase in zip(axes.T, phases, strict=True):
             draw_signals(column, recorded.between(max(phase.start, phase.end - SHOWN), phase.end))
             column[0].set_title(TITLES[phase.compensation])
+            column[3].set_xlim(phase.end - FRICTION_SHOWN, phase.end)
+            for axis in column[:2]:
+                axis.tick_params(labelbottom=False)
         label_signals(axes[:, 0])
-        for axis in axes[-1]:
+        for axis in axes[2:].flat:
             axis.set_xlabel("time [s]")
         figure.legend(*axes[3, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
 
