@@ -8,9 +8,21 @@ from typing import Any
 
 import numpy as np
 import yaml
-from page.designs import BASE, KNOBS, PUSHES, SELECTING, Group, design_of, groups
+from page.designs import (
+    BASE,
+    CONTROL_KNOBS,
+    KNOBS,
+    PUSHES,
+    SELECTING,
+    Group,
+    design_of,
+    groups,
+    loop_of,
+)
 from page.translation import Page, selected, translated
 
+import furuta
+from furuta.limit_cycles.periodic_orbit import trace
 from furuta_sim.emulator.firmware_compiler import run_compiler
 
 HERE = Path(__file__).parent
@@ -74,6 +86,7 @@ def data() -> dict[str, Any]:
             for knob in knobs.values()
         ],
         "scenes": scenes(),
+        "cycles": cycles(),
     }
 
 
@@ -117,6 +130,28 @@ KNOB_VALUES = {
         for name, value in knob.values.get("1", {}).items()
     }
 }
+
+
+def cycles() -> dict[str, Any]:
+    """The exact cycle and its prediction for each value of the first poles, without compensation.
+
+    ``orbit`` has arm angle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's
+    motion peak to peak [rad].
+    """
+    found = {}
+    for label, settings in next(k for k in CONTROL_KNOBS if k.name == "omega1").values.items():
+        loop = furuta.ideal_loop(loop_of(settings))
+        cycle = furuta.limit_cycle(loop)
+        predicted = furuta.predict_cycles(loop).cycles
+        if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s) or not predicted:
+            continue
+        orbit = trace(loop, cycle).state[:, :2]
+        found[label] = {
+            "exact": cycle.phi_peak_to_peak_rad,
+            "predicted": predicted[-1].phi_peak_to_peak_rad,
+            "orbit": orbit[:: 1 + len(orbit) // 300].round(5).tolist(),
+        }
+    return found
 
 
 def build(out: Path) -> int:
