@@ -45,7 +45,8 @@ class Loop {
   putBack(theta = 0.05) {
     this.code.begin(theta, 0);
     this.design.fill(0, this.data.pushes);
-    this.signals[14] = 0;
+    this.signals.fill(0);
+    this.signals[2] = theta;
   }
 
   sample() {

@@ -58,11 +58,11 @@ function axes(c, width, height, across, up, zero) {
   c.fillStyle = "#333";
   for (const v of [-0.8 * up, 0, 0.8 * up]) {
     line(c, [[40, y(v)], [width - 10, y(v)]], "#ddd", 1);
-    c.fillText(v.toPrecision(2).replace(/^0\.0$/, "0"), 2, y(v) + 4);
+    c.fillText(Number(v.toPrecision(2)), 2, y(v) + 4);
   }
   const marks = zero ? [-0.8 * across, 0, 0.8 * across] : [0, across / 2, across];
   for (const v of marks) {
-    c.fillText(zero ? v.toPrecision(2).replace("0.0", "0") : `${v - across} s`, Math.min(x(v), width - 28), height - 3);
+    c.fillText(zero ? Number(v.toPrecision(2)) : `${v - across} s`, Math.min(x(v), width - 28), height - 3);
   }
   return [x, y];
 }

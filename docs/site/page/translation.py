@@ -11,7 +11,8 @@ from furuta.export.adjustable import Adjustable
 from furuta.export.functions import CFunction, Translation
 from furuta.export.structures import initialisation, structures
 from furuta.export.text import filled_text
-from furuta.export.values import DOUBLE, REAL, Array, Group as Parts, Known, Memory, Number
+from furuta.export.values import DOUBLE, REAL, Array, Known, Memory, Number
+from furuta.export.values import Group as Parts
 from furuta_friction.compensation import allow
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_sim.plant import move, read, true_friction

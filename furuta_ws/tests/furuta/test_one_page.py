@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import shutil
@@ -27,8 +28,8 @@ from furuta_sim.simulation.control_system import control_sample
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
 sys.path.insert(0, str(ROOT / "docs" / "site"))
-from page import designs  # noqa: E402
-from page.build import build  # noqa: E402
+from page import designs
+from page.build import build
 
 RESULTS = 14
 # A push that lets the pendulum fall in some of the cases: first sample, samples, torques [V].
@@ -102,6 +103,76 @@ const noise = fs.readFileSync(process.argv[5]);
 const given = new Float64Array(noise.buffer, noise.byteOffset, noise.length / 8);
 fs.writeFileSync(process.argv[6], new Uint8Array(loop.replay(given).buffer));
 """
+
+
+@pytest.fixture(scope="module")
+def page(page_file: Path) -> Iterator[Any]:
+    """The page in Chromium without a network, with ``failures`` and ``requests`` as lists."""
+    path = browser_path()
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
+        opened: Any = browser.new_context(
+            offline=True, viewport={"width": 1280, "height": 800}
+        ).new_page()
+        opened.failures, opened.requests = [], []
+        opened.on("pageerror", lambda error: opened.failures.append(str(error)))
+        opened.on("request", lambda request: opened.requests.append(request.url))
+        opened.began = monotonic()
+        opened.goto(page_file.as_uri())
+        opened.wait_for_function("history.length > 0")
+        opened.began = monotonic() - opened.began
+        yield opened
+        browser.close()
+
+
+def test_it_is_small_and_asks_for_nothing(page: Any, page_file: Path) -> None:
+    """Below 1 MB, and one request: that for the file."""
+    assert page_file.stat().st_size < 1e6
+    page.wait_for_timeout(1000)
+    print(f"first motion after {page.began:.2f} s, {page.evaluate('frames')} frames in 1 s")
+    assert page.requests == [page_file.as_uri()]
+    assert not page.failures
+    assert not re.search(r"(?:src|href)=|url\(|fetch\(|https?:", page_file.read_text())
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_samples_have_the_same_bits(case: str, page: Any) -> None:
+    """In the browser, from the same noise."""
+    noise = np.random.default_rng(0).standard_normal((3000, 2))
+    code = (
+        "([knobs, push, noise]) => { const one = new Loop(DATA); one.turn(knobs);"
+        "one.signals[14] = push[0]; one.push(...push.slice(1)); one.signals[14] = 0;"
+        "let text = ''; for (const byte of new Uint8Array(one.replay("
+        "Float64Array.from(noise)).buffer)) text += String.fromCharCode(byte); return btoa(text); }"
+    )
+    given = page.evaluate(code, [CASES[case], PUSH, noise.ravel().tolist()])
+    results = np.frombuffer(base64.b64decode(given)).reshape(-1, RESULTS)[:, :13]
+    assert_same(results, python_results(CASES[case], noise))
+
+
+def test_scenes_show_what_they_say(page: Any) -> None:
+    """The motion is the exact cycle's, compensation reduces it, and a fall is said."""
+    sizes = []
+    for scene, step in ((0, 0), (0, 1), (1, 1), (2, 1), (2, 2), (2, 3)):
+        page.evaluate(f"enter({scene}, {step}); advance(20000)")
+        sizes.append(page.evaluate("measured()[0]"))
+    exact = page.evaluate("DATA.cycles['1'].exact"), page.evaluate("DATA.cycles['1.5'].exact")
+    assert sizes[0] == pytest.approx(exact[0], rel=0.02)
+    assert sizes[2] == pytest.approx(exact[1], rel=0.05)
+    assert sizes[0] > sizes[3] > sizes[4] > sizes[5]
+    assert sizes[1] < 0.1 * sizes[0]
+    page.evaluate("enter(4, 1); advance(10000); tell()")
+    assert page.locator("#fallen").is_visible()
+    page.keyboard.press("r")
+    page.evaluate("tell()")
+    assert not page.locator("#fallen").is_visible()
+    page.evaluate("enter(4, 2); advance(30000)")
+    assert page.evaluate("Math.cos(loop.signals[2])") > 0.99
+    page.set_viewport_size({"width": 400, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") == 400
+    assert not page.failures
 
 
 @pytest.mark.long

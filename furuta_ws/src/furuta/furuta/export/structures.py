@@ -13,7 +13,6 @@ from furuta.export.text import comment, summary
 from furuta.export.values import KINDS
 
 
-
 def structures(whole: Translation, kind: type) -> str:
     """The definition of the structure of a memory, after those of the memories in it."""
     # The same memory may be in several places.
