@@ -55,12 +55,14 @@ def translated(groups: list[Group]) -> Page:
     signals = [Array(REAL, name) for name in ("noise", "measurement", "estimate")]
     noise, measurement, estimate = signals
     measure = _call(whole, read, plant, noise, Known(base.plant, "plant"), measurement)
-    laws, law_cases = {}, []
+    laws: dict[str, int] = {}
+    law_cases: list[str] = []
     for design in groups[0].designs:
         if selected(design, "plant") not in laws:
             law_cases.append(_law_case(whole, plant, design, len(laws)))
             laws[selected(design, "plant")] = len(laws)
-    controls, control_cases = {}, []
+    controls: dict[str, int] = {}
+    control_cases: list[str] = []
     for design in groups[-1].designs:
         if selected(design, "control") not in controls:
             known = Known(design.control, "control")
