@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import OPTIONS, browser_path
-from sources import ROOT
+from sources import ROOT, SITE
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -27,7 +27,7 @@ from furuta_sim.simulation.closed_loop import LoopMemory, new_memory
 from furuta_sim.simulation.control_system import control_sample
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
-sys.path.insert(0, str(ROOT / "docs" / "site"))
+sys.path.insert(0, str(SITE))
 from page import designs
 from page.build import build
 
