@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from page.designs import BASE, PUSHES, SELECTING, Design, Group, design_of
 
 from furuta.export.adjustable import Adjustable
 from furuta.export.functions import CFunction, Translation
@@ -17,6 +16,7 @@ from furuta_friction.compensation import allow
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_sim.plant import move, read, true_friction
 from furuta_sim.simulation.control_system import ControlMemory, control_sample, reset
+from page.designs import BASE, PUSHES, SELECTING, Design, Group, design_of
 
 
 class Page(NamedTuple):
