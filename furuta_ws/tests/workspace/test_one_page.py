@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -28,8 +29,8 @@ from furuta_sim.simulation.control_system import control_sample
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
 sys.path.insert(0, str(SITE))
-from page import designs
-from page.build import build
+designs = import_module("page.designs")
+build = import_module("page.build").build
 
 RESULTS = 14
 # A push that lets the pendulum fall in some of the cases: first sample, samples, torques [V].
