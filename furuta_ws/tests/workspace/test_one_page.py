@@ -7,17 +7,17 @@ import json
 import re
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 import numpy as np
+import page_designs as designs
 import pytest
 from browser import OPTIONS, browser_path
-from sources import ROOT, SITE
+from one_page import build
+from sources import ROOT
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -28,9 +28,6 @@ from furuta_sim.simulation.closed_loop import LoopMemory, new_memory
 from furuta_sim.simulation.control_system import control_sample
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
-sys.path.insert(0, str(SITE))
-designs = import_module("page.designs")
-build = import_module("page.build").build
 
 RESULTS = 14
 # A push that lets the pendulum fall in some of the cases: first sample, samples, torques [V].

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from page_designs import BASE, PUSHES, SELECTING, Design, Group, design_of
 
 from furuta.export.adjustable import Adjustable
 from furuta.export.functions import CFunction, Translation
@@ -16,7 +17,6 @@ from furuta_friction.compensation import allow
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_sim.plant import move, read, true_friction
 from furuta_sim.simulation.control_system import ControlMemory, control_sample, reset
-from page.designs import BASE, PUSHES, SELECTING, Design, Group, design_of
 
 
 class Page(NamedTuple):
@@ -75,7 +75,7 @@ def translated(groups: list[Group]) -> Page:
     code = "\n\n".join(whole.code)
     code = "\n\n".join([*whole.helpers(code), code])
     text = filled_text(
-        Path(__file__).with_name("loop.c").read_text(),
+        (Path(__file__).parent / "page" / "loop.c").read_text(),
         size=places[PUSHES] + base.numbers[PUSHES].size,
         constants=whole.constants.text(code),
         structures=f"{structures(whole, PlantMemory)}\n\n{structures(whole, ControlMemory)}",
