@@ -1,4 +1,4 @@
-.PHONY: demo test test-all bench docs wheel course soak clean
+.PHONY: demo test test-all bench docs page wheel course soak clean
 
 demo:
 	./furuta demo
@@ -29,6 +29,12 @@ docs:
 	tools/in_environment python docs/site/reference_pages.py output/reference
 	$(SITE) docs/site/build.py output/site output/reference
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
+
+# The closed loop in one file for a browser.
+page:
+	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
+		--requirement firmware/requirements.lock
+	tools/in_environment python docs/site/one_page.py output/furuta.html
 
 # One wheel with the library and the command line, for Python without ROS.
 wheel:

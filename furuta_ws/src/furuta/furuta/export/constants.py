@@ -13,6 +13,7 @@ import numpy as np
 from furuta.export.text import comment, summary, wrapped
 from furuta.export.values import (
     INTEGER,
+    KINDS,
     REAL,
     Array,
     Known,
@@ -51,13 +52,21 @@ class Constants:
 
     def field(self, record: Known, name: str) -> Value:
         """A field of a record of the design."""
-        kind = type(record.value)
-        hint, about = _declarations(kind)[name]  # type: ignore[arg-type]
+        hint, _ = _declarations(type(record.value))[name]  # type: ignore[arg-type]
         value = getattr(record.value, name)
+        return self.value(value, f"{record.path}_{name}", hint, self.remark(record, name))
+
+    def remark(self, record: Known, name: str) -> str:
+        """The comment on a field."""
+        kind = type(record.value)
+        _, about = _declarations(kind)[name]  # type: ignore[arg-type]
         unit = f" [{about.unit}]" if about and about.unit else ""
-        remark = f"{about.meaning}{unit}" if about else ""
-        remark = remark or summary(kind)
-        return self.value(value, f"{record.path}_{name}", hint, remark)
+        return (f"{about.meaning}{unit}" if about else "") or summary(kind)
+
+    def kind_of(self, record: Known, name: str) -> str:
+        """The kind of number that a field holds."""
+        hint, _ = _declarations(type(record.value))[name]  # type: ignore[arg-type]
+        return KINDS[hint]
 
     def value(self, value: Any, path: str, kind: Any, remark: str = "") -> Value:
         """A Python object of a declared kind, whose constants are named by ``path``."""
@@ -103,7 +112,7 @@ class Constants:
         numbers = self._braces(value.tolist())
         definition = f"static const {self.precision.type_of(kind)} {name}{size} = {numbers};"
         self._definitions.setdefault(name, (wrapped(definition), remark))
-        return Array(kind, name, is_constant=True)
+        return Array(kind, name, is_constant=True, shape=value.shape)
 
     def _braces(self, value: Any) -> str:
         if isinstance(value, list):

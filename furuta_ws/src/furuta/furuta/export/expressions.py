@@ -12,9 +12,8 @@ import numpy as np
 from furuta.export.constants import Constants
 from furuta.export.operations import Operations
 from furuta.export.values import (
-    INTEGER,
+    KINDS,
     REAL,
-    TRUTH,
     Array,
     ExportError,
     Group,
@@ -24,7 +23,6 @@ from furuta.export.values import (
     Value,
 )
 
-_KINDS = {float: REAL, int: INTEGER, bool: TRUTH}
 # Calls a function that is translated too.
 Caller = Callable[[Any, list[Value], dict[str, Value]], Value | None]
 
@@ -89,6 +87,8 @@ class Expressions:
         if isinstance(base, Group):
             found: Value = base.values[base.names.index(node.attr)]
             return found
+        if isinstance(base, Array) and node.attr == "shape":
+            return Known(base.shape)
         if not isinstance(base, Known):
             raise ExportError(f"no attribute {node.attr} in C")
         if base.path:
@@ -102,8 +102,8 @@ class Expressions:
         kind, path = get_type_hints(memory.kind)[name], memory.fields + name
         if kind is np.ndarray:
             return Array(REAL, path)
-        if kind in _KINDS:
-            return Number(_KINDS[kind], path)
+        if kind in KINDS:
+            return Number(KINDS[kind], path)
         return Memory(kind, f"&{path}", f"{path}.")
 
     def _subscript(self, node: ast.Subscript) -> Value:

@@ -51,8 +51,10 @@ class CFunction(NamedTuple):
 class Translation:
     """All functions and memories that are translated together."""
 
-    def __init__(self, precision: Precision, prefix: str) -> None:
-        self.constants = Constants(precision)
+    def __init__(
+        self, precision: Precision, prefix: str, constants: Constants | None = None
+    ) -> None:
+        self.constants = constants or Constants(precision)
         self.precision = precision
         self.prefix = prefix
         self.used_fields: set[tuple[type, str]] = set()
@@ -208,6 +210,10 @@ class _Function(Expressions):
         self._emit("continue;")
         return True
 
+    def _break(self, node: ast.Break, _: list[ast.stmt]) -> bool:
+        self._emit("break;")
+        return True
+
     def _return(self, node: ast.Return, _: list[ast.stmt]) -> bool:
         value = self.value(node.value) if node.value else None
         self.lines.append(_Return(self.indent, value))
@@ -311,11 +317,21 @@ class _Function(Expressions):
         if len(node.iter.args) > 2:
             raise ExportError("range has a step")
         *start, end = map(self.number, node.iter.args)
+        if not start and end.value == 0:
+            return
         i = node.target.id if node.target.id != "_" else "turn"
         self.names[node.target.id], self.kinds[i] = Number(INTEGER, i), INTEGER
         first = start[0].text if start else "0"
         body, _ends = self._indented(node.body)
         self._emit(f"for (int64_t {i} = {first}; {i} < {end.within(Rank.ATOM)}; {i}++) {{")
+        self.lines += body
+        self._emit("}")
+
+    def _while(self, node: ast.While, _: list[ast.stmt]) -> None:
+        """A loop; its condition must be an expression of C."""
+        condition = self._perhaps(node.test, self.condition)
+        body, _ends = self._indented(node.body)
+        self._emit(f"while ({condition.text}) {{")
         self.lines += body
         self._emit("}")
 
@@ -377,8 +393,15 @@ def _shape(value: Any, alone: bool = True) -> Any:
     if isinstance(value, Group):
         return value.kind, tuple(_shape(leaf, alone=False) for leaf in inner(value))
     if isinstance(value, Known):
-        return value.path or id(value.value)
+        return (value.path, *_whole_numbers(value.value)) if value.path else id(value.value)
     return value if _is_specialised(value, alone) else (type(value), value.kind)
+
+
+def _whole_numbers(record: Any) -> list[int]:
+    """All integers in a record of the design: they select what is generated."""
+    if isinstance(record, tuple):
+        return [number for each in record for number in _whole_numbers(each)]
+    return [record] if isinstance(record, int) else []
 
 
 def _joined(returns: list[Any]) -> Any:

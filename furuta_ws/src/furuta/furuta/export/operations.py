@@ -95,6 +95,8 @@ class Operations:
 
     def binary(self, kind: type, left: Number, right: Number) -> Number:
         """A number from two by an operator."""
+        if kind is ast.Mod and left.kind == right.kind == INTEGER:
+            return Number(INTEGER, f"remainder_of({left.text}, {right.text})")
         if kind not in BINARY:
             raise ExportError(f"no operator {kind.__name__} in C")
         symbol, rank, function = BINARY[kind]
@@ -161,8 +163,9 @@ class Operations:
             return self.real(*numbers)
         if function in (math.isnan, np.isnan):
             return Number(TRUTH, f"isnan({texts})")
-        if function is math.floor:
-            return Number(INTEGER, f"(int64_t)floor{self.precision.suffix}({texts})", Rank.UNARY)
+        if function in (math.floor, math.ceil):
+            rounded = f"{function.__name__}{self.precision.suffix}({texts})"
+            return Number(INTEGER, f"(int64_t){rounded}", Rank.UNARY)
         if function in OF_MATH_H:
             return Number(REAL, f"{OF_MATH_H[function]}{self.precision.suffix}({texts})")
         if function in HELPERS:

@@ -10,9 +10,7 @@ import numpy as np
 
 from furuta.export.functions import Translation
 from furuta.export.text import comment, summary
-from furuta.export.values import INTEGER, REAL, TRUTH
-
-_KINDS = {float: REAL, int: INTEGER, bool: TRUTH}
+from furuta.export.values import KINDS
 
 
 def structures(whole: Translation, kind: type) -> str:
@@ -25,12 +23,13 @@ def _definitions(whole: Translation, kind: type) -> Iterator[str]:
     lines = [comment(summary(kind)), "typedef struct {"]
     for name, each, value in _used(whole, kind):
         if isinstance(value, np.ndarray):
-            lines.append(f"    {whole.precision.name} {name}[{value.size}];")
+            size = "".join(f"[{n}]" for n in value.shape)
+            lines.append(f"    {whole.precision.name} {name}{size};")
         elif _is_memory(each):
             yield from _definitions(whole, each)
             lines.append(f"    {whole.structure_name(each)} {name};")
         else:
-            lines.append(f"    {whole.precision.type_of(_KINDS[each])} {name};")
+            lines.append(f"    {whole.precision.type_of(KINDS[each])} {name};")
     yield "\n".join([*lines, f"}} {whole.structure_name(kind)};"])
 
 
@@ -55,4 +54,4 @@ def _used(whole: Translation, kind: Any) -> Iterator[tuple[str, Any, Any]]:
 
 
 def _is_memory(kind: type) -> bool:
-    return kind is not np.ndarray and kind not in _KINDS
+    return kind is not np.ndarray and kind not in KINDS

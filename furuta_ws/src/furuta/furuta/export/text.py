@@ -42,4 +42,9 @@ def wrapped(line: str) -> str:
 def filled(template: str, **values: object) -> str:
     """A file of ``templates`` with each @name@ replaced by its value."""
     text = (Path(__file__).parent / "templates" / template).read_text(encoding="utf-8")
+    return filled_text(text, **values)
+
+
+def filled_text(text: str, **values: object) -> str:
+    """A text with each @name@ replaced by its value."""
     return re.sub(r"@(\w+)@", lambda found: str(values[found[1]]), text)

@@ -17,6 +17,8 @@ from furuta_model.parameters import ParameterError
 
 # Kinds of numbers. BITS are those of a real, as an unsigned integer.
 REAL, INTEGER, TRUTH, BITS = "real", "integer", "truth", "bits"
+# Kinds by the type that a field declares.
+KINDS = {float: REAL, int: INTEGER, bool: TRUTH}
 
 
 class Rank(IntEnum):
@@ -91,11 +93,12 @@ class Number(NamedTuple):
 
 
 class Array(NamedTuple):
-    """An array of numbers."""
+    """An array of numbers; ``shape`` is that of a constant one."""
 
     kind: str
     text: str
     is_constant: bool = False
+    shape: tuple[int, ...] = ()
 
 
 class Memory(NamedTuple):

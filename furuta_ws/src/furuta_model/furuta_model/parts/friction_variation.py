@@ -10,10 +10,11 @@ but never by less than zero. H [V rad] is the heat of the friction and τ [V] th
 drive over the sample. Time and heat are evaluated once a sample.
 """
 
-from math import exp, pi, sin
+from math import pi, sin
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import exp
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.friction.parameters import with_levels
 from furuta_model.parameters import About

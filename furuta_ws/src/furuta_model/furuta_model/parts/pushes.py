@@ -7,12 +7,12 @@ A horizontal acceleration of the base acts on the pendulum like a tilt of gravit
 along the arm at angle 0. The arm is assumed to be balanced about its axis.
 """
 
-from math import cos, sin
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
+from furuta_model.elementary import sin_cos
 from furuta_model.parameters import About, ParameterError
 
 MAX_PUSHES = 16
@@ -94,6 +94,6 @@ def push_torques(
     """Torques [V] on arm and pendulum at φ and θ; ``delta`` is the gravity torque [V]."""
     if p.base_x == 0.0 and p.base_y == 0.0:
         return p.arm, p.pendulum
-    along, across = cos(phi), sin(phi)
+    across, along = sin_cos(phi)
     arm = delta * sine * (p.base_x * along + p.base_y * across)
     return p.arm + arm, p.pendulum - delta * cosine * (p.base_y * along - p.base_x * across)

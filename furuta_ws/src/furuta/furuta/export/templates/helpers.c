@@ -25,3 +25,8 @@ static @real@ real_of(@bits@ a) {
     } both = {.digits = a};
     return both.number;
 }
+
+static int64_t remainder_of(int64_t a, int64_t b) {
+    const int64_t rest = a % b;
+    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+}

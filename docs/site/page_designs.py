@@ -1,0 +1,199 @@
+"""Everything that can be set on the page, and the designs that Python makes of it.
+
+A knob has a few values, each of which is some settings by name. The knobs of a group are combined
+in all ways. The page then needs no design of its own: it looks up the row of its knobs.
+"""
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import furuta
+from furuta.export.adjustable import numbers_of
+from furuta_sim.plant import Plant, design_plant
+from furuta_sim.simulation.closed_loop import Loop
+from furuta_sim.simulation.control_system import ControlSystem, design_control_system
+
+Settings = Mapping[str, Any]
+# A push that never begins: the page writes its own into the profile.
+PUSH = {"pushes.times": [0.0], "pushes.durations": [0.0], "pushes.pendulum": [1.0]}
+PUSHES = "plant_parts_pushes"
+# Integers that select what is translated.
+SELECTING = ("_kind", "_mode", "_method")
+COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive", "recommended")
+BASE = furuta.make_loop(PUSH)
+FRICTION = BASE.plant.friction.parameters
+WHOLE_TURN = {f"{node}.sensors.potentiometer_range": np.pi for node in ("plant", "estimator")}
+
+
+class Knob(NamedTuple):
+    """What can be turned: its name, title and meaning for the reader, and settings by value."""
+
+    name: str
+    title: str
+    meaning: str
+    values: dict[str, Settings]
+    initial: str
+
+
+def times(factors: tuple[float, ...], **parameters: float) -> dict[str, Settings]:
+    """Values of a knob that multiplies parameters; ``__`` stands for a dot."""
+    return {
+        f"{factor:g}": {name.replace("__", "."): factor * p for name, p in parameters.items()}
+        for factor in factors
+    }
+
+
+MODE = Knob(
+    "mode",
+    "Controller",
+    "balance: u = −Lx + F̂ until the pendulum has fallen; swing up: brings it up again",
+    {
+        "balance": {},
+        "swing up": {
+            "controller.mode": "swing_up",
+            "controller.swing_up.recover": True,
+            "estimator.method": "whole_circle",
+            **WHOLE_TURN,
+        },
+        "off": {"controller.enabled": False},
+    },
+    "balance",
+)
+FRICTION_KNOBS = (
+    Knob(
+        "law",
+        "Friction law",
+        "lugre: the arm moves a bristle before it slides, eq. (5); coulomb: it truly sticks",
+        {law: {"plant.friction.law": law} for law in ("lugre", "coulomb", "stiction")},
+        "lugre",
+    ),
+    Knob(
+        "level",
+        "Friction level ×",
+        f"true α₀ = {FRICTION.alpha0:g} V and α₁ = {FRICTION.alpha1:g} V, times this",
+        times(
+            (0, 0.5, 0.75, 1, 1.25, 1.5, 2),
+            plant__friction__alpha0=FRICTION.alpha0,
+            plant__friction__alpha1=FRICTION.alpha1,
+        ),
+        "1",
+    ),
+    Knob(
+        "stiffness",
+        "Bristle stiffness ×",
+        f"true σ₀ = {FRICTION.sigma0:g} V/rad, times this",
+        times((0.3, 1, 3), plant__friction__sigma0=FRICTION.sigma0),
+        "1",
+    ),
+    Knob(
+        "belt",
+        "Belt [Hz]",
+        "natural frequency of an elastic belt between motor and arm; 0: rigid",
+        {f"{f:g}": {"plant.coupling.frequency": float(f)} for f in (0, 100, 50)},
+        "0",
+    ),
+)
+SENSOR_KNOBS = (
+    Knob(
+        "sensors",
+        "Sensors",
+        "rig: encoder, tachometer and potentiometer with noise; ideal: all states exactly",
+        {"rig": {}, "ideal": {"sensors.ideal": True}},
+        "rig",
+    ),
+    MODE,
+)
+CONTROL_KNOBS = (
+    Knob(
+        "compensation",
+        "Compensation",
+        "how F̂ [V] is computed; recommended: LuGre observer with super-twisting",
+        {name: {"friction_observer.compensation": name} for name in COMPENSATIONS},
+        "none",
+    ),
+    Knob(
+        "believed",
+        "Believed level ×",
+        "α₀ and α₁ of the compensation's model, times this",
+        times(
+            (0.5, 1, 1.5),
+            friction_observer__alpha0=FRICTION.alpha0,
+            friction_observer__alpha1=FRICTION.alpha1,
+        ),
+        "1",
+    ),
+    Knob(
+        "omega1",
+        "First poles ×",
+        f"ω₁ = {BASE.controller.poles.omega1:g} rad/s of the closed loop, times this; L follows",
+        times((0.7, 1, 1.25, 1.5), controller__omega1=BASE.controller.poles.omega1),
+        "1",
+    ),
+    MODE,
+)
+# The knobs that set the numbers whose names begin so.
+KNOBS = {
+    ("plant_friction", "plant_substeps", "plant_coupling"): FRICTION_KNOBS,
+    ("plant_sensors", "control_estimator"): SENSOR_KNOBS,
+    ("control_observer", "control_controller"): CONTROL_KNOBS,
+}
+
+
+class Design(NamedTuple):
+    """The two records that compiled code runs with."""
+
+    plant: Plant
+    control: ControlSystem
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """All numbers by name."""
+        return numbers_of(self.plant, "plant") | numbers_of(self.control, "control")
+
+
+def loop_of(settings: Settings) -> Loop:
+    """The loop with these settings, prepared for pushes."""
+    return furuta.make_loop({**PUSH, **settings})
+
+
+def design_of(loop: Loop) -> Design:
+    """What the page computes with."""
+    return Design(
+        design_plant(loop.plant),
+        design_control_system(loop.estimator, loop.observer, loop.controller),
+    )
+
+
+def combinations(knobs: tuple[Knob, ...]) -> Iterator[dict[str, Any]]:
+    """Settings of all combinations; the last knob changes first."""
+    for chosen in product(*(knob.values.values() for knob in knobs)):
+        yield {name: value for settings in chosen for name, value in settings.items()}
+
+
+class Group(NamedTuple):
+    """Knobs, the designs of all their combinations, and the numbers that differ, in rows."""
+
+    knobs: tuple[Knob, ...]
+    designs: list[Design]
+    numbers: dict[str, np.ndarray]
+
+
+def group_of(prefixes: tuple[str, ...], knobs: tuple[Knob, ...]) -> Group:
+    """All rows of the knobs for the numbers whose names begin with one of the prefixes."""
+    designs = [design_of(loop_of(settings)) for settings in combinations(knobs)]
+    all_numbers = [design.numbers for design in designs]
+    numbers = {}
+    for name, given in all_numbers[0].items():
+        rows = np.array([np.ravel(each[name]) for each in all_numbers], dtype=float)
+        same = np.tile(np.ravel(given), (len(rows), 1))
+        if name.startswith(prefixes) and not np.array_equal(rows, same, equal_nan=True):
+            numbers[name] = rows
+    return Group(knobs, designs, numbers)
+
+
+def groups() -> list[Group]:
+    """All groups."""
+    return [group_of(prefixes, knobs) for prefixes, knobs in KNOBS.items()]
