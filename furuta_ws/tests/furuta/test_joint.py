@@ -88,7 +88,7 @@ def with_load(a: np.ndarray, inertia: float, w: float, random: Random) -> np.nda
     return more
 
 
-MANY = pytest.param(200, marks=[pytest.mark.long, pytest.mark.timeout(3600)])
+MANY = pytest.param(200, marks=[pytest.mark.long, pytest.mark.timeout(7200)])
 
 
 @pytest.mark.parametrize("count", [12, MANY])

@@ -135,7 +135,8 @@ def _remark(name: str, value: float, user: str) -> str:
     """The comment above a constant, in the module that uses it or in that which defines it."""
     pattern = re.compile(rf"((?:^# .*\n)*)^(?:[A-Z_0-9]+, )*{name}\b[^=\n(]*=", re.M)
     ours = [module for key, module in sorted(sys.modules.items()) if key.startswith("furuta")]
-    defining = (module for module in ours if getattr(module, name, None) == value)
+    numbers = [m for m in ours if isinstance(getattr(m, name, None), int | float)]
+    defining = (module for module in numbers if getattr(module, name) == value)
     for module in (sys.modules[user], *defining):
         if found := pattern.search(inspect.getsource(module)):
             return re.sub(r"(?m)^# |\n$", "", found[1]).replace("\n", " ") or module.__name__
