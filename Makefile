@@ -23,14 +23,14 @@ bench:
 # The documentation site in output/site, with its tools in an environment of their own. CHECK=1 also
 # runs every command of every page in a clone; report in output/commands.md.
 SITE = output/site_environment/bin/python
-docs:
+docs: page
 	tools/in_environment python -m venv output/site_environment
 	$(SITE) -m pip install --disable-pip-version-check --quiet --requirement docs/requirements.lock
 	tools/in_environment python docs/site/reference_pages.py output/reference
-	$(SITE) docs/site/build.py output/site output/reference
+	$(SITE) docs/site/build.py output/site output/reference output/furuta.html
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
-# The closed loop in one file for a browser.
+# The closed loop in one file for a browser; the site shows it in the tutorial.
 page:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
 		--requirement firmware/requirements.lock

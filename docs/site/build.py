@@ -1,7 +1,8 @@
-"""Builds the documentation site: ``python docs/site/build.py output/site output/reference``.
+"""Builds the documentation site: ``python docs/site/build.py SITE REFERENCE PAGE.html``.
 
-Collects the pages beside the output, runs Sphinx with every warning as an error, and checks that
-the result loads nothing from another host. ``make docs`` calls it.
+Collects the pages beside the output, runs Sphinx with every warning as an error, adds the page
+with the running pendulum, and checks that the result loads nothing from another host. ``make docs``
+calls it.
 """
 
 import re
@@ -15,6 +16,9 @@ from pages import REFERENCE, ROOT, BrokenLinkError, page_names, site_text
 # What a browser loads by itself: scripts, pictures, frames, style sheets.
 LOADED = re.compile(r"<(?:script|img|iframe|link)\b[^>]*\b(?:src|href)=\"((?:https?:)?//[^\"]*)\"")
 LOADED_BY_STYLE = re.compile(r"(?:url\(|@import\s+)[\"']?((?:https?:)?//[^\"')]+)")
+# Where a page shows the running pendulum: a comment elsewhere, a frame on the site.
+SHOWN_HERE = "<!-- furuta.html -->"
+FRAME = '<iframe src="furuta.html" title="The running pendulum" width="100%" height="820"></iframe>'
 
 
 def collect(folder: Path, reference: Path) -> int:
@@ -33,7 +37,8 @@ def collect(folder: Path, reference: Path) -> int:
 
     names = page_names()
     for file, name in names.items():
-        (folder / f"{name}.md").write_text(site_text(file, take))
+        text = site_text(file, take).replace(SHOWN_HERE, FRAME)
+        (folder / f"{name}.md").write_text(text)
     for name in REFERENCE:
         page = (reference / f"{name}.md").read_text()
         (folder / f"{name}.md").write_text(site_text(ROOT / "docs" / f"{name}.md", take, page))
@@ -56,7 +61,7 @@ def loaded_from_elsewhere(site: Path) -> list[str]:
     return addresses
 
 
-def main(site: Path, reference: Path) -> int:
+def main(site: Path, reference: Path, page: Path) -> int:
     """Build the site; return the exit status."""
     source = site.with_name(site.name + "_source")
     try:
@@ -70,6 +75,7 @@ def main(site: Path, reference: Path) -> int:
     done = subprocess.run([*sphinx, *folders, str(source), str(site)], check=False)
     if done.returncode:
         return done.returncode
+    shutil.copyfile(page, site / "furuta.html")
     elsewhere = loaded_from_elsewhere(site)
     for address in elsewhere:
         print(f"error: loaded from another host: {address}", file=sys.stderr)
