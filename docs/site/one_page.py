@@ -23,6 +23,7 @@ from page_designs import (
 from page_translation import Page, selected, translated
 
 import furuta
+from furuta.export.text import filled_text
 from furuta.limit_cycles.periodic_orbit import trace
 from furuta_sim.emulator.firmware_compiler import run_compiler
 
@@ -157,13 +158,12 @@ def cycles() -> dict[str, Any]:
 
 def build(out: Path) -> int:
     """Write the page; return its size in bytes."""
-    html = (HERE / "page.html").read_text()
-    for name, text in {
-        "style": (HERE / "page.css").read_text(),
-        "data": json.dumps(data()).replace("</", "<\\/"),
-        "script": (HERE / "loop.js").read_text() + (HERE / "page.js").read_text(),
-    }.items():
-        html = html.replace(f"@{name}@", text)
+    html = filled_text(
+        (HERE / "page.html").read_text(),
+        style=(HERE / "page.css").read_text(),
+        data=json.dumps(data()).replace("</", "<\\/"),
+        script=(HERE / "loop.js").read_text() + (HERE / "page.js").read_text(),
+    )
     out.parent.mkdir(parents=True, exist_ok=True)
     return out.write_text(html)
 
