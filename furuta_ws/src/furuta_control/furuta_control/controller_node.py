@@ -28,7 +28,6 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.vibration import is_sustained
 from furuta_ros.messages import read_joints, read_value
-from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
@@ -136,10 +135,10 @@ class ControllerNode(SampleNode[ControllerParameters]):
         if self._matching.refused_in_a_row == 0:
             self._friction_stamp = self.stamp
         elif self._matching.suspicious:
-            self.get_logger().warning(
+            self.warn(
+                "early estimates",
                 "ignored friction estimates that were sent before the state they should answer; if "
                 "they come from another computer, set both clocks",
-                throttle_duration_sec=WARNING_PERIOD,
             )
         self._do(answer)
 
@@ -159,9 +158,10 @@ class ControllerNode(SampleNode[ControllerParameters]):
             self.publish_answer()
 
     def _compute_without_estimate(self) -> None:
-        self.get_logger().warning(
+        self.warn(
+            "late estimates",
             f"no friction estimate in time ({self.missed_estimates} so far)",
-            throttle_duration_sec=SUMMARY_PERIOD,
+            SUMMARY_PERIOD,
         )
         age = self.stamp - self._friction_stamp
         timeout = self.parameters.friction_timeout * NANOSECONDS

@@ -22,7 +22,6 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
 from furuta_ros.messages import RefusedError, read_measurement
-from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
@@ -93,10 +92,10 @@ class EstimatorNode(SampleNode[EstimatorParameters]):
         elif condition & READINGS:
             self.unusable_readings += 1
             names = ", ".join(name for i, name in enumerate(SIGNAL_NAMES) if condition >> i & 1)
-            log.warning(
+            self.warn(
+                "readings",
                 f"replaced readings of {names} by predictions in {self.unusable_readings} "
                 f"measurements so far; {given}",
-                throttle_duration_sec=WARNING_PERIOD,
             )
         self._lost = lost
         self._deviating_intervals = self._deviating_intervals + 1 if condition & DEVIATES else 0

@@ -21,7 +21,6 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, THETA_DOT
 from furuta_ros.messages import read_joints
-from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
@@ -72,10 +71,10 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
         elif condition == REDUCED:
             self._vibration.report()
         elif condition == NOT_OBSERVED and chosen.needs_observed_friction:
-            self.get_logger().warning(
+            self.warn(
+                "no observed friction",
                 f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
                 "use an estimator that observes it (method kalman)",
-                throttle_duration_sec=WARNING_PERIOD,
             )
 
     def _part(self) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial, wraps
+from time import monotonic
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from rclpy.clock import Clock, ClockType
@@ -49,6 +50,7 @@ class FurutaNode(Node, Generic[Group]):
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries
             raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
         self.refused = 0
+        self._warned_at: dict[str, float] = {}
         self.accepted_publishers: dict[str, OnePublisher] = {}
         self.message_age = MessageAge(self._time_is_simulated)
         self._declared = NodeParameters(self, group)
@@ -100,9 +102,8 @@ class FurutaNode(Node, Generic[Group]):
                 receive(message)
             except RefusedError as refusal:
                 self.refused += 1
-                self.get_logger().warning(
-                    f"refused a message on {topic.name}: {refusal}",
-                    throttle_duration_sec=WARNING_PERIOD,
+                self.warn(
+                    f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}"
                 )
 
         self.create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
@@ -112,16 +113,27 @@ class FurutaNode(Node, Generic[Group]):
         """Call a function every ``period`` [s], whatever happens to the system's time."""
         return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
+    def warn(self, kind: str, text: str, period: float = WARNING_PERIOD) -> None:
+        """Log a warning, but only one of its kind in ``period`` [s].
+
+        The logger's own throttle looks up its caller's source each time: 1 ms that a late loop does
+        not have.
+        """
+        now = monotonic()
+        if kind not in self._warned_at or now - self._warned_at[kind] >= period:
+            self._warned_at[kind] = now
+            self.get_logger().warning(text)
+
     def _time_is_simulated(self) -> bool:
         """Whether the plant of this graph publishes simulated time."""
         return self.count_publishers(self.resolve_topic_name(CLOCK.name)) > 0
 
     def _report_age(self, topic: Topic) -> None:
-        self.get_logger().warning(
+        self.warn(
+            f"ignored {topic.name}",
             f"ignored a message on {topic.name} that was sent {self.message_age.age:.3g} s ago, "
             f"at most {MAX_AGE:g} s ({self.message_age.expired} so far); if it comes from another "
             "computer, set both clocks",
-            throttle_duration_sec=WARNING_PERIOD,
         )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from furuta_ros.node import WARNING_PERIOD, FurutaNode
+from furuta_ros.node import FurutaNode
 from furuta_ros.topics import DIAGNOSTICS
 
 # Time between two reports while something is reduced [s].
@@ -23,7 +23,7 @@ class VibrationStatus:
     def report(self) -> None:
         """Report at once that a vibration has reduced it."""
         self._reduced = True
-        self._node.get_logger().warning(self._reason(), throttle_duration_sec=WARNING_PERIOD)
+        self._node.warn("vibration", self._reason())
         self._publish(DiagnosticStatus.WARN, self._reason())
 
     def _reason(self) -> str:

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
-from furuta_ros.node import WARNING_PERIOD
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import TIMING
@@ -101,7 +100,7 @@ class RealTime:
             timeouts + due_samples * stale,
         )
         if stale:
-            self._plant.get_logger().warning(
+            self._plant.warn(
+                "no command",
                 f"no command for {self._plant.parameters.command_timeout:g} s: the rig gets 0 V",
-                throttle_duration_sec=WARNING_PERIOD,
             )
