@@ -36,7 +36,7 @@ class HangingNode:
     def described(self, node: str) -> list[Described]:
         """The parameters of a node."""
         if node == "controller" and not self.answers:
-            raise ServiceError("controller did not answer within 10 s")
+            raise ServiceError("controller did not answer within 20 s")
         return [Described("sample_time", 0.001)]
 
 

@@ -21,6 +21,9 @@ from furuta_ros.discovery import (
 from furuta_ros.errors import UserError, first_line
 
 SHARED_MEMORY = Path("/dev/shm")
+# Settings of the middleware, unless the user names others in this variable.
+PROFILES = Path(__file__).with_name("middleware.xml")
+PROFILES_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 # The first port of domain 0, and the ports of a domain (DDS Interoperability Protocol, 9.6.2).
 FIRST_PORT, PORTS = 7400, 250
 # A port that is older than this [s] and still empty is not being created any more.
@@ -52,6 +55,7 @@ def ros_context(
         given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
     restrict_discovery()
     remove_empty_ports()
+    os.environ.setdefault(PROFILES_VARIABLE, str(PROFILES))
     _arguments[:] = sys.argv if given is None else given
     with no_discovery() if private else nullcontext():
         try:

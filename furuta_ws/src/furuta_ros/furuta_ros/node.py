@@ -102,9 +102,7 @@ class FurutaNode(Node, Generic[Group]):
                 receive(message)
             except RefusedError as refusal:
                 self.refused += 1
-                self.warn(
-                    f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}"
-                )
+                self.warn(f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}")
 
         self.create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
         self.steady_timer(CHECK_PERIOD, one.check)
