@@ -14,7 +14,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_ros.spinning import executor_of, freeze_startup_objects
+from furuta_ros.spinning import executor_of, prepare_to_spin
 from furuta_ros.topics import (
     COMMAND,
     FRICTION_ESTIMATE,
@@ -58,7 +58,7 @@ class BareChain:
         )
         subscribe(plant, COMMAND, self._on_command)
         self.executor = executor_of(self.nodes)
-        freeze_startup_objects()
+        prepare_to_spin()
 
     @property
     def matched(self) -> bool:

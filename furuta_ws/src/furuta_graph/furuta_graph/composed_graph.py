@@ -14,7 +14,7 @@ from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
-from furuta_ros.spinning import executor_of, freeze_startup_objects, spin_until
+from furuta_ros.spinning import executor_of, prepare_to_spin, spin_until
 from furuta_sim.plant_node import PlantNode
 from furuta_sim.settings.nodes import (
     HARDWARE_BRIDGE,
@@ -59,7 +59,7 @@ class ComposedGraph:
             self.nodes[0].create_timer(COLLECT_EVERY, self._recorder.collect, clock=steady)
         _wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
         self.executor: Executor = executor_of(self.nodes)
-        freeze_startup_objects()
+        prepare_to_spin()
 
     def node(self, name: str) -> FurutaNode[Any]:
         """The node of that name."""
