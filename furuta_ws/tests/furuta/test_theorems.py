@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hunting_reference import lugre_fold, stribeck_fold
 
-from furuta.axis.axis import Axis, Pid
+from furuta.axis.axis import Axis, Pid, servo_cycle
 from furuta.axis.compensated import compensated_cycle
 from furuta.axis.folds import EXAMPLE, GAINS, fold
 from furuta.axis.reset_integral import settling
@@ -23,6 +23,14 @@ def test_coulomb_friction_alone_never_hunts_and_static_friction_always_does(
     report = theorem(name, loops, seed=20261124)
     assert report["holds"], report["rows"]
     assert sum(row["loops"] for row in report["rows"]) == loops
+
+
+@pytest.mark.timeout(60)
+def test_a_joint_at_the_limit_of_its_friction_is_at_rest() -> None:
+    """On the way to a cycle the engine meets slides of 1e-22 s, on which time does not advance."""
+    axis = Axis(27.860797278697245, Friction(alpha0=0.30068472226519616, alpha1=0.0, viscous=0.0))
+    gains = Pid(kp=28548.521345677415, ki=1460698.0487461183, kd=2229.6578793434733)
+    assert servo_cycle(axis._replace(law="coulomb"), gains).kind == "rest"
 
 
 def test_no_state_feedback_brings_the_pendulum_to_rest() -> None:

@@ -23,6 +23,7 @@ from furuta_model.compiled import compiled
 from furuta_model.state import PHI_DOT
 
 RESTING = 1e-9  # scaled rate of a joint at rest
+SHORTEST_SLIDE = 1e-15  # scaled time: a joint at rest at the limit of its friction only creeps
 FIRST_STEP, LONGEST_DRAWN = 1e-3, 0.02
 CURVED = 1e-3  # deviation of what ends the motion from the cubic, relative to its size
 TERMS = 13  # of the exponential, for matrices of norm 1/2
@@ -81,7 +82,9 @@ def follow_exactly(
             trace[rows, 1:] = y
             rows += 1
         if ended:
-            return EVENT, t, rows
+            creeps = mode != 0.0 and t < SHORTEST_SLIDE
+            resting = creeps and rest_distance(y, 0.0, loop) < RESTING
+            return AT_REST if resting else EVENT, t, rows
         if unbounded(y, loop):
             return UNBOUNDED, t, rows
         if rest_distance(y, mode, loop) < RESTING:
