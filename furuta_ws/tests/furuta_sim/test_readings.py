@@ -164,6 +164,16 @@ def test_ideal_sensors_have_no_outliers() -> None:
     assert abs(found[30, 0]) < 1e3
 
 
+def test_a_prediction_that_overflows_replaces_no_reading() -> None:
+    """Ideal sensors give speeds at which the nonlinear model overflows: the estimate is lost."""
+    measurements = np.random.default_rng(1).normal(size=(50, 5)) * 1e5
+    measurements[::5, 0] = inf
+    parameters = EstimatorParameters("whole_circle", sensors=Sensors(ideal=True))
+    found, unusable = estimates(measurements, parameters)
+    assert np.any(unusable[::5] == LOST)
+    assert not np.any(np.isinf(found[:, :4]))
+
+
 FALLS = int(os.environ.get("FURUTA_FALLS", "30"))
 
 

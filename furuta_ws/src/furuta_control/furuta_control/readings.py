@@ -169,7 +169,7 @@ def replace_unusable(
             memory.unusable[i] = min(memory.unusable[i], 1.0)
         elif memory.unusable[i] > p.patience or (beyond and i == THETA):
             lost = True
-        lost = lost or np.isnan(predicted[i])
+        lost = lost or not abs(predicted[i]) < LARGEST_VALUE
     if lost:
         return False
     for i in range(SIGNALS):
