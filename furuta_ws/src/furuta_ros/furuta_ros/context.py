@@ -13,6 +13,7 @@ import rclpy.utilities
 from rclpy.signals import SignalHandlerOptions
 
 from furuta_ros.discovery import (
+    announce_often,
     describe_discovery,
     no_discovery,
     reaches_network,
@@ -21,9 +22,6 @@ from furuta_ros.discovery import (
 from furuta_ros.errors import UserError, first_line
 
 SHARED_MEMORY = Path("/dev/shm")
-# Settings of the middleware, unless the user names others in this variable.
-PROFILES = Path(__file__).with_name("middleware.xml")
-PROFILES_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 # The first port of domain 0, and the ports of a domain (DDS Interoperability Protocol, 9.6.2).
 FIRST_PORT, PORTS = 7400, 250
 # A port that is older than this [s] and still empty is not being created any more.
@@ -54,8 +52,8 @@ def ros_context(
     if namespace:
         given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
     restrict_discovery()
+    announce_often()
     remove_empty_ports()
-    os.environ.setdefault(PROFILES_VARIABLE, str(PROFILES))
     _arguments[:] = sys.argv if given is None else given
     with no_discovery() if private else nullcontext():
         try:

@@ -7,18 +7,26 @@ project sets ``ROS_AUTOMATIC_DISCOVERY_RANGE`` before ROS starts, if the user ha
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PEERS = "ROS_STATIC_PEERS"
 SERVER = "ROS_DISCOVERY_SERVER"
 # An earlier variable of ROS, which still has precedence if it is 1.
 LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
+# Names a file with settings of Fast DDS.
+PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
 
 def restrict_discovery() -> None:
     """Choose this machine only, if no environment variable holds another choice."""
     if not any(os.environ.get(name) for name in (RANGE, PEERS, SERVER)):
         os.environ[RANGE] = "LOCALHOST"
+
+
+def announce_often() -> None:
+    """Let processes discover each other without delay, if the user has chosen no settings."""
+    os.environ.setdefault(PROFILES, str(Path(__file__).with_name("middleware.xml")))
 
 
 @contextmanager

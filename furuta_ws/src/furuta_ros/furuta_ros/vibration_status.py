@@ -23,8 +23,9 @@ class VibrationStatus:
     def report(self) -> None:
         """Report at once that a vibration has reduced it."""
         self._reduced = True
-        self._node.warn("vibration", self._reason())
-        self._publish(DiagnosticStatus.WARN, self._reason())
+        reason = self._reason()
+        self._node.warn("vibration", reason)
+        self._publish(DiagnosticStatus.WARN, reason)
 
     def _reason(self) -> str:
         return (
