@@ -12,12 +12,16 @@ import flood
 import numpy as np
 
 from furuta_graph.processes import executable
+from furuta_ros.process_start import INTERRUPTED
 from furuta_sim.settings.nodes import NODES
 from soak.oracles import unexplained_end, wrong_second_graph
 from soak.record import Record
 
 # Time for a process to end after a signal, and for a short run [s].
 GRACE, LONGEST = 10.0, 120.0
+# Time in which a node on a busy machine is ready [s]. A signal before ends it with INTERRUPTED, or
+# by itself, before Python can say anything.
+STARTING, NOT_READY = 30.0, (INTERRUPTED, -signal.SIGINT)
 
 
 class NodeProcess:
@@ -126,7 +130,7 @@ def end(processes: Iterable[NodeProcess], record: Record) -> None:
             status = each.process.wait(GRACE)
         except subprocess.TimeoutExpired:
             status = f"none: SIGINT did not end it; it was here: {each.abort()}"
-        # A signal in the first second may end it before Python can say anything.
-        problem = "" if status == 0 or monotonic() - each.started < GRACE else f"status {status}"
+        starting = monotonic() - each.started < STARTING and status in NOT_READY
+        problem = "" if status == 0 or starting else f"status {status}"
         problem = problem or unexplained_end(None, each.log)
         record.check("survival", f"{each.name}, SIGINT: {problem}" if problem else "")

@@ -24,7 +24,7 @@ ORACLES = {
     "friction limit": "physics: |F̂| does not exceed the limit of its compensator",
     "hanging": "physics: a hanging pendulum is not driven",
     "unarmed": "physics: a rig that is not armed is not driven",
-    "watchdog": "specification: 0 V within the watchdog's time after the host is silent",
+    "watchdog": "specification: 0 V in time after a node is silent",
     "arming": "specification: a rig is armed on request only",
     "stranger": "specification: no command of a second publisher is applied",
     "second graph": "specification: it ends with the reason, or runs in a namespace of its own",

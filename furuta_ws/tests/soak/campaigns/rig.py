@@ -25,7 +25,7 @@ from furuta_ros.topics import COMMAND, QOS
 from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.emulator.monitor import ask
 from furuta_sim.plant import design_plant
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, graph_nodes
+from furuta_sim.settings.nodes import FRICTION_OBSERVER, HARDWARE_BRIDGE, graph_nodes
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end, flood_commands
 from soak.observer import Observer
@@ -45,6 +45,8 @@ RIG = Rig()
 PERIOD = round(RIG.line.sample_time * 1e9)
 # Time from the last sign of life to 0 V that is allowed: the watchdog, and a sample [ns].
 ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
+# Without friction observer the commands go on until the bridge's guard stops them.
+WITHOUT_OBSERVER = ALLOWED + round(RIG.limits.estimate_age * 1e9)
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
@@ -104,7 +106,7 @@ class RigGraph:
             for name in NAMES
         }
         self.requests = 0
-        self._silences: list[tuple[int, int]] = []
+        self._silences: list[tuple[str, int, int]] = []
 
     @property
     def pids(self) -> dict[str, int]:
@@ -145,12 +147,12 @@ class RigGraph:
         name = str(pick(self._random, NAMES))
         dead = self._nodes[name].kill()
         sleep(3 * ALLOWED / 1e9)
-        self._silences.append((dead, monotonic_ns()))
+        self._silences.append((name, dead, monotonic_ns()))
         self._nodes[name].start()
 
     def _pause(self) -> None:
         node = self._nodes[str(pick(self._random, NAMES))]
-        self._silences.append(node.pause(float(self._random.uniform(0.01, 0.5))))
+        self._silences.append((node.name, *node.pause(float(self._random.uniform(0.01, 0.5)))))
 
     def _fault(self) -> None:
         """A fault that the emulated rig has by itself."""
@@ -212,11 +214,11 @@ def check_rig_log(
     record: Record,
     log: Mapping[str, np.ndarray],
     requests: int,
-    silences: Iterable[tuple[int, int]],
+    silences: Iterable[tuple[str, int, int]],
 ) -> None:
     """Check a log from its begin, with the number of requests to arm.
 
-    ``silences`` are the times [ns] from which, and until which, a node was dead or paused.
+    ``silences`` are nodes, and the times [ns] from which and until which they were dead or paused.
     """
     time, volts, armed = log["time_ns"], log["volts"], log["armed"]
     x = np.column_stack([log[name] for name in ("phi", "phi_dot", "theta", "theta_dot")])
@@ -225,8 +227,10 @@ def check_rig_log(
     record.check("bounds", out_of_bounds(x))
     record.check("stranger", applied(volts, flood.VOLTS, 0.005))
     _check_physics(record, x, volts)
-    for silent, back in silences:
-        record.check("watchdog", late_stop(time, volts, silent, back, ALLOWED))
+    for name, silent, back in silences:
+        allowed = WITHOUT_OBSERVER if name == FRICTION_OBSERVER else ALLOWED
+        problem = late_stop(time, volts, silent, back, allowed)
+        record.check("watchdog", f"{name}: {problem}" if problem else "")
 
 
 def _check_physics(record: Record, x: np.ndarray, volts: np.ndarray) -> None:
