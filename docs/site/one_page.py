@@ -76,6 +76,7 @@ def data() -> dict[str, Any]:
         "wasm": encoded(web_assembly(page.code)),
         "design": encoded(design.astype("<f8").tobytes()),
         "pushes": page.places[PUSHES],
+        "fall_angle": BASE.controller.fall_angle,
         "groups": [table(group, page) for group in made],
         "knobs": [
             {

@@ -1,11 +1,15 @@
 // The page: drawing, charts, scenes and controls around the compiled loop.
 const DATA = JSON.parse(document.getElementById("data").textContent);
-const RATE = 1000, SHOWN = 10 * RATE, EVERY = 5, MEASURED = 5 * RATE;
-const ARM = "#0072b2", PENDULUM = "#d55e00", FRICTION = "#000000", ESTIMATE = "#009e73";
+const RATE = 1000, SHOWN = 10 * RATE, EVERY = 5, MEASURED = 5 * RATE, SETTLED = 8 * RATE;
+const ARM = "#0072b2", PENDULUM = "#d55e00", FRICTION = "#000000", ESTIMATE = "#009e73", COMMAND = "#56b4e9";
+// Columns of the history: arm angle and speed, pendulum, friction, its estimate, command.
+const PHI = 0, SPEED = 1, THETA = 2, F = 3, F_HAT = 4, U = 5;
 const $ = (id) => document.getElementById(id);
 const loop = new Loop(DATA);
-let history = [], paused = false, speed = 1, owed = 0, scene = 0, step = 0, planned = null;
-let last = performance.now(), frames = 0, since = last;
+// What each step has measured, by scene and step. It is measured until the reader changes something.
+const results = {};
+let history = [], paused = false, speed = 1, owed = 0, scene = 0, step = 0, measuring = true, planned = null;
+let last = performance.now(), frames = 0;
 
 function forget() {
   history = [];
@@ -25,9 +29,17 @@ function advance(samples) {
       loop.push(100, planned.arm, planned.pendulum);
       planned = null;
     }
-    history.push([s[0], s[1], s[2], s[10], s[11]]);
+    history.push([s[0], s[1], wrapped(s[2]), s[10], s[11], s[12]]);
   }
   if (history.length > SHOWN / EVERY) history = history.slice(-SHOWN / EVERY);
+}
+
+function wrapped(angle) {
+  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+}
+
+function hasFallen() {
+  return Math.abs(wrapped(loop.signals[2])) > DATA.fall_angle && loop.knobs.mode !== "swing up";
 }
 
 function prepared(canvas) {
@@ -81,8 +93,8 @@ function overTime(id, columns) {
   const [c, width, height] = prepared($(id));
   const [x, y] = axes(c, width, height, 10, 1.1 * rounded(extent(...columns.map(([i]) => i))), false);
   const from = SHOWN / EVERY - history.length;
-  for (const [i, color, dash] of columns) {
-    line(c, history.map((row, k) => [x((from + k) * EVERY / RATE), y(row[i])]), color, 1.5, dash);
+  for (const [i, color, dash, width] of columns) {
+    line(c, history.map((row, k) => [x((from + k) * EVERY / RATE), y(row[i])]), color, width, dash);
   }
 }
 
@@ -93,14 +105,12 @@ function cycle() {
   return plain ? DATA.cycles[knobs.omega1] : undefined;
 }
 
-function plane() {
-  const [c, width, height] = prepared($("plane"));
-  const grey = (cycle() || { orbit: [] }).orbit;
-  const most = (i) => Math.max(extent(i), ...grey.map((point) => Math.abs(point[i])));
+// Curves over the last seconds in a plane; a curve is rows, two columns, color and width.
+function plane(id, curves) {
+  const [c, width, height] = prepared($(id));
+  const most = (k) => Math.max(...curves.map(([rows, ...i]) => Math.max(0, ...rows.map((row) => Math.abs(row[i[k]])))));
   const [x, y] = axes(c, width, height, rounded(most(0)), 1.1 * rounded(most(1)), true);
-  const pixels = (rows) => rows.map((row) => [x(row[0]), y(row[1])]);
-  line(c, pixels(grey), "#999", 4);
-  line(c, pixels(history.slice(-MEASURED / EVERY)), ARM, 1.2);
+  for (const [rows, i, k, color, thick] of curves) line(c, rows.map((row) => [x(row[i]), y(row[k])]), color, thick);
 }
 
 // Perspective from above: x to the right, y away, z up; lengths in arm lengths.
@@ -129,7 +139,7 @@ function draw() {
 function measured() {
   const part = history.slice(-MEASURED / EVERY);
   const range = (i) => Math.max(...part.map((row) => row[i])) - Math.min(...part.map((row) => row[i]));
-  return part.length < 2 ? [0, 0] : [range(0), range(2)];
+  return part.length < 2 ? [0, 0] : [range(PHI), range(THETA)];
 }
 
 function tell() {
@@ -138,15 +148,21 @@ function tell() {
   const predicted = known && loop.knobs.compensation === "none"
     ? ` Predicted without compensation: exact cycle ${known.exact.toFixed(3)} rad, describing function ${known.predicted.toFixed(3)} rad.` : "";
   $("state").textContent = `${(loop.signals[14] / RATE).toFixed(1)} s. Peak to peak in the last 5 s: arm ${arm.toFixed(3)} rad, `
-    + `pendulum ${pendulum.toFixed(3)} rad.${predicted}` + (loop.signals[13] ? " The guard has switched the compensation off." : "");
-  $("fallen").hidden = !(Math.cos(loop.signals[2]) < 0 && loop.knobs.mode !== "swing up");
+    + `pendulum ${pendulum.toFixed(3)} rad.${predicted}`;
+  $("guard").hidden = !loop.signals[13];
+  $("fallen").hidden = !hasFallen();
+  if (measuring && hasFallen()) results[[scene, step]] = "fallen";
+  else if (measuring && loop.signals[14] > SETTLED) results[[scene, step]] = `${arm.toFixed(3)} rad`;
+  document.querySelectorAll("[data-step]").forEach((cell) => { cell.textContent = results[[scene, cell.dataset.step]] || "…"; });
 }
 
 function show() {
   draw();
-  overTime("angles", [[0, ARM], [2, PENDULUM, [5, 2]]]);
-  overTime("frictions", [[3, FRICTION], [4, ESTIMATE, [5, 2]]]);
-  plane();
+  overTime("angles", [[PHI, ARM, [], 1.5], [THETA, PENDULUM, [5, 2], 1.5]]);
+  overTime("voltages", [[U, COMMAND, [], 1], [F, FRICTION, [], 2.5], [F_HAT, ESTIMATE, [], 1.2]]);
+  const newest = history.slice(-MEASURED / EVERY);
+  plane("frictions", [[newest, SPEED, F, FRICTION, 3], [newest, SPEED, F_HAT, ESTIMATE, 1.2]]);
+  plane("phase", [[(cycle() || { orbit: [] }).orbit, 0, 1, "#999", 4], [newest, PHI, SPEED, ARM, 1.2]]);
 }
 
 function frame(now) {
@@ -170,6 +186,8 @@ function enter(newScene, newStep) {
   const initial = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob.initial]));
   setKnobs({ ...initial, ...knobs });
   reset();
+  measuring = true;
+  delete results[[scene, step]];
   planned = push ? { at: 2 * RATE, arm: push["pushes.arm"] || 0, pendulum: push["pushes.pendulum"] || 0 } : null;
   tellScene();
 }
@@ -182,13 +200,26 @@ function tellScene() {
   choice.setAttribute("aria-label", "Scene");
   DATA.scenes.forEach((each, i) => choice.add(new Option(`${i + 1} ${each.title}`, i, false, i === scene)));
   choice.onchange = () => enter(Number(choice.value), 0);
-  const next = step + 1 < told.steps.length ? [scene, step + 1] : [(scene + 1) % DATA.scenes.length, 0];
+  const place = told.steps.length > step + 1 ? [scene, step + 1] : [(scene + 1) % DATA.scenes.length, 0];
+  const before = [scene, step - 1], rows = element("table", "");
+  told.steps.forEach((each, i) => {
+    const cell = rows.insertRow();
+    cell.append(element("th", (i === step ? "▸ " : "") + each.name), element("td", "…"));
+    cell.lastChild.dataset.step = i;
+  });
+  rows.createCaption().textContent = "Arm peak to peak, measured after 8 s";
   $("scene").replaceChildren(
-    element("h2", "Guided scenes"), choice, element("p", told.text),
-    element("p", `Step ${step + 1} of ${told.steps.length}, ${name}. ${look}`, "look"),
-    button("Next step (N)", () => enter(...next)), " ",
-    button("Free play", () => $("scene").replaceChildren(button("Back to the scenes", tellScene))),
+    element("h2", "Guided scenes"), choice, " ",
+    button(place[0] === scene ? "Next step (N)" : "Next scene (N)", () => enter(...place)), " ",
+    ...(step ? [button("Back", () => enter(...before)), " "] : []), button("Free play", freePlay),
+    element("p", told.text), element("p", `Step ${step + 1} of ${told.steps.length}, ${name}. ${look}`, "look"), rows,
   );
+}
+
+function freePlay() {
+  measuring = false;
+  const back = Object.assign(document.createElement("button"), { textContent: "Back to the scenes (N)", onclick: () => enter(scene, step) });
+  $("scene").replaceChildren(back);
 }
 
 function makeKnobs() {
@@ -199,7 +230,10 @@ function makeKnobs() {
     const label = Object.assign(text("label", title), { htmlFor: `knob-${name}` });
     const choice = Object.assign(document.createElement("select"), { id: `knob-${name}` });
     values.forEach((value) => choice.add(new Option(value)));
-    choice.onchange = () => setKnobs({ [name]: choice.value });
+    choice.onchange = () => {
+      measuring = false;
+      setKnobs({ [name]: choice.value });
+    };
     row.append(label, choice, text("small", meaning));
     $("knobs").append(row);
   }
@@ -219,7 +253,7 @@ for (const button of document.querySelectorAll("[data-arm], [data-pendulum]")) {
 }
 document.onkeydown = (event) => {
   if (["SELECT", "BUTTON"].includes(event.target.tagName) && event.key === " ") return;
-  const keys = { " ": pause, r: reset, n: () => $("scene").querySelectorAll("button")[0].click() };
+  const keys = { " ": pause, r: reset, n: () => $("scene").querySelector("button").click() };
   const arrows = { ArrowLeft: -2, ArrowRight: 2 };
   if (event.target.tagName !== "SELECT" && event.key in arrows) loop.push(100, arrows[event.key], 0);
   else if (!event.ctrlKey && !event.metaKey && event.key in keys) keys[event.key]();
