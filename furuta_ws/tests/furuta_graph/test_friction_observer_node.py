@@ -21,6 +21,6 @@ def test_a_vibration_is_reported_on_diagnostics(bench: Bench) -> None:
         bench.spin(lambda k=k: len(estimates) == k + 1)
     bench.spin(lambda: bool(reports))
     (status,) = reports[0].status
-    assert status.name == "friction_observer: vibration"
+    assert status.name == "friction_observer: reduction"
     assert status.level == DiagnosticStatus.WARN
     assert "has reduced the friction compensation to 25%" in status.message

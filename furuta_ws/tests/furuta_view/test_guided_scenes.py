@@ -42,8 +42,8 @@ SIGHT = {
 }
 XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 ONE_CHART = [
-    [colour for _, colour, _ in charts.ANGLES],
-    [colour for _, colour, _ in charts.VOLTAGES],
+    [colour for _, colour, *_ in charts.ANGLES],
+    [colour for _, colour, *_ in charts.VOLTAGES],
     [charts.GREY, charts.ARM],
 ]
 

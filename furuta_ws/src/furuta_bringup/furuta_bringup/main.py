@@ -174,6 +174,8 @@ def _sentence(error: click.ClickException) -> str:
         name = error.option_name
         message = None if name.startswith("--") else f"No such option {name!r}; write --NAME"
         near = get_close_matches(name, error.possibilities or (), n=1)
+        if error.ctx and error.ctx.info_name == "view" and not near:
+            message = f"No such option {name!r}; options of furuta run come after --"
         error = click.NoSuchOption(name, message, near, error.ctx)
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)

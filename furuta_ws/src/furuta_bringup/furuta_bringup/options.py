@@ -1,6 +1,7 @@
 """Options that several verbs have."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -13,6 +14,7 @@ from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace
+from furuta_sim.settings.parameter_names import parameters_named
 from furuta_sim.settings.rigs import rig_file
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -52,6 +54,17 @@ rig_option = click.option(
 )
 
 
+def _tell_all(ctx: Any, param: Any, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Say which parameters an assignment sets if its name means several."""
+    for assignment in given:
+        with suppress(ParameterError):  # which the verb reports
+            matches = parameters_named(assignment.partition("=")[0].strip())
+            if len(matches) > 1:
+                names = ", ".join(f"{match.node}.{match.parameter.name}" for match in matches)
+                click.echo(f"{assignment} sets {names}", err=True)
+    return given
+
+
 def parameter_options(function: Function) -> Function:
     """``--params FILE`` and ``--set NAME=VALUE``, both repeatable."""
     function = click.option(
@@ -59,6 +72,7 @@ def parameter_options(function: Function) -> Function:
         "assignments",
         multiple=True,
         metavar="NAME=VALUE",
+        callback=_tell_all,
         help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3; "
         "repeatable.",
     )(function)

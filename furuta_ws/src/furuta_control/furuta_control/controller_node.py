@@ -27,7 +27,9 @@ from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.vibration import is_sustained
+from furuta_ros.discovery import clock_advice
 from furuta_ros.messages import read_joints, read_value
+from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
@@ -40,7 +42,6 @@ from furuta_ros.topics import (
     LATCHED,
     QOS,
 )
-from furuta_ros.vibration_status import VibrationStatus
 from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
 
 # Time between two warnings that estimates are late [s], the first one at once.
@@ -81,7 +82,7 @@ class ControllerNode(SampleNode[ControllerParameters]):
         self._active_mode = swing_up.OFF
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
-        self._vibration = VibrationStatus(self, "super-twisting", self._part)
+        self._reduction = ReductionStatus(self, self._reason)
         self.take_samples(JOINT_STATES, COMMAND)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_friction, raw=True)
         self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
@@ -137,8 +138,8 @@ class ControllerNode(SampleNode[ControllerParameters]):
         elif self._matching.suspicious:
             self.warn(
                 "early estimates",
-                "ignored friction estimates that were sent before the state they should answer; if "
-                "they come from another computer, set both clocks",
+                "ignored friction estimates that were sent before the state they should answer"
+                f"{clock_advice()}",
             )
         self._do(answer)
 
@@ -179,10 +180,11 @@ class ControllerNode(SampleNode[ControllerParameters]):
             self._publish_mode()
         self.publish_answer()
         if reduced:
-            self._vibration.report()
+            self._reduction.report()
 
-    def _part(self) -> float:
-        return float(self._memory["balance"]["super_twisting"]["vibration"]["part"][0])
+    def _reason(self) -> str:
+        part = float(self._memory["balance"]["super_twisting"]["vibration"]["part"][0])
+        return vibration_reason("super-twisting", part)
 
     def _publish_mode(self) -> None:
         """Publish what the controller does."""

@@ -22,6 +22,7 @@ from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
 from furuta_ros.messages import RefusedError, read_measurement
+from furuta_ros.node import RARELY
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
@@ -57,7 +58,7 @@ class EstimatorNode(SampleNode[EstimatorParameters]):
         self._memory = new_memory(EstimatorMemory)
         self._estimate = np.zeros(SIGNALS)
         self._deviating_intervals = 0
-        self._lost = False
+        self._lost = self._told = False
         self.unusable_readings = 0
         super().__init__("estimator", EstimatorParameters, new_joint_state(), overrides)
         self.watch_parameters(self.parameters_changed)
@@ -86,9 +87,11 @@ class EstimatorNode(SampleNode[EstimatorParameters]):
         log = self.get_logger()
         lost = bool(condition & LOST)
         if lost and not self._lost:
-            log.warning(f"no estimate: the sensors cannot see the state; {given}")
+            text = f"no estimate: the sensors cannot see the state; {given}"
+            self._told = self.warn("lost", text, RARELY)
         elif self._lost and not lost:
-            log.info(f"estimating again from {given}")
+            if self._told:
+                log.info(f"estimating again from {given}")
         elif condition & READINGS:
             self.unusable_readings += 1
             names = ", ".join(name for i, name in enumerate(SIGNAL_NAMES) if condition >> i & 1)

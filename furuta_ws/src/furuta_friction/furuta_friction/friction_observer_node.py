@@ -16,21 +16,22 @@ from furuta_friction.compensation import (
     design_compensator,
     estimate_friction,
     reset,
+    switched_off,
 )
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import OBSERVED_FRICTION, THETA_DOT
 from furuta_ros.messages import read_joints
+from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
-from furuta_ros.vibration_status import VibrationStatus
 from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
 
 # Time between two checks of the adapted levels [s].
 LEVELS_PERIOD = 5.0
 # What there is to say about a sample.
-SWITCHED_OFF, NOT_OBSERVED, REDUCED = 1, 2, 3
+REDUCED, NOT_OBSERVED = 1, 2
 
 
 class FrictionObserverNode(SampleNode[ObserverParameters]):
@@ -45,7 +46,7 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
         self._applied: ObserverParameters | None = None
         super().__init__("friction_observer", ObserverParameters, new_float64(), overrides)
         self.watch_parameters(self.parameters_changed)
-        self._vibration = VibrationStatus(self, "the friction compensation", self._part)
+        self._reduction = ReductionStatus(self, self._reason)
         self.take_samples(JOINT_STATES, FRICTION_ESTIMATE)
         self.steady_timer(LEVELS_PERIOD, self._check_levels)
 
@@ -66,10 +67,8 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
     def report(self, condition: int, interval: int) -> None:
         """Report that the guard has acted, or that the compensation lacks the observed friction."""
         chosen = self.parameters.chosen
-        if condition == SWITCHED_OFF:
-            self.get_logger().error(self.parameters.switch_off_reason)
-        elif condition == REDUCED:
-            self._vibration.report()
+        if condition == REDUCED:
+            self._reduction.report()
         elif condition == NOT_OBSERVED and chosen.needs_observed_friction:
             self.warn(
                 "no observed friction",
@@ -77,8 +76,11 @@ class FrictionObserverNode(SampleNode[ObserverParameters]):
                 "use an estimator that observes it (method kalman)",
             )
 
-    def _part(self) -> float:
-        return float(self._memory["guard"]["vibration"]["part"][0])
+    def _reason(self) -> str:
+        if switched_off(self._memory):
+            return self.parameters.switch_off_reason
+        part = float(self._memory["guard"]["vibration"]["part"][0])
+        return vibration_reason("the friction compensation", part)
 
     def _check_levels(self) -> None:
         if beyond_adaptation(self._memory, self.parameters):
@@ -104,9 +106,8 @@ def _take(
         reset(memory[0])
     allowed, part = not memory[0].guard.tripped, memory[0].guard.vibration.part
     answer[0].value = estimate_friction(memory[0], x, compensator[0])
-    if allowed and memory[0].guard.tripped:
-        return sample, stamp, SWITCHED_OFF
-    if compensator[0].guard.least_part < 1.0 and memory[0].guard.vibration.part < part:
+    vibrates = compensator[0].guard.least_part < 1.0 and memory[0].guard.vibration.part < part
+    if vibrates or (allowed and memory[0].guard.tripped):
         return sample, stamp, REDUCED
     blind = isnan(x[OBSERVED_FRICTION]) and not isnan(x[THETA_DOT])
     return sample, stamp, NOT_OBSERVED if blind else 0

@@ -56,6 +56,11 @@ def reaches_network() -> bool:
     return chosen or given in ("", "SUBNET", "SYSTEM_DEFAULT")
 
 
+def clock_advice() -> str:
+    """What to do about messages with a wrong time, where other computers can send some."""
+    return "; if they come from another computer, set both clocks" if reaches_network() else ""
+
+
 def describe_discovery() -> str:
     """The choice that applies, with the variables that make it."""
     reached = "the network" if reaches_network() else "this machine only"

@@ -12,6 +12,7 @@ from rclpy.publisher import Publisher
 from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
+from furuta_ros.discovery import clock_advice
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.loop_topics import publishers_of
 from furuta_ros.message_age import MAX_AGE, MessageAge
@@ -24,6 +25,8 @@ Group = TypeVar("Group", bound=NamedTuple)
 
 # Shortest time between two warnings of one kind [s].
 WARNING_PERIOD = 1.0
+# The same of what a fallen pendulum causes again and again.
+RARELY = 10.0
 # Time between two checks for second publishers [s].
 CHECK_PERIOD = 1.0
 
@@ -111,16 +114,18 @@ class FurutaNode(Node, Generic[Group]):
         """Call a function every ``period`` [s], whatever happens to the system's time."""
         return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def warn(self, kind: str, text: str, period: float = WARNING_PERIOD) -> None:
-        """Log a warning, but only one of its kind in ``period`` [s].
+    def warn(self, kind: str, text: str, period: float = WARNING_PERIOD) -> bool:
+        """Log a warning, but only one of its kind in ``period`` [s]; whether it was logged.
 
         The logger's own throttle looks up its caller's source each time: 1 ms that a late loop does
         not have.
         """
         now = monotonic()
-        if kind not in self._warned_at or now - self._warned_at[kind] >= period:
+        due = kind not in self._warned_at or now - self._warned_at[kind] >= period
+        if due:
             self._warned_at[kind] = now
             self.get_logger().warning(text)
+        return due
 
     def _time_is_simulated(self) -> bool:
         """Whether the plant of this graph publishes simulated time."""
@@ -130,8 +135,7 @@ class FurutaNode(Node, Generic[Group]):
         self.warn(
             f"ignored {topic.name}",
             f"ignored a message on {topic.name} that was sent {self.message_age.age:.3g} s ago, "
-            f"at most {MAX_AGE:g} s ({self.message_age.expired} so far); if it comes from another "
-            "computer, set both clocks",
+            f"at most {MAX_AGE:g} s ({self.message_age.expired} so far){clock_advice()}",
         )
 
 

@@ -17,7 +17,7 @@ INTERRUPTED = 128 + signal.SIGINT
 
 STDERR = 2
 # Ends the line with ^C, and shows the cursor again that a progress bar hides.
-SHOW_CURSOR = b"\n\x1b[?25h"
+AFTER_INTERRUPT = b"\n\x1b[?25hinterrupted\n"
 # Environment variable in which a parent gives its process id to a child that is to end with it.
 PARENT = "FURUTA_PARENT"
 # Of prctl(2): the signal that a process receives when its parent ends.
@@ -61,7 +61,7 @@ def set_interrupt_handler(handler: Callable[[int, FrameType | None], object]) ->
 
 def _exit(number: int, frame: FrameType | None) -> None:
     if os.isatty(STDERR):
-        os.write(STDERR, SHOW_CURSOR)
+        os.write(STDERR, AFTER_INTERRUPT)
     os._exit(INTERRUPTED)
 
 

@@ -10,6 +10,7 @@ deliver a command seconds late: one that was sent before the sample began does n
 
 from time import monotonic, time_ns
 
+from furuta_ros.discovery import clock_advice
 from furuta_ros.loop_topics import missing_from_loop, publishers_of
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT
@@ -160,10 +161,9 @@ class LockStep:
     def _warn(self) -> None:
         reason = "".join(f"; {clause}" for clause in missing_from_loop(self._plant))
         if self._late:
-            reason += (
-                f"; ignored {self._late} that were sent before this sample began: if they come "
-                "from another computer, set both clocks"
-            )
-        self._plant.get_logger().warning(
-            f"waiting for the command to sample {self._plant.sample}{reason}"
-        )
+            reason += f"; ignored {self._late} that were sent before this sample began"
+            reason += clock_advice()
+        text = f"waiting for the command to sample {self._plant.sample}{reason}"
+        # Without a reason a node is compiling, or the machine is busy.
+        log = self._plant.get_logger()
+        log.warning(text) if reason else log.info(text)

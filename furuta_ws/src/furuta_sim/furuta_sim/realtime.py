@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
+from furuta_ros.node import RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import TIMING
@@ -102,5 +103,6 @@ class RealTime:
         if stale:
             self._plant.warn(
                 "no command",
-                f"no command for {self._plant.parameters.command_timeout:g} s: the rig gets 0 V",
+                f"no command for {self._plant.parameters.command_timeout:g} s: the motor gets 0 V",
+                RARELY,
             )

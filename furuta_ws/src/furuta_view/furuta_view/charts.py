@@ -15,12 +15,12 @@ HEIGHT = 148  # [pixels]
 # Colours of Okabe and Ito; those of one chart differ for colour-blind eyes too.
 ARM, PENDULUM, TRUE, ESTIMATED = "#0072B2", "#D55E00", "#000000", "#009E73"
 COMMANDED, GREY = "#56B4E9", "#999999"
-# Label, colour and column of each curve over time.
-ANGLES = [("arm φ [rad]", ARM, PHI), ("pendulum θ [rad]", PENDULUM, THETA)]
+# Label, colour, column and width of each curve over time; where F̂ lies on F, both are seen.
+ANGLES = [("arm φ [rad]", ARM, PHI, 2.0), ("pendulum θ [rad]", PENDULUM, THETA, 2.0)]
 VOLTAGES = [
-    ("u [V]", COMMANDED, COMMAND),
-    ("friction F [V]", TRUE, FRICTION),
-    ("estimate F̂ [V]", ESTIMATED, ESTIMATE),
+    ("u [V]", COMMANDED, COMMAND, 1.5),
+    ("friction F [V]", TRUE, FRICTION, 3.5),
+    ("estimate F̂ [V]", ESTIMATED, ESTIMATE, 1.5),
 ]
 FONT = "13px system-ui, sans-serif"
 FRICTION_PLANE = Plane("Friction over speed", "arm speed [rad/s]", "friction [V]", 0.6, 0.3)
@@ -31,7 +31,7 @@ class TimeChart:
     """Curves over the last seconds; the axis of values reaches at least from -reach to reach."""
 
     def __init__(
-        self, gui: Any, name: str, curves: list[tuple[str, str, int]], reach: float
+        self, gui: Any, name: str, curves: list[tuple[str, str, int, float]], reach: float
     ) -> None:
         empty = np.array([-SECONDS, 0.0])
         self._curves, self._shown = curves, [True] * len(curves)
@@ -55,7 +55,7 @@ class TimeChart:
         if len(samples) < 2:
             return
         time = samples[:, TIME] - samples[-1, TIME]
-        values = [without_gaps(time, samples[:, column]) for *_, column in self._curves]
+        values = [without_gaps(time, samples[:, column]) for *_, column, _ in self._curves]
         shown = [value is not None for value in values]
         if shown != self._shown:
             self._shown = shown
@@ -69,8 +69,8 @@ class TimeChart:
         return (
             {"label": "time [s]"},
             *(
-                {"label": label, "stroke": colour, "width": 2, "show": is_shown}
-                for (label, colour, _), is_shown in curves
+                {"label": label, "stroke": colour, "width": width, "show": is_shown}
+                for (label, colour, _, width), is_shown in curves
             ),
         )
 
@@ -121,9 +121,9 @@ class Charts:
 
 def _friction_curves(samples: np.ndarray) -> list[Curve]:
     speed = samples[:, PHI_DOT]
-    curves = [("true F", TRUE, FRICTION), ("F̂", ESTIMATED, ESTIMATE)]
+    curves = [("true F", TRUE, FRICTION, 4.0), ("F̂", ESTIMATED, ESTIMATE, 1.5)]
     return [
-        Curve(name, colour, speed, samples[:, column])
-        for name, colour, column in curves
+        Curve(name, colour, speed, samples[:, column], width)
+        for name, colour, column, width in curves
         if np.isfinite(samples[:, column]).any()
     ]

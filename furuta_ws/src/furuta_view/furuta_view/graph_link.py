@@ -57,16 +57,17 @@ class GraphLink:
 
     def nodes(self) -> list[str]:
         """Names of the nodes in this namespace that have parameters, except those of the view."""
-        here = self._node.get_namespace()
-        services = {name for name, _ in self._node.get_service_names_and_types()}
+        # By the services: ROS forgets the names of a process that was held up for some seconds.
+        start, end = f"{self._node.get_namespace().rstrip('/')}/", "/list_parameters"
         names = {
-            name
-            for name, namespace in self._node.get_node_names_and_namespaces()
-            if namespace == here and not name.startswith("_") and name not in OWN_NODES
+            service.removeprefix(start).removesuffix(end)
+            for service, _ in self._node.get_service_names_and_types()
+            if service.startswith(start) and service.endswith(end)
         }
-        # Not by the services of one node: of two nodes with one name ROS knows those of one only.
         return sorted(
-            name for name in names if f"{here.rstrip('/')}/{name}/list_parameters" in services
+            name
+            for name in names
+            if not name.startswith("_") and name not in OWN_NODES and "/" not in name
         )
 
     def described(self, node: str) -> list[Described]:
@@ -77,9 +78,9 @@ class GraphLink:
         values = self.parameters.get(node, names)
         descriptors = self.parameters.describe(node, names)
         if not descriptors:
-            return [Described(name, values[name]) for name in names]
+            return [Described(name, values[name], node=node) for name in names]
         return [
-            _described(name, values[name], about)
+            _described(name, values[name], about)._replace(node=node)
             for name, about in zip(names, descriptors, strict=True)
         ]
 

@@ -50,8 +50,8 @@ class Guide:
             self._choice = gui.add_dropdown(
                 "scene", [FREE, *dict.fromkeys(self._titles)], hint=HINT
             )
-            self._text = gui.add_html("", visible=False)
             self._buttons = gui.add_button_group("step", (BACK, NEXT, FREE), visible=False)
+            self._text = gui.add_html("", visible=False)
             self._table = gui.add_html("", visible=False)
             self._note = Note(gui, 9.0)
         self._choice.on_update(self._chosen)
@@ -89,6 +89,12 @@ class Guide:
             if step.title == self._titles[position]
         ]
 
+    def _place(self, position: int) -> str:
+        """Which step of its scene this is, and its name."""
+        title, name = self._steps[position].title, self._steps[position].name
+        before = self._titles.index(title)
+        return f"Step {position - before + 1} of {self._titles.count(title)}, {name}"
+
     def _chosen(self, event: Any) -> None:
         """Begin the scene that a user has chosen."""
         if event.client is not None:
@@ -114,7 +120,7 @@ class Guide:
             self._choice.value = step.title
             self._text.content = (
                 '<div class="scene" role="status" style="padding:0 10px 8px;font-size:13px;'
-                f'line-height:1.4">{escape(step.text)}<br><b>{escape(step.name)}.</b> '
+                f'line-height:1.4">{escape(step.text)}<br><b>{escape(self._place(position))}.</b> '
                 f"{escape(step.look)}</div>"
             )
             self._table.content = status_html(MEASURED, self._rows(position))

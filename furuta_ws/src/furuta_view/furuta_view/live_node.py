@@ -12,7 +12,7 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, QoSReliabilityPolicy
@@ -54,6 +54,7 @@ class LiveNode(Node):
 
     ``samples`` are the newest ones, ``timing`` the newest message on ``timing`` and ``status`` the
     newest status of the bridge, or None, received at ``status_time`` [s] of the steady clock.
+    ``warnings`` holds by name why other nodes do less than they were asked for.
     ``on_parameters`` is called with each parameter event.
     """
 
@@ -63,6 +64,7 @@ class LiveNode(Node):
         self.timing: UInt64MultiArray | None = None
         self.status: Any = None
         self.status_time = 0.0
+        self.warnings: dict[str, str] = {}
         self._on_parameters = on_parameters
         self._last_stamp = -PERIOD
         self._x = np.zeros(SIGNALS)
@@ -130,6 +132,10 @@ class LiveNode(Node):
         for status in message.status:
             if status.name.endswith(": rig"):
                 self.status, self.status_time = status, monotonic()
+            elif status.level == DiagnosticStatus.OK:
+                self.warnings.pop(status.name, None)
+            else:
+                self.warnings[status.name] = status.message
 
     def subscribe(self, topic: Topic, qos: QoSProfile = NEWEST_QOS) -> Subscription:
         """A subscription whose messages wait until they are taken."""

@@ -25,7 +25,7 @@ from furuta_view.figures import figures, late_samples
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.guide import Guide, motion_text
 from furuta_view.live_node import LiveNode
-from furuta_view.page_layout import Layout, Note, status_html
+from furuta_view.page_layout import ALARM, Layout, Note, status_html
 from furuta_view.parameters_on_page import ParametersOnPage
 from furuta_view.rig_controls import RigControls
 from furuta_view.samples import PHI, THETA, TIME
@@ -50,6 +50,7 @@ class LivePage:
             note = Note(gui, 90.0)
             self._simulation = SimulationControls(server, self._link, note)
         self._fall = FallNotice(gui, self._simulation.reset)
+        self._warning = Note(gui, 0.5, "warning")
         self._guide = Guide(
             gui, self._link, lambda: self._parameters.values, self._simulation.run_in_real_time
         )
@@ -114,6 +115,9 @@ class LivePage:
         rows = figures(newest, encoder_counts(values)).rows()
         if self._guide.position is not None:  # whose table has them
             rows = []
+        if self._parameters.silent:
+            rows.append(("does not answer, is asked again", ", ".join(self._parameters.silent)))
+        self._warning.tell("; ".join(self._node.warnings.values()), ALARM)
         fallen = has_fallen(float(newest[-1, THETA]), values)
         self._fall.show(fallen, values)
         self._guide.update(newest, fallen, self._predicted)

@@ -16,7 +16,10 @@ STEPS = 1000
 
 
 class Described(NamedTuple):
-    """A parameter: name, value, meaning with unit, range and choices where there are any."""
+    """A parameter: name, value, meaning with unit, range and choices where there are any.
+
+    ``title`` is shown instead of the last part of its name, with the ``node`` before the name.
+    """
 
     name: str
     value: Any
@@ -25,6 +28,8 @@ class Described(NamedTuple):
     low: float = float("-inf")
     high: float = float("inf")
     read_only: bool = False
+    node: str = ""
+    title: str = ""
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -42,15 +47,16 @@ class Described(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Short name and unit."""
-        return self.name.rpartition(".")[2] + self.unit
+        """Title or short name, and unit."""
+        return (self.title or self.name.rpartition(".")[2]) + self.unit
 
     @property
     def hint(self) -> str:
         """Full name, meaning and what is allowed."""
+        full_name = f"{self.node}.{self.name}".lstrip(".")
         bounded = math.isfinite(self.low) and math.isfinite(self.high)
         allowed = f"{self.low:g} to {self.high:g}" if bounded else self.constraints
-        return f"{self.name}: {self.meaning}" + (f"; {allowed}" if allowed else "")
+        return f"{full_name}: {self.meaning}" + (f"; {allowed}" if allowed else "")
 
     @property
     def text(self) -> str:

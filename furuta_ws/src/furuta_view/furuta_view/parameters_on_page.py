@@ -13,13 +13,14 @@ from furuta_ros.services import ServiceError
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
 
-# The parameters that come first on the page, if their nodes run.
-MAIN = (
-    ("friction_observer", "compensation"),
-    ("friction_observer", "alpha0"),
-    ("controller", "super_twisting"),
-    ("controller", "enabled"),
-)
+# The parameters that come first on the page, if their nodes run, and what they are called there.
+MAIN = {
+    ("friction_observer", "compensation"): "compensation",
+    ("friction_observer", "alpha0"): "believed alpha0",
+    ("plant", "friction.alpha0"): "true alpha0",
+    ("controller", "super_twisting"): "super_twisting",
+    ("controller", "enabled"): "controller enabled",
+}
 # The order of the folders; a node with another name comes after these.
 ORDER = ("friction_observer", "controller", "estimator", "plant", "hardware_bridge")
 
@@ -27,8 +28,9 @@ ORDER = ("friction_observer", "controller", "estimator", "plant", "hardware_brid
 class ParametersOnPage:
     """Folders for the nodes that run, and the main parameters before them.
 
-    ``running`` names the nodes that were found, ``values`` holds the parameters of those that have
-    described them. ``changed`` is called when parameters have changed.
+    ``running`` names the nodes that were found, ``silent`` those of them that have not described
+    their parameters, and ``values`` holds the parameters of the others. ``changed`` is called when
+    parameters have changed.
     """
 
     def __init__(
@@ -49,10 +51,14 @@ class ParametersOnPage:
         running = self.running = self._link.nodes()
         for node in [name for name in self._folders if name not in running]:
             self._remove(node)
-        for node in running:
-            if node not in self._folders:
-                with contextlib.suppress(ServiceError):
-                    self._add(node)
+        for node in self.silent:
+            with contextlib.suppress(ServiceError):
+                self._add(node)
+
+    @property
+    def silent(self) -> list[str]:
+        """The nodes that have not answered yet, or whose answers were lost."""
+        return [node for node in self.running if node not in self._folders]
 
     def received(self, event: ParameterEvent) -> None:
         """Show changed values; describe a node anew that has other parameters now."""
@@ -98,17 +104,18 @@ class ParametersOnPage:
     def _add(self, node: str) -> None:
         described = self._link.described(node)
         self.values[node] = {parameter.name: parameter.value for parameter in described}
-        order = float(ORDER.index(node) if node in ORDER else len(ORDER))
         enter = partial(self._enter, node)
         for parameter in described:
             place = node, parameter.name
             if place in MAIN and place not in self._first:
+                order, titled = list(MAIN).index(place), parameter._replace(title=MAIN[place])
                 with self._main:
                     self._first[place] = Control(
-                        self._gui, float(MAIN.index(place)), parameter, partial(enter, place[1])
+                        self._gui, float(order), titled, partial(enter, place[1])
                     )
         with self._place:
-            self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
+            order = ORDER.index(node) if node in ORDER else len(ORDER)
+            self._folders[node] = NodeFolder(self._gui, node, described, enter, float(order))
         self._changed()
 
     def _remove(self, node: str) -> None:

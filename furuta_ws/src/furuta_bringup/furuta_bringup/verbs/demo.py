@@ -71,16 +71,20 @@ def command(
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
-    bag = directory / "bag"
-    _clear(bag)
+    # An interrupted demo leaves the results of an earlier one as they were.
+    bag, new = directory / "bag", directory / "unfinished" / "bag"
+    _clear(new)
     console = Console(stderr=True, quiet=quiet)
     with console.status("tuning"):  # in a simulation, which has the numbers of the graph
         result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
     tuned = observer_parameters(result.after.observer)
     with ros_context(private=True):
-        running = run_demo(settings, tuned, seconds, bag)
+        running = run_demo(settings, tuned, seconds, new)
         phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
+        _clear(bag)
+        new.rename(bag)
+        new.parent.rmdir()
         recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
         draw_demo(recorded, phases, figure)
