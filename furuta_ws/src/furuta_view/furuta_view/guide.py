@@ -119,8 +119,8 @@ class Guide:
             self._pushes = {}
             self._choice.value = step.title
             self._text.content = (
-                '<div class="scene" role="status" style="padding:0 10px 8px;font-size:13px;'
-                f'line-height:1.4">{escape(step.text)}<br><b>{escape(self._place(position))}.</b> '
+                '<div class="scene" role="status" style="padding:0 10px 2px;font-size:13px;'
+                f'line-height:1.3">{escape(step.text)}<br><b>{escape(self._place(position))}.</b> '
                 f"{escape(step.look)}</div>"
             )
             self._table.content = status_html(MEASURED, self._rows(position))

@@ -46,13 +46,14 @@ class Layout:
 def status_html(title: str, rows: list[tuple[str, str]]) -> str:
     """A title and a table of figures."""
     cells = "".join(
-        f'<tr><td style="color:#475569">{escape(name)}</td>'
-        f'<td style="text-align:right;font-weight:600;white-space:nowrap">{escape(value)}</td></tr>'
+        f'<tr><td style="color:#475569;padding:0">{escape(name)}</td>'
+        '<td style="text-align:right;font-weight:600;white-space:nowrap;padding:0">'
+        f"{escape(value)}</td></tr>"
         for name, value in rows
     )
     return (
-        f'<div class="status" style="padding:2px 10px;font-size:14px"><b>{escape(title)}</b>'
-        f'<table style="width:100%;font-size:13px;line-height:1.35;'
+        f'<div class="status" style="padding:0 10px;font-size:13px"><b>{escape(title)}</b>'
+        f'<table style="width:100%;font-size:13px;line-height:1.3;'
         f'font-variant-numeric:tabular-nums">{cells}</table></div>'
     )
 

@@ -25,13 +25,17 @@ from soak.record import Record
 from soak.resources import ResourceMonitor
 
 NAMES = [each.name for each in graph_nodes()]
+# Step of the simulated drive's converter, which rounds what a second publisher sends [V].
+CONVERTER_STEP = 0.005
 # Time of the undisturbed run [s], and its wait in this machine's time.
 EXACT, EXACT_WAIT = 6.0, 90.0
 # Pauses within it.
 PAUSES = 8
 # Samples that the loop must make after an intrusion, and the time for them [s]: a killed node or
-# flood stays listed for 20 s, and several can follow each other.
+# flood stays listed for some seconds, and several can follow each other.
 SAMPLES, RECOVERY = 200, 120.0
+# Time in which the messages that were on their way at a kill have arrived [s].
+ON_THEIR_WAY = 1.0
 # Longest pause [s]: far below the time after which the middleware drops a participant.
 LONGEST_PAUSE = 0.6
 KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "flood", "second graph")
@@ -125,6 +129,7 @@ class LockstepProcesses:
     def _kill(self) -> None:
         node = pick(self._random, self._nodes)
         node.kill()
+        self._observer.spin_for(ON_THEIR_WAY)
         self._observer.clear()
         node.start()
         if node.name == "plant":
@@ -133,7 +138,7 @@ class LockstepProcesses:
     def _check_motion(self) -> None:
         self._record.check("bounds", out_of_bounds(states(self._observer.truths)))
         theta, volts = motion(self._observer).T
-        self._record.check("stranger", applied(volts, flood.VOLTS))
+        self._record.check("stranger", applied(volts, flood.VOLTS, CONVERTER_STEP))
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if any(fallen(each) for each in theta):
             self._reset()
