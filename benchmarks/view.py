@@ -43,7 +43,7 @@ SETTLE = 3.0  # [s] from an open or closed page to the measurement
 MEMORY_SETTLE = 300.0  # [s] after which memory must not grow
 MEGABYTE = 2.0**20
 ANSWER = 10.0  # [s]
-ALPHA0 = "alpha0 [V]"
+ALPHA0 = "believed alpha0 [V]"
 TIME_LINE = "time [s]"
 RECORDED = 60.0  # [s] of the recording that is repeated
 

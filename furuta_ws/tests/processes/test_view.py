@@ -88,7 +88,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     page.wait(lambda: 0.0 < arm_size(page) < before / 10.0, "a limit cycle ten times smaller")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
 
-    box = page.row("alpha0 [V]").locator("input").last
+    box = page.row("believed alpha0 [V]").locator("input").last
     box.fill("150")
     reason = page.wait(lambda: page.text(".refusal").strip(), "the node's reason")
     assert "alpha0" in reason
