@@ -39,6 +39,8 @@ def main(path: str, width: str = "1280", height: str = "800") -> None:
             with open_browser() as show:
                 page = show(view.stdout.readline().strip(), int(width), int(height))
                 show_compensation(page)
+                page.page.mouse.move(700, 700)  # away from the controls, whose meaning it shows
+                page.page.wait_for_timeout(500)
                 page.page.screenshot(path=path)
         finally:
             view.terminate()

@@ -20,6 +20,7 @@ from furuta_model.parameters import suggestion
         ("simulate --rig rigs/mine", "cannot read parameter file"),
         ("simulate --rig Paper", "did you mean paper?"),
         ("simulate --second 3", "No such option '--second'. Did you mean '--seconds'? (see"),
+        ("view --lockstep", "No such option '--lockstep'; options of furuta run come after --"),
         ("simulate -seconds 3", "No such option '-s'; write --NAME (see"),
         ("simulate --seconds 10s", "'10s' is not a number; give it without a unit"),
         ("map omega1=1:15", "Did you mean 'limit-cycle'?"),
@@ -38,6 +39,13 @@ def test_a_slip(furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: str, r
     assert out == ""
     assert reason in err
     assert len(err.strip().splitlines()) == 1
+
+
+def test_a_name_that_means_several_parameters(furuta: Any) -> None:
+    """It says which ones it sets; one that means one parameter does not."""
+    setting = "simulate --seconds 1 --set alpha0=0.3 --set omega1=7"
+    _, _, err = furuta(*setting.split())
+    assert err == "alpha0=0.3 sets plant.friction.alpha0, friction_observer.alpha0\n"
 
 
 def test_names_of_running_nodes(furuta: Any, processes: Any) -> None:
