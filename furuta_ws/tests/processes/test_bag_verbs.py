@@ -117,7 +117,7 @@ def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Pa
 def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     """A table with other names, a hanging zero, and commands in separate rows."""
     series = tmp_path / "run.npz"
-    furuta("simulate", "--ideal-sensors", "--seconds", "8", "--out", series)
+    furuta("simulate", "--ideal-sensors", "--seconds", "5", "--out", series)
     table = tmp_path / "log.csv"
     joints = [
         f"/js/{joint}/{part}" for joint in ("rotor", "link") for part in ("position", "velocity")

@@ -42,10 +42,10 @@ def test_a_slip(furuta: Any, tmp_path: Path, monkeypatch: Any, arguments: str, r
 
 
 def test_a_name_that_means_several_parameters(furuta: Any) -> None:
-    """It says which ones it sets; one that means one parameter does not."""
+    """It says which ones it has set; one that means one parameter does not."""
     setting = "simulate --seconds 1 --set alpha0=0.3 --set omega1=7"
     _, _, err = furuta(*setting.split())
-    assert err == "alpha0=0.3 sets plant.friction.alpha0, friction_observer.alpha0\n"
+    assert err == "alpha0=0.3 set plant.friction.alpha0, friction_observer.alpha0\n"
 
 
 def test_names_of_running_nodes(furuta: Any, processes: Any) -> None:

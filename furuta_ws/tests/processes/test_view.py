@@ -16,7 +16,7 @@ from furuta_view.fall_notice import RESET
 from furuta_view.guided_scenes import guided_steps
 from furuta_view.simulation_controls import FOREVER
 
-pytestmark = [pytest.mark.realtime, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.timeout(900)
 
 # Width and height of the page: a small one, because software draws it [pixels].
 SIZE = (1000, 500)
@@ -198,6 +198,7 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any, shape: tuple[int,
 
 
 @pytest.mark.long
+@pytest.mark.realtime
 def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> None:
     """With the emulated rig; the page says that it is armed, and why it stopped."""
     process, address = started(processes, "--", "--plant", "hardware", "--port", "mock")

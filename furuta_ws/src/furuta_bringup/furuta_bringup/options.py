@@ -1,8 +1,8 @@
 """Options that several verbs have."""
 
+import sys
 from collections.abc import Callable
-from contextlib import suppress
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -54,15 +54,20 @@ rig_option = click.option(
 )
 
 
-def _tell_all(ctx: Any, param: Any, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Say which parameters an assignment sets if its name means several."""
-    for assignment in given:
-        with suppress(ParameterError):  # which the verb reports
-            matches = parameters_named(assignment.partition("=")[0].strip())
-            if len(matches) > 1:
-                names = ", ".join(f"{match.node}.{match.parameter.name}" for match in matches)
-                click.echo(f"{assignment} sets {names}", err=True)
-    return given
+def _given(ctx: click.Context, param: Any, assignments: tuple[str, ...]) -> tuple[str, ...]:
+    ctx.call_on_close(partial(_tell_all, assignments))
+    return assignments
+
+
+def _tell_all(assignments: tuple[str, ...]) -> None:
+    """Say after the verb which parameters an assignment has set if its name means several."""
+    if sys.exc_info()[0]:
+        return  # an error is one line
+    for assignment in assignments:
+        matches = parameters_named(assignment.partition("=")[0].strip())
+        if len(matches) > 1:
+            names = ", ".join(f"{match.node}.{match.parameter.name}" for match in matches)
+            click.echo(f"{assignment} set {names}", err=True)
 
 
 def parameter_options(function: Function) -> Function:
@@ -72,7 +77,7 @@ def parameter_options(function: Function) -> Function:
         "assignments",
         multiple=True,
         metavar="NAME=VALUE",
-        callback=_tell_all,
+        callback=_given,
         help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3; "
         "repeatable.",
     )(function)

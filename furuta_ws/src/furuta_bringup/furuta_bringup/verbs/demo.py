@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 import click
@@ -73,6 +74,7 @@ def command(
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
     # An interrupted demo leaves the results of an earlier one as they were.
     bag, new = directory / "bag", directory / "unfinished" / "bag"
+    _check(bag)
     _clear(new)
     console = Console(stderr=True, quiet=quiet)
     with console.status("tuning"):  # in a simulation, which has the numbers of the graph
@@ -96,15 +98,17 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     }
 
 
-def _clear(bag: Path) -> None:
-    """Remove the bag of an earlier demo, but only if the directory contains nothing else."""
-    if not bag.exists():
-        return
-    for file in bag.iterdir():
+def _check(bag: Path) -> None:
+    """Refuse a directory that contains anything but a bag."""
+    for file in bag.glob("*"):
         if file.suffix not in (".db3", ".yaml"):
             raise click.ClickException(
                 f"{bag} contains {file.name}, which does not belong to a bag"
             )
-    for file in bag.iterdir():
-        file.unlink()
-    bag.rmdir()
+
+
+def _clear(bag: Path) -> None:
+    """Remove the bag of an earlier demo."""
+    _check(bag)
+    if bag.exists():
+        rmtree(bag)
