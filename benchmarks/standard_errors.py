@@ -148,9 +148,9 @@ def coupled_study(kind: str, seeds: range) -> None:
             print(f"{seed}: asked: {error}", flush=True)
             continue
         verdicts[remark.partition(":")[0].partition(" (")[0]] += 1
-        for name, error in errors.items():
+        for name, size in errors.items():
             true = getattr(plant.coupling, name)
-            found[name].append(((getattr(coupling, name) - true) / error, 100.0 * error / true))
+            found[name].append(((getattr(coupling, name) - true) / size, 100.0 * size / true))
         deviations = {name: round(found[name][-1][0], 1) for name in errors}
         print(f"{seed}: {plant.coupling} {deviations} {remark}", flush=True)
     _print(kind, found)

@@ -89,8 +89,9 @@ class _Fit(NamedTuple):
 
 
 def _coupling(vector: np.ndarray, side: str) -> Coupling:
-    frequency, damping = np.exp(vector[:2])
-    return Coupling(float(frequency), float(damping), *map(float, vector[2:]), sensors=side)
+    frequency, damping, *rest = map(float, [*np.exp(vector[:2]), *vector[2:]])
+    named = dict(zip(("motor_inertia", "backlash"), rest, strict=False))
+    return Coupling(frequency, damping, sensors=side)._replace(**named)
 
 
 class _Residuals:
@@ -169,6 +170,7 @@ class _Residuals:
         return better
 
     def _improved_states(self, i: int, coupling: Coupling) -> np.ndarray:
+        """States (s, 5) at the starts after a Gauss-Newton step, where it is better."""
         part, before = self.shooting.parts[i], self._raw(i, coupling)
         after = copy(self)
         after.initial = list(self.initial)
@@ -198,6 +200,7 @@ class _Residuals:
         )
 
     def size(self, vector: np.ndarray, side: str) -> float:
+        """Sum of squares of a coupling."""
         residuals = self.of(_coupling(vector, side))
         return float(residuals @ residuals)
 
