@@ -89,9 +89,9 @@ class _Fit(NamedTuple):
 
 
 def _coupling(vector: np.ndarray, side: str) -> Coupling:
-    frequency, damping, *rest = map(float, [*np.exp(vector[:2]), *vector[2:]])
-    named = dict(zip(("motor_inertia", "backlash"), rest, strict=False))
-    return Coupling(frequency, damping, sensors=side)._replace(**named)
+    frequency, damping = map(float, np.exp(vector[:2]))
+    gap = float(vector[3]) if len(vector) > 3 else 0.0
+    return Coupling(frequency, damping, float(vector[2]), gap, sensors=side)
 
 
 class _Residuals:
