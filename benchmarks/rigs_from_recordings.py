@@ -102,18 +102,22 @@ def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     }
 
 
-def chosen_seeds(description: str | None, rigs: int = 10) -> range:
-    """The seeds of the rigs that the command line asks for, by default ``rigs`` of them."""
+def parsed(
+    description: str | None, rigs: int = 10, couplings: tuple[str, ...] = ()
+) -> argparse.Namespace:
+    """The command line: number of rigs, seed of the first, and one of the couplings, if any."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--rigs", type=int, default=rigs)
     parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
-    options = parser.parse_args()
-    return range(options.first, options.first + options.rigs)
+    if couplings:
+        parser.add_argument("--coupling", choices=couplings)
+    return parser.parse_args()
 
 
 def main() -> None:
     """Run the study and print a line for each rig."""
-    stood, seeds = 0, chosen_seeds(__doc__)
+    options = parsed(__doc__)
+    stood, seeds = 0, range(options.first, options.first + options.rigs)
     for seed in seeds:
         residuals = study(seed)
         stood += not np.any(np.isnan(list(residuals.values())))

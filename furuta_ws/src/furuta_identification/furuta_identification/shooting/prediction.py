@@ -176,8 +176,8 @@ def _predict(
                     v, w = x[PHI_DOT], x[THETA_DOT]
                     steps = max(1, ceil((then - now) / step - ROUNDING))
                     move(x, u, then - now, steps, rig)
-                    arm1, arm2 = _track(arm1, arm2, v, x[PHI_DOT], then - now, lag)
-                    pendulum1, pendulum2 = _track(
+                    arm1, arm2 = track(arm1, arm2, v, x[PHI_DOT], then - now, lag)
+                    pendulum1, pendulum2 = track(
                         pendulum1, pendulum2, w, x[THETA_DOT], then - now, lag
                     )
                 now = then
@@ -190,7 +190,7 @@ def _predict(
 
 
 @compiled
-def _track(
+def track(
     first: float, second: float, before: float, now: float, dt: float, lag: float
 ) -> tuple[float, float]:
     """The tracking loop's two states after the speed has changed from ``before`` to ``now``."""

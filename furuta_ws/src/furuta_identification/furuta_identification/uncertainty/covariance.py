@@ -127,8 +127,14 @@ def block_covariance(
     per block. With few blocks a sandwich estimate ignores how much each block has influenced the
     fit.
     """
+    return block_scatter(blocks_of(shooting), slopes, residuals, information)
+
+
+def block_scatter(
+    blocks: list[slice], slopes: np.ndarray, residuals: np.ndarray, information: np.ndarray
+) -> np.ndarray:
+    """The same for blocks of rows."""
     covariance = np.zeros_like(information)
-    blocks = _blocks(shooting)
     for rows in blocks:
         rest = np.linalg.pinv(information - slopes[rows].T @ slopes[rows])
         shift = rest @ (slopes[rows].T @ residuals[rows])
@@ -139,7 +145,7 @@ def block_covariance(
     return covariance * factor**2 * (count - 1) / count
 
 
-def _blocks(shooting: Shooting) -> list[slice]:
+def blocks_of(shooting: Shooting) -> list[slice]:
     """The rows of each block in the residuals of all recordings."""
     blocks, first = [], 0
     for part in shooting.parts:
