@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from furuta_identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
-from furuta_identification.fitting.coupling import find_coupling
 from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta_identification.fitting.swinging import fit_swinging
 from furuta_identification.model import Model, Prediction
@@ -34,8 +33,6 @@ def identify_files(
 ) -> tuple[Model, list[Prediction], list[Prediction]]:
     """A model of the recordings at ``paths``; its predictions of them and of held-out ones."""
     model = identify(_read_all(paths, names), options)
-    options.report("looking for an elastic coupling")
-    model = model._replace(coupling=find_coupling(model))
     runs = [run for other in _read_all(validation_paths, names) for run in split_into_runs(other)]
     held_out = [validate(model, run, options) for run in runs]
     fitted = [model.predict(recording) for recording in model.recordings]

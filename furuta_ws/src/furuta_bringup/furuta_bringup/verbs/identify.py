@@ -11,6 +11,7 @@ from furuta_bringup.file_types import FIGURE, PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import print_json, show
+from furuta_identification.fitting.coupling import find_coupling
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.identify import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
@@ -87,6 +88,9 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     help="Compare laws of the arm's friction by their predictions of held-out recordings, or of "
     "held-out halves of a single one.",
 )
+@option(
+    "--coupling", is_flag=True, help="Look for an elastic coupling of motor and arm, or backlash."
+)
 @option("--out", type=FIGURE, help="Draw the residuals.")
 @option(
     "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
@@ -111,6 +115,7 @@ def command(
     window: float | None,
     validation_paths: tuple[Path, ...],
     laws: bool,
+    coupling: bool,
     out: Path | None,
     write: Path | None,
     base: str,
@@ -129,8 +134,10 @@ def command(
             "add --write FILE.yaml, or leave --rig out"
         )
     if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws:
-            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
+        if out or write or validation_paths or laws or coupling:
+            raise ParameterError(
+                "free swings give no model: no --out, --write, --validate, --laws, --coupling"
+            )
         swing = free_swing_of_files(paths, names, options).as_json()
         show(swing, as_json)
         _refuse_unusable(swing["verdict"])
@@ -142,6 +149,9 @@ def command(
         options = options._replace(report=status.update if console.is_terminal else console.print)
         model, fitted, held_out = identify_files(paths, validation_paths, names, options)
         compared = compare_laws(model, options.report) if laws else []
+        if coupling:
+            options.report("looking for a coupling")
+            model = model._replace(coupling=find_coupling(model))
     result = full_report(model, fitted, held_out)
     if laws:
         result["friction_laws"] = [law._asdict() for law in compared]
