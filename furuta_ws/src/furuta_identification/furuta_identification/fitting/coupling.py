@@ -14,8 +14,8 @@ from itertools import product
 
 import numpy as np
 
+from furuta_identification.fitting.coupling_residuals import CouplingResiduals, ElasticFit
 from furuta_identification.model import CouplingFit, Model
-from furuta_identification.shooting.coupling_residuals import CouplingResiduals, ElasticFit
 from furuta_identification.shooting.optimisation import noise_of, quantisation_step
 from furuta_model.parts.coupling import SIDES, Coupling
 from furuta_model.state import PHI

@@ -120,7 +120,7 @@ def _coupling(model: Model) -> dict[str, Any]:
     return {
         **{name: getattr(coupling, name) for name in errors},
         "sensors": coupling.sensors if coupling.is_elastic else None,
-        "standard_errors": errors,
+        "standard_errors": dict(errors),
         "remark": remark,
     }
 

@@ -1,4 +1,4 @@
-"""Residuals and fits of an elastic coupling along recordings, see :mod:`..fitting.coupling`."""
+"""Residuals and fits of an elastic coupling along recordings, see :mod:`.coupling`."""
 
 from __future__ import annotations
 
