@@ -58,6 +58,7 @@ def test_the_belt_is_reported_and_written(belt: Model, tmp_path: Path) -> None:
     assert load_rig(file).coupling.frequency == pytest.approx(60.0, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_rigid_arm_shows_no_coupling() -> None:
     coupling, errors, remark = fitted(Coupling()).coupling
     assert not coupling.is_elastic
