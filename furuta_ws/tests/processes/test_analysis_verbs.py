@@ -113,7 +113,7 @@ def test_map(furuta: Any, tmp_path: Path) -> None:
     [
         ("--feedback", "0", "0", "0", "0"),
         ("--feedback", "0", "-1", "60", "20"),
-        ("--set", "alpha0=0", "--set", "alpha1=0"),
+        ("--set", "plant.friction.alpha0=0", "--set", "plant.friction.alpha1=0"),
     ],
 )
 def test_degenerate_loops_are_drawn(furuta: Any, tmp_path: Path, loop: tuple[str]) -> None:
