@@ -200,19 +200,19 @@ function tellScene() {
   choice.setAttribute("aria-label", "Scene");
   DATA.scenes.forEach((each, i) => choice.add(new Option(`${i + 1} ${each.title}`, i, false, i === scene)));
   choice.onchange = () => enter(Number(choice.value), 0);
-  const place = told.steps.length > step + 1 ? [scene, step + 1] : [(scene + 1) % DATA.scenes.length, 0];
-  const before = [scene, step - 1], rows = element("table", "");
+  const next = step + 1 < told.steps.length ? [scene, step + 1] : [(scene + 1) % DATA.scenes.length, 0];
+  const table = element("table", "");
   told.steps.forEach((each, i) => {
-    const cell = rows.insertRow();
-    cell.append(element("th", (i === step ? "▸ " : "") + each.name), element("td", "…"));
-    cell.lastChild.dataset.step = i;
+    const result = element("td", "…");
+    result.dataset.step = i;
+    table.insertRow().append(element("th", (i === step ? "▸ " : "") + each.name), result);
   });
-  rows.createCaption().textContent = "Arm peak to peak, measured after 8 s";
+  table.createCaption().textContent = "Arm peak to peak, measured after 8 s";
   $("scene").replaceChildren(
     element("h2", "Guided scenes"), choice, " ",
-    button(place[0] === scene ? "Next step (N)" : "Next scene (N)", () => enter(...place)), " ",
-    ...(step ? [button("Back", () => enter(...before)), " "] : []), button("Free play", freePlay),
-    element("p", told.text), element("p", `Step ${step + 1} of ${told.steps.length}, ${name}. ${look}`, "look"), rows,
+    button(next[0] === scene ? "Next step (N)" : "Next scene (N)", () => enter(...next)), " ",
+    ...(step ? [button("Back", () => enter(scene, step - 1)), " "] : []), button("Free play", freePlay),
+    element("p", told.text), element("p", `Step ${step + 1} of ${told.steps.length}, ${name}. ${look}`, "look"), table,
   );
 }
 

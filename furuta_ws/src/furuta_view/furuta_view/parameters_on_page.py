@@ -108,14 +108,13 @@ class ParametersOnPage:
         for parameter in described:
             place = node, parameter.name
             if place in MAIN and place not in self._first:
-                order, titled = list(MAIN).index(place), parameter._replace(title=MAIN[place])
+                titled = parameter._replace(title=MAIN[place])
+                rank = float(list(MAIN).index(place))
                 with self._main:
-                    self._first[place] = Control(
-                        self._gui, float(order), titled, partial(enter, place[1])
-                    )
+                    self._first[place] = Control(self._gui, rank, titled, partial(enter, place[1]))
+        order = float(ORDER.index(node) if node in ORDER else len(ORDER))
         with self._place:
-            order = ORDER.index(node) if node in ORDER else len(ORDER)
-            self._folders[node] = NodeFolder(self._gui, node, described, enter, float(order))
+            self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
         self._changed()
 
     def _remove(self, node: str) -> None:
