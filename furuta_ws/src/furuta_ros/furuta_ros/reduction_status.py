@@ -10,6 +10,8 @@ from furuta_ros.topics import DIAGNOSTICS
 # Time between two reports while something is reduced [s].
 REPORT_PERIOD = 1.0
 FULL = "acts fully again"
+# How the names of these statuses end, after that of the node.
+NAME_END = ": reduction"
 
 
 class ReductionStatus:
@@ -37,7 +39,7 @@ class ReductionStatus:
         self._publish(level, reason or FULL)
 
     def _publish(self, level: bytes, text: str) -> None:
-        name = f"{self._node.get_name()}: reduction"
+        name = f"{self._node.get_name()}{NAME_END}"
         message = DiagnosticArray(status=[DiagnosticStatus(level=level, name=name, message=text)])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)

@@ -24,6 +24,7 @@ from std_msgs.msg import UInt64MultiArray
 from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_ros import topic_names
 from furuta_ros.messages import RefusedError, read_joints
+from furuta_ros.reduction_status import NAME_END
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import (
     COMMAND,
@@ -132,10 +133,10 @@ class LiveNode(Node):
         for status in message.status:
             if status.name.endswith(": rig"):
                 self.status, self.status_time = status, monotonic()
-            elif status.level == DiagnosticStatus.OK:
-                self.warnings.pop(status.name, None)
-            else:
+            elif status.name.endswith(NAME_END) and status.level != DiagnosticStatus.OK:
                 self.warnings[status.name] = status.message
+            else:
+                self.warnings.pop(status.name, None)
 
     def subscribe(self, topic: Topic, qos: QoSProfile = NEWEST_QOS) -> Subscription:
         """A subscription whose messages wait until they are taken."""
