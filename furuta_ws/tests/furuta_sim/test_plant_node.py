@@ -3,6 +3,7 @@
 from math import nan
 from typing import Any
 
+import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
@@ -67,6 +68,27 @@ def test_lockstep_pauses_and_continues(bench: Bench) -> None:
     node.set_parameters([Parameter("run_until", value=1.0)])
     bench.spin(lambda: len(measurements) == 3)
     assert measurements[-1].header.stamp.nanosec == 2_000_000
+
+
+def test_a_push_that_is_set_later_begins_at_once(bench: Bench) -> None:
+    """Its time counts from the change, in samples of the plant."""
+    node = plant(bench, clock="lockstep", friction__alpha0=0.0, friction__alpha1=0.0)
+    node.held = False
+
+    def pushed(size: float) -> list[bool]:
+        """In which of 8 samples the arm is pushed after the pushes have been set."""
+        values = {"times": [0.002], "durations": [0.003], "arm": [size]}
+        node.set_parameters_atomically(
+            [Parameter(f"pushes.{name}", value=value) for name, value in values.items()]
+        )
+        speeds = [node.x[1]]
+        for _ in range(8):
+            node.move(0.0)
+            speeds.append(node.x[1])
+        return [bool(step > 0.01) for step in np.diff(speeds)]
+
+    for size in (1.0, 2.0, 3.0):
+        assert pushed(size) == [False] * 2 + [True] * 3 + [False] * 3
 
 
 def test_realtime_holds_until_the_first_command(bench: Bench) -> None:

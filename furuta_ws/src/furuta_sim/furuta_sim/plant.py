@@ -219,7 +219,8 @@ def _move_with_parts(memory: PlantMemory, voltage: float, plant: Plant) -> None:
     friction = true_friction(memory, plant)
     torque = mean_torque(memory, voltage, dt, parts.drive)
     vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
-    push = with_tilt(push_at(memory.moved, parts.pushes, parts.push_count), parts.tilt)
+    sample = memory.moved - memory.pushed_from
+    push = with_tilt(push_at(sample, parts.pushes, parts.push_count), parts.tilt)
     body = Body(
         model=plant.model,
         variation=parts.variation,

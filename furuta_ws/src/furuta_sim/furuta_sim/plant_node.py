@@ -19,7 +19,7 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_ros.wire import new_joint_state, write_joint_state
 from furuta_sim.lockstep import LockStep
 from furuta_sim.paced_node import PacedNode
-from furuta_sim.parameters import PlantNodeParameters
+from furuta_sim.parameters import PlantNodeParameters, PlantParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
     Noise,
@@ -51,7 +51,7 @@ class PlantNode(PacedNode):
         self._messages = new_joint_state(), new_joint_state()  # measurement and true state
         self._torque = 0.0
         self._resetting = False
-        self._memory = new_memory(PlantMemory)
+        self._rig, self._memory = PlantParameters(), new_memory(PlantMemory)
         super().__init__("plant", overrides)
         self.watch_parameters(self.parameters_changed)
         self._noise = Noise(self.parameters.plant.seed)
@@ -64,6 +64,8 @@ class PlantNode(PacedNode):
 
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
         """Apply the new parameters between two samples."""
+        if parameters.plant.pushes != self._rig.pushes:
+            self._memory["pushed_from"] = self._memory["moved"]
         self._rig = parameters.plant
         self._block = block(design_plant(self._rig))
         self._read = for_types_of(

@@ -1,11 +1,9 @@
 """Calls the services of a running graph: parameters, reset, arming.
 
 A node that hangs holds up the calls behind it. So the search for nodes, what the user asks for,
-arming and the pace have a thread each: *Disarm* never waits for another node, and the plant runs on
-while it is pushed.
+arming and the pace have a thread each: *Disarm* never waits for another node.
 """
 
-from time import sleep
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -22,11 +20,9 @@ from furuta_view.parameter_types import Described
 
 # Nodes of the view itself and of the recorder, which are not part of the graph.
 OWN_NODES = ("view", "view_requests", "recorder", "furuta_hw")
-# How long a push lasts [s].
-PUSH_TIME = 0.1
-SIZES = ("pushes.arm", "pushes.pendulum", "pushes.base_x", "pushes.base_y")
-# A push that has begun and does not end by itself.
-BEGUN = {"pushes.times": [0.0], "pushes.durations": [1e6]}
+# A push that begins at once and lasts 0.1 s of the plant's time.
+PUSH = {"pushes.times": [0.0], "pushes.durations": [0.1]}
+NO_PUSH = {"pushes." + of: [0.0] for of in ("arm", "pendulum", "base_x", "base_y")}
 # Longest wait for the end of a call when the view ends [s].
 END_TIMEOUT = 1.0
 
@@ -46,6 +42,7 @@ class GraphLink:
         self.parameters = ParameterClient(self._node, self._executor)
         self.bridge = BridgeClient(self._node, self._executor)
         self._services = ServiceCaller(self._node, self._executor)
+        self._pushes: dict[str, Any] = {}  # of the plant, before it was pushed
         self._jobs = [Jobs() for _ in range(5)]
         self.search, self.requests, self.arming, self.pacing, self.computation = self._jobs
 
@@ -86,17 +83,23 @@ class GraphLink:
 
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
+        self.end_push()
         reset_plant(self._services)
 
     def push(self, parameter: str, size: float) -> None:
-        """Push the plant by parameters: begin a push without end, and end it after a while."""
-        before = self.parameters.get(PLANT, [*BEGUN, *SIZES])
-        try:
-            others = {name: [0.0] for name in SIZES}
-            self.parameters.set_all(PLANT, others | BEGUN | {parameter: [size]})
-            sleep(PUSH_TIME)
-        finally:
-            self.parameters.set_all(PLANT, {name: list(value) for name, value in before.items()})
+        """Push the plant now, by its parameters, which :meth:`end_push` restores."""
+        push = PUSH | NO_PUSH | {parameter: [size]}
+        if not self._pushes:
+            before = self.parameters.get(PLANT, list(push))
+            self._pushes = {name: list(value) for name, value in before.items()}
+        self.parameters.set_all(PLANT, NO_PUSH)  # only what changes begins anew
+        self.parameters.set_all(PLANT, push)
+
+    def end_push(self) -> None:
+        """Restore the parameters that a push has set."""
+        before, self._pushes = self._pushes, {}
+        if before:
+            self.parameters.set_all(PLANT, before)
 
 
 def _described(name: str, value: Any, descriptor: ParameterDescriptor) -> Described:

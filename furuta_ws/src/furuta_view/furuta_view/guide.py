@@ -130,6 +130,7 @@ class Guide:
     def _apply(self) -> None:
         """Set the parameters of the step, or those that were before the scenes. Called in a job."""
         position = self.position
+        self._link.end_push()
         if self._before is None:
             self._before = values_of(self._names, self._values())
             self._pace(True)

@@ -37,6 +37,7 @@ class PlantMemory:
         springs: Deflections of the springs of the Maxwell-slip law [rad].
         next_springs: The same at the end of the substep.
         moved: Samples that the plant has moved.
+        pushed_from: The sample from which the time of the pushes counts.
         readings: Readings taken.
         level_change: Relative change of the friction level by time, heat and load.
         heat: Heat of the friction, less what has been cooled [V rad].
@@ -51,6 +52,7 @@ class PlantMemory:
     springs: np.ndarray = zeros(MAX_SPRINGS)
     next_springs: np.ndarray = zeros(MAX_SPRINGS)
     moved: int = 0
+    pushed_from: int = 0
     readings: int = 0
     level_change: float = 0.0
     heat: float = 0.0

@@ -1,7 +1,8 @@
 """Pushes on arm and pendulum and motion of the base, as a profile that repeats exactly.
 
 Push k lasts from ``times[k]`` for ``durations[k]``, both rounded to samples, and is constant
-meanwhile. Time counts from when the rig is released. Pushes may overlap; they add up.
+meanwhile. Time counts from when the rig is released, or from a later change of the pushes. Pushes
+may overlap; they add up.
 
 A horizontal acceleration of the base acts on the pendulum like a tilt of gravity; ``base_x`` is
 along the arm at angle 0. The arm is assumed to be balanced about its axis.
