@@ -25,6 +25,7 @@ ORACLES = {
     "hanging": "physics: a hanging pendulum is not driven",
     "unarmed": "physics: a rig that is not armed is not driven",
     "watchdog": "specification: 0 V in time after a node is silent",
+    "answers": "specification: 0 V within the watchdog after the sample that was answered last",
     "arming": "specification: a rig is armed on request only",
     "stranger": "specification: no command of a second publisher is applied",
     "second graph": "specification: it ends with the reason, or runs in a namespace of its own",
@@ -122,6 +123,21 @@ def unarmed_drive(volts: np.ndarray, armed: np.ndarray, requests: int) -> str:
 def _armings(armed: np.ndarray) -> int:
     """How often a rig was armed, by its arming sample by sample."""
     return int(np.sum(np.diff(armed.astype(int), prepend=0) > 0))
+
+
+def unanswered_drive(
+    volts: np.ndarray, sample: np.ndarray, answered: np.ndarray, watchdog: int
+) -> str:
+    """Voltage [V] up to each sample of a rig, and which sample was answered last.
+
+    The watchdog is checked at each sample, before the next one is driven: nothing depends on how
+    busy the machine is.
+    """
+    age = (sample - answered) % 2**32
+    wrong = (volts != 0.0) & (age > watchdog)
+    if not np.any(wrong):
+        return ""
+    return f"driven {np.max(age[wrong]):.0f} samples after the last answer, watchdog {watchdog}"
 
 
 def late_stop(

@@ -21,11 +21,18 @@ from std_srvs.srv import SetBool
 from furuta_graph.processes import executable
 from furuta_hw.rigs.rig import Rig
 from furuta_ros.context import ros_context
+from furuta_ros.message_age import MAX_AGE
 from furuta_ros.topics import COMMAND, QOS
 from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.emulator.monitor import ask
 from furuta_sim.plant import design_plant
-from furuta_sim.settings.nodes import FRICTION_OBSERVER, HARDWARE_BRIDGE, graph_nodes
+from furuta_sim.settings.nodes import (
+    CONTROLLER,
+    ESTIMATOR,
+    FRICTION_OBSERVER,
+    HARDWARE_BRIDGE,
+    graph_nodes,
+)
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end, flood_commands
 from soak.observer import Observer
@@ -36,6 +43,7 @@ from soak.oracles import (
     energy_growth,
     late_stop,
     out_of_bounds,
+    unanswered_drive,
     unarmed_drive,
 )
 from soak.record import Record
@@ -46,7 +54,15 @@ PERIOD = round(RIG.line.sample_time * 1e9)
 # Time from the last sign of life to 0 V that is allowed: the watchdog, and a sample [ns].
 ALLOWED = (RIG.watchdog_samples + 1) * PERIOD
 # Without friction observer the commands go on until the bridge's guard stops them.
-WITHOUT_OBSERVER = ALLOWED + round(RIG.limits.estimate_age * 1e9)
+ESTIMATE_AGE = round(RIG.limits.estimate_age * 1e9)
+# The last message of a node may be under way for MAX_AGE, and then that of its receiver.
+UNDER_WAY = round(MAX_AGE * 1e9)
+ALLOWED_BY_NODE = {
+    HARDWARE_BRIDGE: ALLOWED,
+    CONTROLLER: ALLOWED + UNDER_WAY,
+    FRICTION_OBSERVER: ALLOWED + UNDER_WAY + ESTIMATE_AGE,
+    ESTIMATOR: ALLOWED + 2 * UNDER_WAY,
+}
 NAMES = [each.name for each in graph_nodes(HARDWARE_BRIDGE)]
 SETTLING = 0.6  # [s] between holding the pendulum upright and arming
 DRIVEN = 100  # samples driven before an intrusion
@@ -146,7 +162,7 @@ class RigGraph:
     def _kill(self) -> None:
         name = str(pick(self._random, NAMES))
         dead = self._nodes[name].kill()
-        sleep(3 * ALLOWED / 1e9)
+        sleep(2 * max(ALLOWED_BY_NODE.values()) / 1e9)
         self._silences.append((name, dead, monotonic_ns()))
         self._nodes[name].start()
 
@@ -223,13 +239,14 @@ def check_rig_log(
     time, volts, armed = log["time_ns"], log["volts"], log["armed"]
     x = np.column_stack([log[name] for name in ("phi", "phi_dot", "theta", "theta_dot")])
     record.check("unarmed", unarmed_drive(volts, armed, requests))
+    answers = unanswered_drive(volts, log["sample"], log["answered"], RIG.watchdog_samples)
+    record.check("answers", answers)
     record.check("arming", armed_without_request(armed, requests))
     record.check("bounds", out_of_bounds(x))
     record.check("stranger", applied(volts, flood.VOLTS, 0.005))
     _check_physics(record, x, volts)
     for name, silent, back in silences:
-        allowed = WITHOUT_OBSERVER if name == FRICTION_OBSERVER else ALLOWED
-        problem = late_stop(time, volts, silent, back, allowed)
+        problem = late_stop(time, volts, silent, back, ALLOWED_BY_NODE[name])
         record.check("watchdog", f"{name}: {problem}" if problem else "")
 
 

@@ -21,7 +21,11 @@ SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns].
 ANSWER_TIMEOUT = 1_000_000_000
 # Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
-COLUMNS = ("time_ns", "phi", "phi_dot", "theta", "theta_dot", "volts", "armed", "sample")
+# ``answered`` is the sample of the newest command or arming.
+COLUMNS = (
+    *("time_ns", "phi", "phi_dot", "theta", "theta_dot"),
+    *("volts", "armed", "sample", "answered"),
+)
 
 
 class PseudoTerminal:
@@ -103,7 +107,8 @@ class RunningRig:
         with self._lock:
             out = rig.step()
         firmware = rig.firmware
-        self._log.extend((due, *rig.x[:4], rig.volts, firmware.armed, firmware.number))
+        counts = firmware.number, firmware.answered
+        self._log.extend((due, *rig.x[:4], rig.volts, firmware.armed, *counts))
         return out
 
     def _save(self, path: Path) -> int:
