@@ -1,12 +1,8 @@
 """A node that hangs holds up neither the other nodes on the page nor the arming of a rig."""
 
-import os
-import signal
-import subprocess
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
@@ -15,7 +11,6 @@ from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
-from furuta_graph.processes import executable
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SpinningThread
 from furuta_sim.settings.nodes import HARDWARE_BRIDGE
@@ -87,42 +82,6 @@ def test_a_node_is_found_beside_others_of_its_name(link: GraphLink) -> None:
         while link.nodes() != ["twin"]:
             assert monotonic() < end, "never found"
             sleep(0.05)
-
-
-# Forgotten after a second of silence.
-FORGOTTEN = (
-    "<dds><profiles><participant profile_name='short' is_default_profile='true'><rtps><builtin>"
-    "<discovery_config><leaseDuration><sec>1</sec></leaseDuration><leaseAnnouncement><sec>0</sec>"
-    "<nanosec>200000000</nanosec></leaseAnnouncement></discovery_config></builtin></rtps>"
-    "</participant></profiles></dds>"
-)
-
-
-def test_a_node_is_found_again_after_its_process_was_held_up(
-    link: GraphLink, tmp_path: Path
-) -> None:
-    """Although ROS no longer knows its name."""
-    (tmp_path / "short.xml").write_text(FORGOTTEN)
-    process = subprocess.Popen(
-        [executable("furuta_control", "estimator")],
-        env=os.environ | {"FASTRTPS_DEFAULT_PROFILES_FILE": str(tmp_path / "short.xml")},
-    )
-
-    def wait_for(*names: str) -> None:
-        end = monotonic() + TIMEOUT
-        while link.nodes() != list(names):
-            assert monotonic() < end, f"never {names}"
-            sleep(0.05)
-
-    try:
-        wait_for("estimator")
-        process.send_signal(signal.SIGSTOP)
-        wait_for()
-        process.send_signal(signal.SIGCONT)
-        wait_for("estimator")
-    finally:
-        process.kill()
-        process.wait()
 
 
 def test_disarming_does_not_wait(link: GraphLink) -> None:
