@@ -92,6 +92,7 @@ def test_no_scenes_where_a_node_is_missing() -> None:
 def test_fall_is_where_the_controller_gives_up() -> None:
     assert has_fallen(-0.71, VALUES)
     assert not has_fallen(0.69, VALUES)
+    assert not has_fallen(2.0 * np.pi + 0.1, VALUES)
     assert not has_fallen(3.0, {})
 
 

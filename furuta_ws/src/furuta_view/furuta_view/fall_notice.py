@@ -1,6 +1,7 @@
 """Says that the simulated pendulum has fallen, and offers the way back."""
 
 from collections.abc import Callable
+from math import pi, tau
 from typing import Any
 
 import viser
@@ -34,5 +35,5 @@ class FallNotice:
 
 
 def has_fallen(theta: float, values: Values) -> bool:
-    """Whether the controller gives up at the pendulum angle θ [rad]."""
-    return abs(theta) > float(values.get(CONTROLLER, {}).get("fall_angle", float("inf")))
+    """Whether the controller gives up at the pendulum angle θ [rad], of any turn."""
+    return abs((theta + pi) % tau - pi) > float(values.get(CONTROLLER, {}).get("fall_angle", float("inf")))
