@@ -39,7 +39,7 @@ def run_demo(
 
     ``tuned`` are the parameters of the friction observer after the tuning.
     """
-    node = Node("furuta_demo")
+    node = Node("furuta_demo", start_parameter_services=False)
     settings = in_lockstep(settings)
     record = partial(RecorderNode, bag, stamped=True, parameters=settings_file(settings))
     graph = SimulatedGraph(settings, [node], record)

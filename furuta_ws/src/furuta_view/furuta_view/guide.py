@@ -64,7 +64,8 @@ class Guide:
 
     def update(self, samples: np.ndarray, fallen: bool, predicted: list[tuple[str, str]]) -> None:
         """Measure the newest samples (n, 8); ``predicted`` are rows of names and values."""
-        self._fallen, position = fallen, self.position
+        self._fallen = self._fallen or fallen  # one that swings may pass upright just now
+        position = self.position
         self._folder.visible = values_of(self._names, self._values()) is not None
         if position is None or self._link.requests.pending("scene"):
             return
@@ -143,6 +144,7 @@ class Guide:
         self._since = None
         if self._fallen:
             self._link.reset()
+            self._fallen = False
         if step is None:
             self._before = None
             self._pace(False)

@@ -149,7 +149,7 @@ class LivePage:
         """In lock-step, let the plant run as far as the user wishes."""
         if self._lockstep:
             until = self._simulation.pacer.run_until(monotonic(), plant_time)
-            if until != self._parameters.values[PLANT].get("run_until"):
+            if until != self._parameters.values.get(PLANT, {}).get("run_until"):
                 self._set_run_until(until)
 
     def _set_run_until(self, until: float) -> None:

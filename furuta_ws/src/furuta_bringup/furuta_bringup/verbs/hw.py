@@ -33,7 +33,7 @@ for verb in (check, read, zero, signs, friction):
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
     with joined_graph(namespace):
-        node = Node("furuta_hw")
+        node = Node("furuta_hw", start_parameter_services=False)
         yield BridgeClient(node, executor_of([node]))
 
 

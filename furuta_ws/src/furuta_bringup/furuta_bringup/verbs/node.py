@@ -25,7 +25,7 @@ def command() -> None:
 def list_(as_json: bool) -> None:
     """List the running nodes."""
     with ros_context():
-        node = Node("furuta_node_list")
+        node = Node("furuta_node_list", start_parameter_services=False)
         end = node.get_clock().now().nanoseconds + int(DISCOVERY * 1e9)
         spin_until(executor_of([node]), lambda: node.get_clock().now().nanoseconds > end)
         names = sorted(

@@ -41,7 +41,7 @@ node_argument = click.argument("node", callback=_node_name)
 @contextmanager
 def _client(namespace: str) -> Iterator[ParameterClient]:
     with joined_graph(namespace):
-        node = Node("furuta_param")
+        node = Node("furuta_param", start_parameter_services=False)
         yield ParameterClient(node, executor_of([node]))
 
 

@@ -17,6 +17,6 @@ from furuta_ros.spinning import executor_of
 def command(namespace: str, as_json: bool) -> None:
     """Put the simulated pendulum upright again; estimator and friction observer start anew."""
     with joined_graph(namespace):
-        node = Node("furuta_reset")
+        node = Node("furuta_reset", start_parameter_services=False)
         message = reset_plant(ServiceCaller(node, executor_of([node])))
     show({"message": message}, as_json)

@@ -105,7 +105,7 @@ def command(
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
     with joined_graph(namespace):
-        node = Node("furuta_tune")
+        node = Node("furuta_tune", start_parameter_services=False)
         executor = executor_of([node])
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(parameter_client, estimates, executor, StopSignal())
