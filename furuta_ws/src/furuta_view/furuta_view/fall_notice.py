@@ -1,7 +1,7 @@
 """Says that the simulated pendulum has fallen, and offers the way back."""
 
 from collections.abc import Callable
-from math import pi, tau
+from math import inf, pi, tau
 from typing import Any
 
 import viser
@@ -36,4 +36,5 @@ class FallNotice:
 
 def has_fallen(theta: float, values: Values) -> bool:
     """Whether the controller gives up at the pendulum angle θ [rad], of any turn."""
-    return abs((theta + pi) % tau - pi) > float(values.get(CONTROLLER, {}).get("fall_angle", float("inf")))
+    limit = float(values.get(CONTROLLER, {}).get("fall_angle", inf))
+    return abs((theta + pi) % tau - pi) > limit
