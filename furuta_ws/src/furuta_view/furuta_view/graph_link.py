@@ -18,8 +18,6 @@ from furuta_sim.settings.nodes import PLANT
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described
 
-# Nodes of the view itself and of the recorder, which are not part of the graph.
-OWN_NODES = ("view", "view_requests", "recorder", "furuta_hw")
 # A push that begins at once and lasts 0.1 s of the plant's time.
 PUSH = {"pushes.times": [0.0], "pushes.durations": [0.1]}
 NO_PUSH = {"pushes." + of: [0.0] for of in ("arm", "pendulum", "base_x", "base_y")}
@@ -53,7 +51,7 @@ class GraphLink:
         self._executor.close(END_TIMEOUT)
 
     def nodes(self) -> list[str]:
-        """Names of the nodes in this namespace that have parameters, except those of the view."""
+        """Names of the nodes in this namespace that have parameter services."""
         # By the services: ROS forgets the names of a process that was held up for some seconds.
         start, end = f"{self._node.get_namespace().rstrip('/')}/", "/list_parameters"
         names = {
@@ -61,11 +59,7 @@ class GraphLink:
             for service, _ in self._node.get_service_names_and_types()
             if service.startswith(start) and service.endswith(end)
         }
-        return sorted(
-            name
-            for name in names
-            if not name.startswith("_") and name not in OWN_NODES and "/" not in name
-        )
+        return sorted(name for name in names if not name.startswith("_") and "/" not in name)
 
     def described(self, node: str) -> list[Described]:
         """All parameters of a node, as its services describe them."""
