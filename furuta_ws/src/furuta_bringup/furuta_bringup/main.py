@@ -30,7 +30,7 @@ VERBS = {
     "theorem": "Check theorems on limit cycles of an axis with friction.",
     "axis": "Hunting of a servo axis with friction; which compensation helps.",
     "identify": "Identify a model from recordings.",
-    "bag": "Show, export, recover, replay and recompute recorded bags.",
+    "bag": "Show, export, recover and replay recorded bags.",
     "plot": "Draw a bag or a file of series.",
     "hw": "Commission a real rig, arm it, or emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",

@@ -1,4 +1,4 @@
-"""Series over time: a recording or simulation, or a recorded session and its recomputation."""
+"""Series over time: a recording or simulation."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,10 +16,7 @@ from furuta.figures.figure import (
     saved_figure,
     style_time_series,
 )
-from furuta.studies.recomputation import Recomputed
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI_DOT, THETA, THETA_DOT
-from furuta_recordings.bags.recorded_loop import RecordedLoop
 
 # Columns that a row shows where they exist: label and style. The truth has the colour of its
 # quantity.
@@ -45,9 +42,6 @@ GAP = 100.0
 # Matplotlib finds no ticks for the largest numbers.
 LARGEST = 1e100
 
-# Label of each row, and its lines: values and style.
-Rows = dict[str, list[tuple[np.ndarray, dict[str, Any]]]]
-
 
 def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
     """Draw the columns that exist, a row per quantity.
@@ -62,7 +56,7 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
         largest = float(np.nanmax(np.abs(values), initial=0.0))
         if largest > LARGEST:
             raise ParameterError(f"{name} has {largest:.3g}, at most {LARGEST:g} can be drawn")
-    rows: Rows = {}
+    rows: dict[str, list[tuple[np.ndarray, dict[str, Any]]]] = {}
     for label, columns in COLUMNS.items():
         lines = [
             (np.where(after_gap, np.nan, series[name]), style)
@@ -73,28 +67,6 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
             rows[label] = lines
     if not rows:
         raise ParameterError(f"no series to draw in {path}")
-    _draw(time, rows, path)
-
-
-def draw_recomputation(recorded: RecordedLoop, recomputed: Recomputed, path: Path) -> None:
-    """Draw each series as recorded and as recomputed."""
-
-    def lines(name: str, column: int | None = None) -> list[tuple[np.ndarray, dict[str, Any]]]:
-        both = (getattr(recorded, name), getattr(recomputed, name))
-        old, new = (values if column is None else values[:, column] for values in both)
-        return [(old, {"lw": 1.4, "label": "recorded"}), (new, {"lw": 0.8, "label": "recomputed"})]
-
-    rows = {
-        "arm speed [rad/s]": lines("estimate", PHI_DOT),
-        "pendulum θ [rad]": lines("estimate", THETA),
-        "pendulum speed [rad/s]": lines("estimate", THETA_DOT),
-        "friction estimate [V]": lines("friction_estimate"),
-        "command [V]": lines("command"),
-    }
-    _draw(recorded.time, rows, path)
-
-
-def _draw(time: np.ndarray, rows: Rows, path: Path) -> None:
     shared: dict[str, Any] = {"squeeze": False, "sharex": True, "figsize": (10, 2 * len(rows))}
     with saved_figure(path, len(rows), **shared) as (_, axes):
         for axis, (label, lines) in zip(axes[:, 0], rows.items(), strict=True):

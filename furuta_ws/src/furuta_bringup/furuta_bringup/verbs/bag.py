@@ -1,13 +1,13 @@
-"""``furuta bag``: info, export, recover, replay, recompute."""
+"""``furuta bag``: info, export, recover, replay."""
 
 from pathlib import Path
 from typing import Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE, PATH, SERIES
+from furuta_bringup.file_types import PATH, SERIES
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, model_options, names_options, option
+from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
@@ -20,7 +20,7 @@ BAG = click.argument("bag", type=PATH)
 
 @click.group()
 def command() -> None:
-    """Show, export, recover, replay and recompute recorded bags."""
+    """Show, export, recover and replay recorded bags."""
 
 
 @command.command()
@@ -127,33 +127,4 @@ def replay(
         node.play(StopSignal())
         result = {"published": node.published, "latest_s": node.latest}
         node.destroy_node()
-    show(result, as_json)
-
-
-@command.command()
-@BAG
-@option("--out", type=FIGURE, help="Draw recorded and recomputed time series.")
-@model_options
-@json_option
-def recompute(
-    bag: Path,
-    out: Path | None,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
-    as_json: bool,
-) -> None:
-    """Recompute estimates and commands from BAG's measurements and compare them with BAG.
-
-    Uses the recorded parameters, except those given by --params and --set. The measurements stay
-    as recorded: the pendulum does not react to the new commands.
-    """
-    from furuta.studies.recomputation import compare, recompute_bag
-
-    recorded, recomputed = recompute_bag(bag, files, assignments)
-    result = compare(recorded, recomputed)
-    if out is not None:
-        from furuta.figures.series import draw_recomputation
-
-        draw_recomputation(recorded, recomputed, out)
-        result["figure"] = str(out)
     show(result, as_json)

@@ -18,7 +18,6 @@ from furuta_ros.topic_names import (
     GROUND_TRUTH,
     JOINT_STATES,
     MEASUREMENT,
-    PARAMETER_EVENTS,
 )
 from furuta_ros.wire import UNUSUAL, take_joint_state
 
@@ -27,16 +26,12 @@ JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 # another rig.
 STAMPED = (MEASUREMENT, JOINT_STATES, GROUND_TRUTH)
 NUMBERS = (FRICTION_ESTIMATE, COMMAND)
-CHANGES = PARAMETER_EVENTS.strip("/")
 TYPES = {
     **dict.fromkeys(STAMPED, JOINT_STATE_TYPE),
     **dict.fromkeys(NUMBERS, "std_msgs/msg/Float64"),
-    CHANGES: "rcl_interfaces/msg/ParameterEvent",
 }
 # No message has this stamp [ns].
 NO_STAMP = -(2**62)
-# Fields of a parameter's value by its type (rcl_interfaces/ParameterType).
-_VALUES = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value"}
 
 
 class RecordedLoop(NamedTuple):
@@ -44,7 +39,6 @@ class RecordedLoop(NamedTuple):
 
     ``stamps`` and ``arrivals`` (n,) [ns]; ``measurement``, ``estimate`` and ``truth`` (n, 5).
     ``numbers`` by topic: times of arrival (m,) [ns] and values (m,) of messages without a stamp.
-    ``changes``: (sample, node, {parameter: value}) of parameters set.
     """
 
     stamps: np.ndarray
@@ -53,7 +47,6 @@ class RecordedLoop(NamedTuple):
     estimate: np.ndarray
     truth: np.ndarray
     numbers: dict[str, tuple[np.ndarray, np.ndarray]]
-    changes: list[tuple[int, str, dict[str, Any]]]
 
     @property
     def time(self) -> np.ndarray:
@@ -108,20 +101,11 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     arrivals = array("q")
     # Stamps or times of arrival [ns], and what the messages hold.
     series = {name: (array("q"), array("d")) for name in (*STAMPED, *NUMBERS)}
-    changes = []
     x = np.zeros(SIGNALS)
     with Bag(path) as bag:
         topics = graph_topics(path, bag)
-        graph = [t.topic.rpartition("/")[0] for t in topics if last_part(t.topic) == MEASUREMENT]
         for topic, time, data in bag.messages_in_memory(topics):
             name = last_part(topic.topic)
-            if name == CHANGES:
-                message = bag.deserialize(data, topic.msgtype)
-                namespace, _, node = message.node.rpartition("/")
-                if namespace in graph:  # not a change of another graph
-                    given = {p.name: _value(p.value) for p in message.changed_parameters}
-                    changes.append((len(rows), node, given))
-                continue
             times, values = series[name]
             if name in NUMBERS:
                 times.append(time)
@@ -143,7 +127,7 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     measurement, estimate, truth = (_by_row(rows, *series[name]) for name in STAMPED)
     numbers = {name: (np.array(series[name][0]), np.array(series[name][1])) for name in NUMBERS}
     stamps = np.fromiter(rows, np.int64)
-    return RecordedLoop(stamps, np.array(arrivals), measurement, estimate, truth, numbers, changes)
+    return RecordedLoop(stamps, np.array(arrivals), measurement, estimate, truth, numbers)
 
 
 def _signals(message: Any) -> list[float]:
@@ -162,14 +146,6 @@ def _by_row(rows: dict[int, int], stamps: array[int], values: array[float]) -> n
     chosen = [rows.get(stamp, len(rows)) for stamp in stamps]
     result[chosen] = np.array(values).reshape(-1, SIGNALS)
     return result[: len(rows)]
-
-
-def _value(value: Any) -> Any:
-    if value.type == 0:
-        return ()
-    if value.type in _VALUES:
-        return getattr(value, _VALUES[value.type])
-    return tuple(map(float, value.double_array_value))
 
 
 class RecordedRun(NamedTuple):
