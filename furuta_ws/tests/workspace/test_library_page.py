@@ -1,8 +1,6 @@
 """The page on the library lists what there is."""
 
-import inspect
 import re
-from collections.abc import Iterator
 
 import pytest
 from sources import ROOT
@@ -12,20 +10,11 @@ import furuta
 PAGE = (ROOT / "docs" / "library.md").read_text()
 
 
-def rows() -> Iterator[str]:
-    """A row of the page for each class and function."""
-    for name in furuta.__all__:
-        thing = getattr(furuta, name)
-        if inspect.isclass(thing) or inspect.isfunction(thing):
-            summary = (thing.__doc__ or "").splitlines()[0].rstrip(".").replace("``", "`")
-            yield f"| `{name}` | {summary} |"
-
-
 def test_library_page_has_every_name() -> None:
-    """With the first line of its docstring, and nothing else."""
-    assert {*rows(), "| `COLUMNS` | Unit and meaning of each column, by name |"} == {
-        line for line in PAGE.splitlines() if line.startswith("| `")
-    }
+    """And names nothing else."""
+    listed = re.search(r"## What there is\n(.*?)\n## ", PAGE, re.DOTALL)
+    assert listed is not None
+    assert {*re.findall(r"`(\w+)`", listed[1])} == {*furuta.__all__}
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
