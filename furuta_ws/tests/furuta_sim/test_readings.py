@@ -22,6 +22,7 @@ from furuta_control.estimation import (
 )
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.block import new_memory
+from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, Simulation, simulate
@@ -172,6 +173,27 @@ def test_a_prediction_that_overflows_replaces_no_reading() -> None:
     found, unusable = estimates(measurements, parameters)
     assert np.any(unusable[::5] == LOST)
     assert not np.any(np.isinf(found[:, :4]))
+
+
+def test_a_nonlinear_filter_forgets_impossible_speeds() -> None:
+    """Those of ideal sensors; the estimate stays finite and starts anew."""
+    measurements = np.zeros((200, 5))
+    measurements[20:60] = np.random.default_rng(1).normal(size=(40, 5)) * 3e5
+    parameters = EstimatorParameters("whole_circle", sensors=Sensors(ideal=True))
+    found, _ = estimates(measurements, parameters)
+    assert np.all(np.isfinite(found[:, 4]))
+    assert abs(found[-1, 4]) < 1e-3
+
+
+def test_a_nonlinear_filter_is_stable_or_refused() -> None:
+    """The midpoint rule is stable up to a viscous friction, here 44.4 V s/rad."""
+    parameters = EstimatorParameters("whole_circle", model_viscous=44.0)
+    parameters.check()
+    found, _ = estimates(swinging(), parameters)
+    assert np.max(np.abs(found[:, 1])) < 1.0
+    beyond = parameters._replace(model_viscous=45.0)
+    with pytest.raises(ParameterError, match=r"model_viscous of at most 44\.4 .* given 45"):
+        beyond.check()
 
 
 FALLS = int(os.environ.get("FURUTA_FALLS", "30"))

@@ -37,8 +37,6 @@ PERIOD = 1_000_000
 # Longer than by default: a loaded machine stops processes for more than 50 ms at times.
 WATCHDOG = 0.2  # [s]
 AGES = {"command_age": 0.2, "measurement_age": 0.2, "estimate_age": 0.2}  # [s]
-# Simulated windows of the limit cycle, whose extremes bound that of the rig.
-WINDOWS = 800
 KILLED_NODES = ("hardware_bridge", "controller", "estimator", "friction_observer")
 
 
@@ -150,13 +148,21 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     assert any(np.array_equal(quantised[k : k + tail], volts) for k in range(len(quantised) - tail))
 
 
-@pytest.mark.parametrize(("compensation", "options"), [("lugre", ()), ("none", ("--firmware",))])
+@pytest.mark.parametrize(
+    ("compensation", "options", "windows"),
+    [("none", ("--firmware",), 20), pytest.param("lugre", (), 800, marks=pytest.mark.long)],
+)
 def test_limit_cycle_is_the_simulated_one(
-    bench: Bench, emulate: Any, tmp_path: Path, compensation: str, options: tuple[str, ...]
+    bench: Bench,
+    emulate: Any,
+    tmp_path: Path,
+    compensation: str,
+    options: tuple[str, ...],
+    windows: int,
 ) -> None:
     """The arm's peak-to-peak angle over 5 s is within those of the simulation, to 10 %.
 
-    Without compensation all windows of 5 s agree, also with the C firmware. With LuGre compensation
+    Without compensation all windows of 5 s agree, with the C firmware. With LuGre compensation
     the motion is irregular: only one window in a thousand exceeds twice the median, so the extremes
     are those of many windows.
     """
@@ -172,7 +178,7 @@ def test_limit_cycle_is_the_simulated_one(
     got = np.ptp(log["phi"][log["armed"] > 0][5_000:10_000])
     simulation = Simulation(loop(load_settings([], [f"compensation={compensation}"])))
     simulation.run(5.0)
-    expected = [np.ptp(simulation.run(5.0).state[:, 0]) for _ in range(WINDOWS)]
+    expected = [np.ptp(simulation.run(5.0).state[:, 0]) for _ in range(windows)]
     assert 0.9 * min(expected) < got < 1.1 * max(expected)
 
 

@@ -91,7 +91,10 @@ def _content(directory: Path) -> dict[str, int]:
     ("names", "verb"),
     [
         (tuple(BAGS), ("bag", "info")),
-        (("parent_path", "linked_file", "pipe_as_data", "claimed_array", "fixed_array"), ("identify",)),
+        (
+            ("parent_path", "linked_file", "pipe_as_data", "claimed_array", "fixed_array"),
+            ("identify",),
+        ),
         (("linked_file", "zstd_liar"), ("bag", "replay", "--rate", "0")),
     ],
 )

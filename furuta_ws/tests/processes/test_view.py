@@ -121,6 +121,7 @@ def measured(page: Page, step: str) -> float:
     return size(page.figures()[step])
 
 
+@pytest.mark.long
 def test_narrow_page_leads_through_a_scene_and_says_a_fall(
     processes: Any, furuta: Any, browser: Any
 ) -> None:

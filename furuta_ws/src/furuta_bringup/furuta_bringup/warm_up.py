@@ -1,5 +1,9 @@
 """Compiles all compiled functions once, so that the first run finds them in the cache."""
 
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
 from furuta.axis.axis import Axis, Pid, servo_cycle
 from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.predicted_cycles import predict_cycles
@@ -18,15 +22,44 @@ from furuta_sim.simulation.closed_loop import Loop, simulate
 # Compensations whose stages are compiled for batches; others are compiled when they are worth it.
 IN_LANES = ("none", "coulomb", "lugre")
 
-if __name__ == "__main__":
-    simulate(Loop(), 0.01)
+
+def compile_lanes() -> None:
+    """Batches with the paper's sensors, and with ideal ones."""
     compile_stages(make_loop({"compensation": name}) for name in IN_LANES)
     compile_stages([make_loop({"sensors.ideal": True})])
+
+
+def compile_analysis() -> None:
+    """Exact and predicted limit cycles."""
     loop = AnalysisOptions(law="lugre").ideal_loop()
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, loop.gains), loop.law)
+
+
+def compile_axis() -> None:
+    """Servo axes."""
     servo_cycle(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0))
     simulate_axis(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0), seconds=0.01)
+
+
+def compile_nodes() -> None:
+    """What the nodes call for each message."""
     with ros_context(private=True):
         SimulatedGraph(default_settings()).close()
+
+
+PARTS: tuple[Callable[[], None], ...] = (
+    compile_lanes,
+    compile_analysis,
+    compile_axis,
+    compile_nodes,
+)
+
+
+if __name__ == "__main__":
+    simulate(Loop(), 0.01)  # what the parts share
+    # A fork has the shared functions already.
+    with ProcessPoolExecutor(mp_context=get_context("fork")) as pool:
+        for part in [pool.submit(part) for part in PARTS]:
+            part.result()

@@ -34,6 +34,7 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
+    LARGEST_VALUE,
     OBSERVED_FRICTION,
     PHI,
     PHI_DOT,
@@ -87,7 +88,7 @@ class EstimatorParameters(NamedTuple):
     ] = 0.001
 
     def check(self) -> None:
-        """Reject a rig for which no Kalman filter can be computed."""
+        """Reject a rig for which no filter can be computed, or an unstable one."""
         try:
             with np.errstate(all="ignore"):
                 step = design_estimator(self).kalman.step
@@ -97,6 +98,12 @@ class EstimatorParameters(NamedTuple):
             raise ParameterError(
                 "no Kalman filter can be computed for this rig: model, sensors or process noise "
                 f"are too extreme; given {shortened(self.model)}, {shortened(self.kalman)}"
+            )
+        largest = whole_circle.largest_viscous(self.rig)
+        if self.chosen.covers_circle and self.model_viscous > largest:
+            raise ParameterError(
+                f"method {self.method} needs a model_viscous of at most {largest:.3g} V s/rad for "
+                f"this model and sample time; given {self.model_viscous:g}"
             )
 
     @property
@@ -180,7 +187,11 @@ def estimate_state(
     that covers the circle gives θ from −π to π.
     """
     running = memory.running != NOT_RUNNING
-    if running and readings.all_usable(memory.readings, measurement, p.readings):
+    if (
+        running
+        and is_bounded(memory)
+        and readings.all_usable(memory.readings, measurement, p.readings)
+    ):
         readings.forget_unusable(memory.readings)
     elif not _repair(memory, measurement, p, estimate):
         return
@@ -189,6 +200,13 @@ def estimate_state(
     else:
         take_measurement(memory, measurement)
     finish(memory, measurement, p, estimate)
+
+
+@inlined
+def is_bounded(memory: EstimatorMemory) -> bool:
+    """Whether the estimate can go on: a nonlinear one escapes after speeds that no rig reaches."""
+    x = memory.estimate
+    return not abs(x[PHI_DOT]) + abs(x[THETA]) + abs(x[THETA_DOT]) > LARGEST_VALUE
 
 
 @inlined
@@ -289,7 +307,7 @@ def _repair(
 ) -> bool:
     """Make the measurement usable or the estimate unknown; return whether there is one."""
     checked = memory.readings
-    if memory.running != NOT_RUNNING:
+    if memory.running != NOT_RUNNING and is_bounded(memory):
         if p.readings.full_turn:
             seam = readings.cross_seam(checked, measurement)
             memory.estimate[THETA] += seam
@@ -297,7 +315,7 @@ def _repair(
         _predict(memory, measurement, p, estimate)
         if readings.replace_unusable(checked, measurement, estimate, p.readings):
             return True
-        restart(memory)
+    restart(memory)
     if readings.can_start(measurement, p.readings):
         readings.forget_unusable(checked)
         return True

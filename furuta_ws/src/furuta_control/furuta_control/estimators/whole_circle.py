@@ -1,7 +1,8 @@
 r"""Extended Kalman filter for the whole circle, with the gain scheduled by cos θ.
 
-The prediction is eq. (1) itself over one sample, by the midpoint rule. Viscous
-friction is part of the model; the rest of the friction is a random walk. The gain is that of the
+The prediction is eq. (1) itself over one sample, by the midpoint rule, which is stable up to a
+viscous friction of :func:`largest_viscous`. Viscous friction is part of the model; the rest of the
+friction is a random walk. The gain is that of the
 stationary Kalman filter (:mod:`furuta_control.estimators.kalman`), designed once about upright and
 once about hanging:
 
@@ -58,6 +59,12 @@ def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
         sample_time=rig.sample_time,
         half_count=kalman.half_count(rig.sensors),
     )
+
+
+def largest_viscous(rig: NominalRig) -> float:
+    """Viscous friction [V s/rad] up to which the midpoint rule is stable for the free arm."""
+    p = rig.model
+    return 2.0 * (p.alpha - p.gamma**2 / p.beta) / rig.sample_time
 
 
 def unused(rig: NominalRig, p: KalmanParameters) -> WholeCircle:

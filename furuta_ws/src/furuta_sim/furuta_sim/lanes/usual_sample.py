@@ -23,10 +23,10 @@ from furuta_model.state import PHI, PHI_DOT
 def estimate_continues(
     memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign
 ) -> bool:
-    """Whether the estimate runs with this method and every reading is usable."""
+    """Whether the estimate goes on with this method and every reading is usable."""
     running = p.method + 1 if estimation.is_filtered(p) else UNFILTERED
     usable = readings.all_usable(memory.readings, measurement, p.readings)
-    return (memory.running == running) & usable
+    return (memory.running == running) & estimation.is_bounded(memory) & usable
 
 
 @inlined
