@@ -2,7 +2,7 @@
 
 import signal
 from functools import wraps
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -64,8 +64,16 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
     assert all(b - a == (n - m) * 1_000_000 for (a, m), (b, n) in pairwise(truths))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("again", [0.02, 0.06, 0.2])
+@pytest.mark.parametrize(
+    ("number", "again"),
+    [
+        (signal.SIGINT, 0.06),
+        *(
+            pytest.param(number, again, marks=pytest.mark.long)
+            for number, again in product((signal.SIGINT, signal.SIGTERM), (0.02, 0.06, 0.2))
+        ),
+    ],
+)
 def test_nodes_end_cleanly(processes: Any, number: int, again: float) -> None:
     """With status 0 and no traceback, also if the signal comes again while they end."""
     running = [processes.node(name) for name in NODE_NAMES]

@@ -45,6 +45,7 @@ def recorded(bag: Path) -> list[int]:
         return [time for _, time, _ in opened.messages()]
 
 
+@pytest.mark.long
 @pytest.mark.timeout(300 + 20 * KILLS)
 def test_sigkill_of_a_recording(furuta: Any, processes: Any, tmp_path: Path) -> None:
     """What was in the bag stays, and less than a second lies between the last message and the kill.

@@ -69,6 +69,7 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.part"))
 
 
+@pytest.mark.long
 def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, whole: bytes) -> None:
     """After SIGKILL no run is repeated, and the table is that of an undisturbed sweep."""
     out = tmp_path / "sweep.csv"

@@ -18,7 +18,9 @@ from furuta_ros.spinning import spin_until
 from furuta_sim.settings.settings import load_settings
 
 
-@pytest.mark.parametrize("how", ["run", "run --processes", "node"])
+@pytest.mark.parametrize(
+    "how", ["run", pytest.param("run --processes", marks=pytest.mark.long), "node"]
+)
 def test_a_second_graph_does_not_start(processes: Any, how: str) -> None:
     """Beside one in its namespace and domain; the first one goes on."""
     first = processes.ready_node("plant")
