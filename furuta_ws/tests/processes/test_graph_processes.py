@@ -20,6 +20,8 @@ from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 
 SAMPLES = 1500
+# A signal and when it comes again [s].
+USUAL = (signal.SIGINT, 0.06)
 NODE_NAMES = [node.name for node in graph_nodes()]
 
 
@@ -67,11 +69,8 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
 @pytest.mark.parametrize(
     ("number", "again"),
     [
-        (signal.SIGINT, 0.06),
-        *(
-            pytest.param(number, again, marks=pytest.mark.long)
-            for number, again in product((signal.SIGINT, signal.SIGTERM), (0.02, 0.06, 0.2))
-        ),
+        pytest.param(*case, marks=() if case == USUAL else pytest.mark.long)
+        for case in product((signal.SIGINT, signal.SIGTERM), (0.02, 0.06, 0.2))
     ],
 )
 def test_nodes_end_cleanly(processes: Any, number: int, again: float) -> None:

@@ -186,12 +186,10 @@ def estimate_state(
     are not filtered; the method is then used only to observe the friction, if it can. A method
     that covers the circle gives θ from −π to π.
     """
+    if not is_bounded(memory):
+        restart(memory)
     running = memory.running != NOT_RUNNING
-    if (
-        running
-        and is_bounded(memory)
-        and readings.all_usable(memory.readings, measurement, p.readings)
-    ):
+    if running and readings.all_usable(memory.readings, measurement, p.readings):
         readings.forget_unusable(memory.readings)
     elif not _repair(memory, measurement, p, estimate):
         return
@@ -307,7 +305,7 @@ def _repair(
 ) -> bool:
     """Make the measurement usable or the estimate unknown; return whether there is one."""
     checked = memory.readings
-    if memory.running != NOT_RUNNING and is_bounded(memory):
+    if memory.running != NOT_RUNNING:
         if p.readings.full_turn:
             seam = readings.cross_seam(checked, measurement)
             memory.estimate[THETA] += seam
@@ -315,7 +313,7 @@ def _repair(
         _predict(memory, measurement, p, estimate)
         if readings.replace_unusable(checked, measurement, estimate, p.readings):
             return True
-    restart(memory)
+        restart(memory)
     if readings.can_start(measurement, p.readings):
         readings.forget_unusable(checked)
         return True

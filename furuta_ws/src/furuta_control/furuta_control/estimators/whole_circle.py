@@ -2,9 +2,8 @@ r"""Extended Kalman filter for the whole circle, with the gain scheduled by cos 
 
 The prediction is eq. (1) itself over one sample, by the midpoint rule, which is stable up to a
 viscous friction of :func:`largest_viscous`. Viscous friction is part of the model; the rest of the
-friction is a random walk. The gain is that of the
-stationary Kalman filter (:mod:`furuta_control.estimators.kalman`), designed once about upright and
-once about hanging:
+friction is a random walk. The gain is that of the stationary Kalman filter
+(:mod:`furuta_control.estimators.kalman`), designed once about upright and once about hanging:
 
 .. math::
     K(θ) = \tfrac12 (1 + \cosθ) K_{upright} + \tfrac12 (1 - \cosθ) K_{hanging}
@@ -63,8 +62,7 @@ def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
 
 def largest_viscous(rig: NominalRig) -> float:
     """Viscous friction [V s/rad] up to which the midpoint rule is stable for the free arm."""
-    p = rig.model
-    return 2.0 * (p.alpha - p.gamma**2 / p.beta) / rig.sample_time
+    return 2.0 * rig.model.determinant / rig.model.beta / rig.sample_time
 
 
 def unused(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
