@@ -23,22 +23,23 @@ from furuta_sim.simulation.closed_loop import Loop, simulate
 IN_LANES = ("none", "coulomb", "lugre")
 
 
+def compile_loop() -> None:
+    """The closed loop."""
+    simulate(Loop(), 0.01)
+
+
 def compile_lanes() -> None:
     """Batches with the paper's sensors, and with ideal ones."""
     compile_stages(make_loop({"compensation": name}) for name in IN_LANES)
     compile_stages([make_loop({"sensors.ideal": True})])
 
 
-def compile_analysis() -> None:
-    """Exact and predicted limit cycles."""
+def compile_library() -> None:
+    """Exact and predicted limit cycles, servo axes."""
     loop = AnalysisOptions(law="lugre").ideal_loop()
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, loop.gains), loop.law)
-
-
-def compile_axis() -> None:
-    """Servo axes."""
     servo_cycle(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0))
     simulate_axis(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0), seconds=0.01)
 
@@ -49,17 +50,13 @@ def compile_nodes() -> None:
         SimulatedGraph(default_settings()).close()
 
 
-PARTS: tuple[Callable[[], None], ...] = (
-    compile_lanes,
-    compile_analysis,
-    compile_axis,
-    compile_nodes,
-)
+def compile_side_by_side(*parts: Callable[[], object]) -> None:
+    """Call each part in a process of its own; the files of the cache are what remains."""
+    with ProcessPoolExecutor(mp_context=get_context("fork")) as pool:
+        for part in [pool.submit(part) for part in parts]:
+            part.result()
 
 
 if __name__ == "__main__":
-    simulate(Loop(), 0.01)  # what the parts share
-    # A fork has the shared functions already.
-    with ProcessPoolExecutor(mp_context=get_context("fork")) as pool:
-        for part in [pool.submit(part) for part in PARTS]:
-            part.result()
+    compile_side_by_side(compile_loop, compile_library)
+    compile_side_by_side(compile_lanes, compile_nodes)  # both need the loop
