@@ -88,6 +88,7 @@ def test_run_on_a_rig_and_record(furuta: Any, emulate: Any, tmp_path: Path) -> N
     assert kept["plant"]["actuator.bits"] == 12
 
 
+@pytest.mark.long
 def test_a_run_of_limited_time_ends_when_the_rig_is_gone(
     furuta: Any, processes: Any, emulate: Any
 ) -> None:

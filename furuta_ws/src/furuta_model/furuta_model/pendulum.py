@@ -90,21 +90,12 @@ def accelerations_at(
     )
 
 
-@compiled
-def rotate(s: float, c: float, angle: float) -> tuple[float, float]:
-    """Rotate an angle with sine ``s`` and cosine ``c`` by ``angle`` [rad]; its sine and cosine.
-
-    Exact to rounding.
-    """
-    if abs(angle) <= LARGEST_ROTATION:
-        return rotate_slightly(s, c, angle)
-    sine, cosine = sin_cos(angle)
-    return s * cosine + c * sine, c * cosine - s * sine
-
-
 @inlined
 def rotate_slightly(s: float, c: float, angle: float) -> tuple[float, float]:
-    """The same for an ``angle`` up to :data:`LARGEST_ROTATION`, by series without a branch."""
+    """Rotate an angle with sine ``s`` and cosine ``c`` by ``angle`` [rad]; its sine and cosine.
+
+    By series without a branch, exact to rounding up to :data:`LARGEST_ROTATION`.
+    """
     a = angle * angle
     sine = angle * (1.0 - a * (1 / 6 - a * (1 / 120 - a * (1 / 5040 - a * (1 / 362880)))))
     cosine = 1 - a * (0.5 - a * (1 / 24 - a * (1 / 720 - a * (1 / 40320 - a * (1 / 3628800)))))

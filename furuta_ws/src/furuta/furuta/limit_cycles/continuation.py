@@ -120,7 +120,6 @@ class Branch:
     def _pack(self, value: float, cycle: LimitCycle) -> np.ndarray:
         """Scaled coordinates: section point of order 1, parameter between 0 and 1."""
         section = self._section(value)
-        self._free = section.free
         self._scale = np.ones(len(section.free))
         if section.loop.law.bristle:
             self._scale[-1] = 1.0 / section.loop.law.parameters.sigma0
