@@ -7,18 +7,22 @@ from time import time
 import pytest
 from rclpy.node import Node
 
-from furuta_ros.context import (
-    FIRST_PORT,
-    PORTS,
+from furuta_ros.context import ros_context
+from furuta_ros.ports import (
+    DATA_PORT,
+    DISCOVERY_PORT,
+    OFFSET,
+    PAIRS,
     SHARED_MEMORY,
+    choose_ports,
+    port_file,
     remove_empty_ports,
-    ros_context,
 )
 
 
-def port(directory: Path, domain: int, content: bytes = b"", age: float = 10.0) -> Path:
-    """A port of a domain, last written ``age`` seconds ago."""
-    file = directory / f"fastrtps_port{FIRST_PORT + PORTS * domain + 11}"
+def port(directory: Path, content: bytes = b"", age: float = 10.0, number: int = 11) -> Path:
+    """A port of this process's domain, last written ``age`` seconds ago."""
+    file = port_file(number, directory)
     file.write_bytes(content)
     os.utime(file, (time() - age, time() - age))
     return file
@@ -28,20 +32,34 @@ def test_only_old_empty_ports_of_this_domain_are_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A port in use has content; one that is being created is young."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "8")
+    other = port(tmp_path)
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    other = port(tmp_path, 8)
     for content, age, removed in ((b"x", 10.0, False), (b"", 0.0, False), (b"", 10.0, True)):
-        file = port(tmp_path, 7, content, age)
+        file = port(tmp_path, content, age)
         remove_empty_ports(tmp_path)
         assert file.exists() is not removed
     assert other.exists()
+
+
+def test_ports_are_those_taken_longest_ago(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that was just killed is still remembered by others, with its ports."""
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    chosen = []
+    for age in range(PAIRS, -1, -1):
+        choose_ports(tmp_path)
+        chosen.append(int(os.environ[DISCOVERY_PORT]))
+        assert int(os.environ[DATA_PORT]) == chosen[-1] + 1
+        port(tmp_path, b"x", age, number=chosen[-1] + 1)
+    assert sorted(chosen[:-1]) == [OFFSET + 2 * pair for pair in range(PAIRS)]
+    assert chosen[-1] == chosen[0]
 
 
 @pytest.mark.skipif(not SHARED_MEMORY.is_dir(), reason="needs /dev/shm")
 @pytest.mark.timeout(60)
 def test_a_node_starts_on_an_empty_port() -> None:
     """Without the removal it would wait forever."""
-    file = port(SHARED_MEMORY, int(os.environ["ROS_DOMAIN_ID"]))
+    file = port(SHARED_MEMORY)
     with ros_context():
         Node("started").destroy_node()
     assert not file.exists() or file.stat().st_size > 0

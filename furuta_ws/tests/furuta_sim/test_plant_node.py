@@ -121,17 +121,24 @@ def test_realtime_keeps_its_grid_over_a_pause(
         assert node.sample == k
 
 
-def test_realtime_stale_command_becomes_zero(bench: Bench) -> None:
-    """After ``command_timeout`` the last command no longer acts on the arm."""
+def test_realtime_stale_command_becomes_zero(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command acts on the arm for ``command_timeout``; then it is 0 V until the next one."""
+    began, period = 5_000_000_000, 1_000_000
+    monkeypatch.setattr(realtime, "monotonic_ns", lambda: now)
+    now = began
     node = plant(bench, command_timeout=0.02, friction__alpha0=0.0, friction__alpha1=0.0)
     commands = bench.publisher(COMMAND)
     commands.publish(Float64(data=5.0))
-    bench.spin(lambda: node.pacing.timing_counts.timeouts > 10)
-    driven = abs(node.x[1])
-    # 5 V for 20 ms at 45 rad/s² per volt; without the timeout the speed would keep rising.
-    assert 1.0 < driven < 20.0
-    commands.publish(Float64(data=0.0))
-    bench.spin(lambda: node.pacing.timing_counts.on_time >= 2)
+    bench.spin(lambda: not node.held)
+    for k in range(1, 41):
+        now = began + k * period
+        node.pacing._tick()
+    assert node.pacing.timing_counts.timeouts == 20
+    assert abs(node.x[1]) == pytest.approx(5.0 * 45.0 * 0.02, rel=0.2)
+    commands.publish(Float64(data=-5.0))
+    bench.spin(lambda: node.pacing._answered)
+    node.pacing._tick()
+    assert node.pacing.timing_counts.timeouts == 20
 
 
 def test_reset_puts_the_pendulum_back(bench: Bench) -> None:

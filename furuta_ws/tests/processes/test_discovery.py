@@ -83,3 +83,15 @@ def test_a_node_joins_no_multicast(
         assert lines[-1], "".join(lines)
     assert (MULTICAST_PORT in udp_ports(process.pid)) == network
     assert ("[discovery]: the network" in "".join(lines)) == network
+
+
+def test_no_process_takes_the_ports_of_a_killed_one(processes: Any) -> None:
+    """Others would not answer it while they remember the killed one."""
+    ports = []
+    for _ in range(2):
+        process = processes.ready_node("friction_observer")
+        ports.append({port for port in udp_ports(process.pid) if 0 < port - MULTICAST_PORT < 100})
+        process.kill()
+        process.wait()
+    assert len(ports[0]) == 2
+    assert not ports[0] & ports[1]

@@ -104,8 +104,8 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     os.kill(of_page, signal.SIGKILL)
     # On a busy machine nodes write warnings before.
     assert any("the graph runs on" in line for line in process.stderr)
-    page.wait(lambda: run_until(furuta) == FOREVER, "the plant continues")
-    assert parameter(furuta, "friction_observer", "compensation") == "lugre"
+    page.wait(lambda: run_until(processes.run) == FOREVER, "the plant continues")
+    assert parameter(processes.run, "friction_observer", "compensation") == "lugre"
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 0
 

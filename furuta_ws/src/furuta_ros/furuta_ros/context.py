@@ -1,11 +1,8 @@
 """Starting and ending ROS in a process."""
 
-import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
-from pathlib import Path
-from time import time
+from contextlib import contextmanager, nullcontext
 
 import rclpy
 import rclpy.logging
@@ -20,12 +17,7 @@ from furuta_ros.discovery import (
     restrict_discovery,
 )
 from furuta_ros.errors import UserError, first_line
-
-SHARED_MEMORY = Path("/dev/shm")
-# The first port of domain 0, and the ports of a domain (DDS Interoperability Protocol, 9.6.2).
-FIRST_PORT, PORTS = 7400, 250
-# A port that is older than this [s] and still empty is not being created any more.
-CREATION_TIME = 0.2
+from furuta_ros.ports import choose_ports, remove_empty_ports
 
 _arguments: list[str] = []
 
@@ -54,6 +46,7 @@ def ros_context(
     restrict_discovery()
     announce_often()
     remove_empty_ports()
+    choose_ports()
     _arguments[:] = sys.argv if given is None else given
     with no_discovery() if private else nullcontext():
         try:
@@ -84,21 +77,3 @@ def tell_graph(namespace: str) -> None:
     """Say on standard error which graph this process has joined."""
     domain = rclpy.utilities.get_default_context().get_domain_id()
     print(f"graph: namespace {namespace or '/'}, ROS domain {domain}", file=sys.stderr)
-
-
-def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:
-    """Remove the empty ports of this process's ROS domain.
-
-    A process that is killed between creating and filling its port in shared memory leaves an empty
-    file. Every process that starts on this port later, or sends to it, would wait for it forever.
-    """
-    domain = os.environ.get("ROS_DOMAIN_ID", "0")
-    if not domain.isdecimal():
-        return  # ROS itself rejects it
-    first = FIRST_PORT + PORTS * int(domain)
-    for port in range(first, first + PORTS):
-        file = directory / f"fastrtps_port{port}"
-        with suppress(OSError):
-            status = file.stat()
-            if status.st_size == 0 and time() - status.st_mtime > CREATION_TIME:
-                file.unlink()

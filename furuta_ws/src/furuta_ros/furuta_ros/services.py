@@ -12,9 +12,9 @@ from furuta_ros.errors import UserError
 
 # Longest wait for a service [s].
 TIMEOUT = 5.0
-# Longest wait for a response [s], and how often the request is sent. A process that starts soon
-# after another was killed takes its port, and the middleware needs some seconds to notice, more
-# than 10 on a busy machine.
+# Longest wait for a response [s], and how often the request is sent. A process that gets the ports
+# of one that was just killed has to wait until the others have forgotten that one, which takes more
+# than 10 s on a busy machine.
 ANSWER_TIMEOUT = 20.0
 ATTEMPTS = 20
 

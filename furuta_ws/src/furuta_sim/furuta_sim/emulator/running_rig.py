@@ -18,8 +18,9 @@ from furuta_sim.emulator.faults import with_faults
 
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000
-# Longest wait for the answer to a sample in lock-step [ns].
-ANSWER_TIMEOUT = 1_000_000_000
+# Longest wait for the answer to a sample in lock-step [ns]: the host restarts a rig that is silent
+# for a second.
+ANSWER_TIMEOUT = 500_000_000
 # Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
 # ``answered`` is the sample of the newest command or arming.
 COLUMNS = (
