@@ -10,11 +10,9 @@ from rclpy.node import Node
 from furuta_ros.context import ros_context
 from furuta_ros.ports import (
     DATA_PORT,
-    DISCOVERY_PORT,
-    OFFSET,
-    PAIRS,
+    DATA_PORTS,
     SHARED_MEMORY,
-    choose_ports,
+    choose_data_port,
     port_file,
     remove_empty_ports,
 )
@@ -42,16 +40,17 @@ def test_only_old_empty_ports_of_this_domain_are_removed(
     assert other.exists()
 
 
-def test_ports_are_those_taken_longest_ago(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A process that was just killed is still remembered by others, with its ports."""
+def test_a_port_is_the_one_taken_longest_ago(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process that was just killed is still remembered by others, with its port."""
     monkeypatch.setattr(os, "environ", dict(os.environ))
     chosen = []
-    for age in range(PAIRS, -1, -1):
-        choose_ports(tmp_path)
-        chosen.append(int(os.environ[DISCOVERY_PORT]))
-        assert int(os.environ[DATA_PORT]) == chosen[-1] + 1
-        port(tmp_path, b"x", age, number=chosen[-1] + 1)
-    assert sorted(chosen[:-1]) == [OFFSET + 2 * pair for pair in range(PAIRS)]
+    for age in range(len(DATA_PORTS), -1, -1):
+        choose_data_port(tmp_path)
+        chosen.append(int(os.environ[DATA_PORT]))
+        port(tmp_path, b"x", age, number=chosen[-1])
+    assert sorted(chosen[:-1]) == list(DATA_PORTS)
     assert chosen[-1] == chosen[0]
 
 

@@ -17,7 +17,7 @@ from furuta_ros.discovery import (
     restrict_discovery,
 )
 from furuta_ros.errors import UserError, first_line
-from furuta_ros.ports import choose_ports, remove_empty_ports
+from furuta_ros.ports import choose_data_port, remove_empty_ports
 
 _arguments: list[str] = []
 
@@ -46,7 +46,7 @@ def ros_context(
     restrict_discovery()
     announce_often()
     remove_empty_ports()
-    choose_ports()
+    choose_data_port()
     _arguments[:] = sys.argv if given is None else given
     with no_discovery() if private else nullcontext():
         try:

@@ -10,10 +10,10 @@ SHARED_MEMORY = Path("/dev/shm")
 FIRST_PORT, PORTS = 7400, 250
 # A port that is older than this [s] and still empty is not being created any more.
 CREATION_TIME = 0.2
-# Variables of middleware.xml: from which ports of the domain Fast DDS looks for two free ones.
-DISCOVERY_PORT, DATA_PORT = "FURUTA_DISCOVERY_PORT", "FURUTA_DATA_PORT"
-# The first of these ports, and how many pairs there are: every process finds those up to 72.
-OFFSET, PAIRS = 10, 24
+# Variable of middleware.xml: from which port of the domain Fast DDS looks for a free one for data.
+DATA_PORT = "FURUTA_DATA_PORT"
+# The ports to choose from. Those of discovery are even.
+DATA_PORTS = range(11, 211, 2)
 
 
 def port_file(port: int, directory: Path = SHARED_MEMORY) -> Path:
@@ -38,20 +38,19 @@ def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:
                 file.unlink()
 
 
-def choose_ports(directory: Path = SHARED_MEMORY) -> None:
-    """Let this process take ports that no other one had, or else those that were taken first.
+def choose_data_port(directory: Path = SHARED_MEMORY) -> None:
+    """Let this process take a port that no other one had, or else the one taken longest ago.
 
-    A process with the ports of one that was just killed gets no response from those that still
+    A process with the port of one that was just killed gets no response from those that still
     remember the killed one. The file of a port stays if its process is killed.
     """
 
-    def taken(pair: int) -> tuple[float, int]:
-        """When the pair was taken, 0 for never, and a number that differs between processes."""
+    def taken(port: int) -> tuple[float, int]:
+        """When the port was taken, 0 for never, and a number that differs between processes."""
         try:
-            when = port_file(OFFSET + 2 * pair + 1, directory).stat().st_mtime
+            when = port_file(port, directory).stat().st_mtime
         except OSError:
             when = 0.0
-        return when, (pair - os.getpid()) % PAIRS
+        return when, (port // 2 - os.getpid()) % len(DATA_PORTS)
 
-    port = OFFSET + 2 * min(range(PAIRS), key=taken)
-    os.environ.update({DISCOVERY_PORT: str(port), DATA_PORT: str(port + 1)})
+    os.environ[DATA_PORT] = str(min(DATA_PORTS, key=taken))

@@ -12,7 +12,7 @@ from furuta_ros.errors import UserError
 
 # Longest wait for a service [s].
 TIMEOUT = 5.0
-# Longest wait for a response [s], and how often the request is sent. A process that gets the ports
+# Longest wait for a response [s], and how often the request is sent. A process that gets the port
 # of one that was just killed has to wait until the others have forgotten that one, which takes more
 # than 10 s on a busy machine.
 ANSWER_TIMEOUT = 20.0
