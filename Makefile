@@ -8,7 +8,7 @@ demo:
 test: SHORT = and not long
 PYTEST = tools/in_environment python -m pytest furuta_ws/tests
 test test-all:
-	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
+	tools/in_environment python -m pip install --disable-pip-version-check --quiet --no-deps \
 		--requirement firmware/requirements.lock \
 		--requirement furuta_ws/tests/requirements.lock
 	$(PYTEST) -m "not realtime $(SHORT)" \
