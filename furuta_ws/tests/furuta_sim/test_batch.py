@@ -99,6 +99,7 @@ def test_rest_has_no_period() -> None:
     assert found.stuck_fraction == 1.0
 
 
+@pytest.mark.long
 def test_memory_does_not_grow() -> None:
     """A long batch of long runs needs no more memory than a short one of short runs."""
 
