@@ -44,7 +44,7 @@ def test_a_port_is_the_one_taken_longest_ago(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A process that was just killed is still remembered by others, with its port."""
-    monkeypatch.setattr(os, "environ", dict(os.environ))
+    monkeypatch.setenv(DATA_PORT, "")  # and give back the one of this process
     chosen = []
     for age in range(len(DATA_PORTS), -1, -1):
         choose_data_port(tmp_path)

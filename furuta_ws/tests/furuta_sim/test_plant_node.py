@@ -1,6 +1,7 @@
 """The node ``plant`` in lock-step and in real time."""
 
 from math import nan
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,16 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
 from furuta_sim.plant import design_plant, initial_plant, move
 from furuta_sim.plant_node import PlantNode
+
+BEGAN, PERIOD = 5_000_000_000, 1_000_000  # [ns]
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
+    """The steady clock of real time, which stands at ``now`` [ns]."""
+    clock = SimpleNamespace(now=BEGAN)
+    monkeypatch.setattr(realtime, "monotonic_ns", lambda: clock.now)
+    return clock
 
 
 def plant(bench: Bench, **values: Any) -> PlantNode:
@@ -103,44 +114,37 @@ def test_realtime_holds_until_the_first_command(bench: Bench) -> None:
     assert node.pacing.timing_counts.samples > 0
 
 
-def test_realtime_keeps_its_grid_over_a_pause(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_realtime_keeps_its_grid_over_a_pause(bench: Bench, clock: SimpleNamespace) -> None:
     """A timer that is late during a pause moves no later deadline."""
-    began, period = 5_000_000_000, 1_000_000
-    monkeypatch.setattr(realtime, "monotonic_ns", lambda: now)
-    now = began
     node = plant(bench, run_until=0.0)
-    now = began + 700 * period + 400_000
+    clock.now = BEGAN + 700 * PERIOD + 400_000
     node.pacing._tick()
     assert node.sample == 0
     node.set_parameters([Parameter("run_until", value=1.0)])
     for k in range(1, 6):
-        now = began + (700 + k) * period
+        clock.now = BEGAN + (700 + k) * PERIOD
         node.pacing._tick()
         assert node.sample == k
 
 
-def test_realtime_stale_command_becomes_zero(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_realtime_stale_command_becomes_zero(bench: Bench, clock: SimpleNamespace) -> None:
     """A command acts on the arm for ``command_timeout``; then it is 0 V until the next one."""
-    began, period = 5_000_000_000, 1_000_000
-    monkeypatch.setattr(realtime, "monotonic_ns", lambda: now)
-    now = began
     node = plant(bench, command_timeout=0.02, friction__alpha0=0.0, friction__alpha1=0.0)
     commands = bench.publisher(COMMAND)
     commands.publish(Float64(data=5.0))
     bench.spin(lambda: not node.held)
     for k in range(1, 41):
-        now = began + k * period
+        clock.now = BEGAN + k * PERIOD
         node.pacing._tick()
     assert node.pacing.timing_counts.timeouts == 20
     assert abs(node.x[1]) == pytest.approx(5.0 * 45.0 * 0.02, rel=0.2)
     commands.publish(Float64(data=-5.0))
     bench.spin(lambda: node.pacing._command == -5.0)
     before = node.pacing.timing_counts.timeouts  # the timer may have moved one sample more
-    now += 2 * period
+    clock.now += 2 * PERIOD
     node.pacing._tick()
     assert node.pacing.timing_counts.timeouts == before
+    assert node.pacing.timing_counts.on_time == 2
 
 
 def test_reset_puts_the_pendulum_back(bench: Bench) -> None:

@@ -104,6 +104,7 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     os.kill(of_page, signal.SIGKILL)
     # On a busy machine nodes write warnings before.
     assert any("the graph runs on" in line for line in process.stderr)
+    # New processes: this one may have the port of the killed page, and would get no answer.
     page.wait(lambda: run_until(processes.run) == FOREVER, "the plant continues")
     assert parameter(processes.run, "friction_observer", "compensation") == "lugre"
     process.send_signal(signal.SIGINT)

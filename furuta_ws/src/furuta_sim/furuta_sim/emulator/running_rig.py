@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta_hw.connection.rig_connection import RETRY_PERIOD
 from furuta_ros.whole_files import whole_file
 from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of
 from furuta_sim.emulator.faults import with_faults
@@ -19,8 +20,8 @@ from furuta_sim.emulator.faults import with_faults
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns]: the host restarts a rig that is silent
-# for a second.
-ANSWER_TIMEOUT = 500_000_000
+# for longer.
+ANSWER_TIMEOUT = round(0.5e9 * RETRY_PERIOD)
 # Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
 # ``answered`` is the sample of the newest command or arming.
 COLUMNS = (
