@@ -24,7 +24,6 @@ MOST_FILES = {
     "A rig driver": 1,
     "A rig": 1,
     "A verb": 2,
-    "A node of your own": 1,
 }
 _BLOCK = re.compile(r"^```(\w+) title=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -183,9 +182,3 @@ def test_verb(extended: Path) -> None:
     assert "The controller's gain L." in run(extended, "--help")
     gain = json.loads(run(extended, "gain", "--set", "omega1=10", "--json"))["L"]
     assert gain == json.loads(run(extended, "linearize", "--set", "omega1=10", "--json"))["L"]
-
-
-def test_node_on_the_page_is_the_one_in_the_repository() -> None:
-    """``examples/`` holds the node that the page shows; other tests run it in the graph."""
-    (edit,) = examples()["A node of your own"]
-    assert edit.text == (ROOT / edit.path).read_text()
