@@ -51,7 +51,7 @@ class Page:
         """Wait until a condition holds; returns its value."""
         end = monotonic() + TIMEOUT
         while not (value := condition()):
-            assert monotonic() < end, f"never: {what}; the page shows:\n{self.text('body')}"
+            assert monotonic() < end, f"never: {what}; {self.errors}; {self.text('body')}"
             self.page.wait_for_timeout(100)
         return value
 

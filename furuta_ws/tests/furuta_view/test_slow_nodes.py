@@ -51,7 +51,7 @@ def test_other_nodes_are_shown(server: PageServer) -> None:
     """And the hanging one as soon as it answers."""
     link: Any = HangingNode()
     layout = Layout(server)
-    page = ParametersOnPage(server.gui, link, layout.main, layout.parameters, lambda: None)
+    page = ParametersOnPage(server.gui, link, layout.main, layout.parameters)
     page.find_nodes()
     assert page.running == link.nodes()
     assert page.silent == ["controller"]

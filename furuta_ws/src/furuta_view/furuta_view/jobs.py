@@ -2,9 +2,13 @@
 
 import contextlib
 import threading
+import traceback
 from collections.abc import Callable, Hashable
 from queue import SimpleQueue
 from typing import TypeAlias
+
+from furuta_model.parameters import ParameterError
+from furuta_ros.errors import UserError
 
 Work: TypeAlias = Callable[[], None]
 Failed: TypeAlias = Callable[[str], None]
@@ -52,10 +56,12 @@ class Jobs:
 
 
 def _do(work: Work, failed: Failed) -> None:
-    """Do work; the thread goes on, whatever happens."""
+    """Do work; the thread goes on, whatever happens. An error that nobody expects is printed."""
     try:
         work()
     except Exception as error:
+        if not isinstance(error, UserError | ParameterError):
+            traceback.print_exc()
         reason = str(error) or type(error).__name__
         with contextlib.suppress(Exception):  # a control that has gone meanwhile
             failed(reason)

@@ -55,7 +55,7 @@ class LivePage:
             gui, self._link, lambda: self._parameters.values, self._simulation.run_in_real_time
         )
         self._parameters = ParametersOnPage(
-            gui, self._link, self._layout.main, self._layout.parameters, self._parameters_changed
+            gui, self._link, self._layout.main, self._layout.parameters
         )
         self._node = LiveNode(self._parameters.received)
         with self._layout.charts:
@@ -104,6 +104,7 @@ class LivePage:
             if number % CHARTS_EVERY == 0:
                 self._charts.draw(newest)
         if number % STATUS_EVERY == 0:
+            self._update_model()
             self._update_rig()
             self._update_status(newest, time)
 
@@ -156,13 +157,15 @@ class LivePage:
         work = partial(self._link.parameters.set_all, PLANT, {"run_until": until})
         self._link.pacing.submit("pace", work)
 
-    def _parameters_changed(self) -> None:
-        """Draw the pendulum at its lengths, and the cycle of its parameters."""
+    def _update_model(self) -> None:
+        """Draw the pendulum at its lengths, and the cycle of its parameters, once they are known."""
         values = self._parameters.values
+        if not values:
+            return
         model = model_of(values)
         if model != self._drawn_model:
-            self._drawn_model = model
             self._scene.show(robot_description(model.arm_length, model.pendulum_length))
+            self._drawn_model = model
         if relevant(values) != self._cycle_of:
             self._cycle_of = relevant(values)
             self._link.computation.submit("cycle", self._compute_cycle)

@@ -1,7 +1,6 @@
 """Keeps the parameters on the page the same as those of the nodes, in both directions."""
 
 import contextlib
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -29,14 +28,11 @@ class ParametersOnPage:
     """Folders for the nodes that run, and the main parameters before them.
 
     ``running`` names the nodes that were found, ``silent`` those of them that have not described
-    their parameters, and ``values`` holds the parameters of the others. ``changed`` is called when
-    parameters have changed.
+    their parameters, and ``values`` holds the parameters of the others.
     """
 
-    def __init__(
-        self, gui: Any, link: GraphLink, main: Any, folders: Any, changed: Callable[[], None]
-    ) -> None:
-        self._gui, self._link, self._changed = gui, link, changed
+    def __init__(self, gui: Any, link: GraphLink, main: Any, folders: Any) -> None:
+        self._gui, self._link = gui, link
         self._main, self._place = main, folders
         self._folders: dict[str, NodeFolder] = {}
         self._first: dict[tuple[str, str], Control] = {}
@@ -74,7 +70,6 @@ class ParametersOnPage:
         for changed in (*event.changed_parameters, *event.new_parameters):
             if changed.name in known:
                 self._show(node, changed.name, parameter_value_to_python(changed.value))
-        self._changed()
 
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""
@@ -115,7 +110,6 @@ class ParametersOnPage:
         order = float(ORDER.index(node) if node in ORDER else len(ORDER))
         with self._place:
             self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
-        self._changed()
 
     def _remove(self, node: str) -> None:
         self._folders.pop(node).remove()

@@ -38,8 +38,8 @@ class Scene:
         self._root = self._server.scene.add_frame(ROOT, show_axes=False)
         frames: dict[str, Any] = {}
         self._add_link(robot, frames, robot.get_root(), ROOT)
-        self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
         self._frames = frames
+        self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
 
     def move(self, angles: dict[str, float]) -> None:
         """Turn the joints to their angles [rad]."""
