@@ -158,7 +158,7 @@ class LivePage:
         self._link.pacing.submit("pace", work)
 
     def _update_model(self) -> None:
-        """Draw the pendulum at its lengths, and the cycle of its parameters, once they are known."""
+        """Draw the pendulum at its lengths, and the cycle of its parameters, once known."""
         values = self._parameters.values
         if not values:
             return
