@@ -38,9 +38,10 @@ class Page:
     def __init__(self, page: Any, address: str) -> None:
         self.page, self.address = page, address
         self.errors: list[str] = []
+        self.console: list[str] = []
         self.requests: list[str] = []
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("console", self._keep_error)
+        page.on("pageerror", self._keep_error)
+        page.on("console", self._keep_message)
         page.on("request", lambda request: self.requests.append(request.url))
         page.on("websocket", lambda socket: self.requests.append(socket.url))
         page.set_default_timeout(1e3 * TIMEOUT)
@@ -51,7 +52,7 @@ class Page:
         """Wait until a condition holds; returns its value."""
         end = monotonic() + TIMEOUT
         while not (value := condition()):
-            assert monotonic() < end, f"never: {what}; {self.errors}; {self.text('body')}"
+            assert monotonic() < end, f"never: {what}; {self.console}; {self.text('body')}"
             self.page.wait_for_timeout(100)
         return value
 
@@ -101,7 +102,12 @@ class Page:
         found = axe.run(self.page, context=selector).response["violations"]
         return [each["id"] for each in found if each["impact"] in ("serious", "critical")]
 
-    def _keep_error(self, message: Any) -> None:
+    def _keep_error(self, error: Any) -> None:
+        self.console.append(str(error))
+        self.errors.append(str(error))
+
+    def _keep_message(self, message: Any) -> None:
+        self.console.append(message.text)
         if message.type == "error":
             self.errors.append(message.text)
 
