@@ -33,20 +33,24 @@ def browser_path() -> str:
 
 
 class Page:
-    """An open page, with everything that went wrong in it and all that it requested."""
+    """An open page, with its console (kind and text of each message) and all that it requested."""
 
     def __init__(self, page: Any, address: str) -> None:
         self.page, self.address = page, address
-        self.errors: list[str] = []
-        self.console: list[str] = []
+        self.console: list[tuple[str, str]] = []
         self.requests: list[str] = []
-        page.on("pageerror", self._keep_error)
-        page.on("console", self._keep_message)
+        page.on("pageerror", lambda error: self.console.append(("error", str(error))))
+        page.on("console", lambda message: self.console.append((message.type, message.text)))
         page.on("request", lambda request: self.requests.append(request.url))
         page.on("websocket", lambda socket: self.requests.append(socket.url))
         page.set_default_timeout(1e3 * TIMEOUT)
         page.goto(address)
         page.wait_for_selector(CANVAS)
+
+    @property
+    def errors(self) -> list[str]:
+        """Everything that went wrong in the page."""
+        return [text for kind, text in self.console if kind == "error"]
 
     def wait(self, condition: Callable[[], Any], what: str) -> Any:
         """Wait until a condition holds; returns its value."""
@@ -101,15 +105,6 @@ class Page:
         axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
         found = axe.run(self.page, context=selector).response["violations"]
         return [each["id"] for each in found if each["impact"] in ("serious", "critical")]
-
-    def _keep_error(self, error: Any) -> None:
-        self.console.append(str(error))
-        self.errors.append(str(error))
-
-    def _keep_message(self, message: Any) -> None:
-        self.console.append(message.text)
-        if message.type == "error":
-            self.errors.append(message.text)
 
 
 @contextmanager

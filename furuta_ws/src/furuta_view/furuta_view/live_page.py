@@ -166,8 +166,9 @@ class LivePage:
         if model != self._drawn_model:
             self._scene.show(robot_description(model.arm_length, model.pendulum_length))
             self._drawn_model = model
-        if relevant(values) != self._cycle_of:
-            self._cycle_of = relevant(values)
+        cycle_of = relevant(values)
+        if cycle_of != self._cycle_of:
+            self._cycle_of = cycle_of
             self._link.computation.submit("cycle", self._compute_cycle)
 
     def _compute_cycle(self) -> None:

@@ -36,9 +36,7 @@ class Scene:
             self._root.remove()
         robot = URDF.from_xml_string(description)
         self._root = self._server.scene.add_frame(ROOT, show_axes=False)
-        frames: dict[str, Any] = {}
-        self._add_link(robot, frames, robot.get_root(), ROOT)
-        self._frames = frames
+        self._add_link(robot, robot.get_root(), ROOT)
         self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
 
     def move(self, angles: dict[str, float]) -> None:
@@ -48,7 +46,7 @@ class Scene:
                 x, y, z = sin(angles[name] / 2) * self._axes[name]
                 frame.wxyz = (cos(angles[name] / 2), x, y, z)
 
-    def _add_link(self, robot: Any, frames: dict[str, Any], name: str, path: str) -> None:
+    def _add_link(self, robot: Any, name: str, path: str) -> None:
         colours = {material.name: material.color.rgba[:3] for material in robot.materials}
         for number, visual in enumerate(robot.link_map[name].visuals):
             self._add_visual(f"{path}/visual_{number}", visual, colours[visual.material.name])
@@ -56,10 +54,10 @@ class Scene:
             if joint.parent == name:
                 below = f"{path}/{joint.name}"
                 self._axes[joint.name] = np.array(joint.axis)
-                frames[joint.name] = self._server.scene.add_frame(
+                self._frames[joint.name] = self._server.scene.add_frame(
                     below, show_axes=False, position=tuple(joint.origin.xyz)
                 )
-                self._add_link(robot, frames, joint.child, below)
+                self._add_link(robot, joint.child, below)
 
     def _add_visual(self, path: str, visual: Any, colour: list[float]) -> None:
         scene, shape, origin = self._server.scene, visual.geometry, visual.origin
