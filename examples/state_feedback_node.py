@@ -7,8 +7,9 @@ It uses the topics of the graph and nothing else of this workspace.
 """
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
@@ -41,13 +42,16 @@ class StateFeedbackNode(Node):
 
 def main() -> None:
     """Run the node until Ctrl-C."""
-    rclpy.init()
+    # rclpy's own handler of Ctrl-C would end ROS in the middle of a callback, and now and then it
+    # does not wake a spin() that waits. Python's handler acts when a spin with a timeout returns.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    executor = SingleThreadedExecutor()
+    executor.add_node(StateFeedbackNode())
     try:
-        rclpy.spin(StateFeedbackNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+        while True:
+            executor.spin_once(timeout_sec=0.1)
+    except KeyboardInterrupt:
+        rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -60,6 +60,12 @@ class Page:
             self.page.wait_for_timeout(100)
         return value
 
+    def close_notice(self) -> None:
+        """Close what the page says about a browser without graphics hardware: it covers the rest."""
+        notice = self.page.locator(".mantine-Notification-root")
+        notice.get_by_role("button").click()
+        notice.wait_for(state="detached")
+
     def picture(self) -> bytes:
         """The pendulum as it is shown now."""
         box = self.page.locator(CANVAS).bounding_box()

@@ -23,7 +23,7 @@ def newest(page: Page, part: float) -> float:
 
 def show_compensation(page: Page) -> None:
     """Let LuGre compensation end the limit cycle in the middle of the charts."""
-    page.page.locator(".mantine-Notification-root button").first.click()
+    page.close_notice()
     page.choose("speed", "real time")
     page.wait(lambda: newest(page, 1.0) > 0.45, "the limit cycle in a full chart")
     page.choose("compensation", "lugre")

@@ -1,5 +1,6 @@
 """Graphs as they are started: launched with a rig, in namespaces, with a node of one's own."""
 
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -57,11 +58,14 @@ def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str,
 
 
 def test_own_controller(bench: Bench, processes: Any) -> None:
-    """The example in place of our controller holds the pendulum upright, sample by sample."""
+    """The example in place of our controller holds the pendulum upright, and ends by Ctrl-C."""
     graph = PausedGraph(bench)
     processes.furuta("run", "--lockstep", "--without", "controller", "--set", "run_until=0")
-    processes.start(sys.executable, EXAMPLE)
+    example = processes.start(sys.executable, EXAMPLE)
     states = graph.run(2000)
     assert np.abs(states[:, 2]).max() < 0.1
     assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
     assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held
+    example.send_signal(signal.SIGINT)
+    assert "Traceback" not in example.communicate(timeout=60)[1]
+    assert example.returncode == 0

@@ -80,9 +80,10 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     """
     process, address = started(processes, "--", "--lockstep")
     page = browser(address, *SIZE)
-    pendulum = page.picture()
-    page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
+    page.close_notice()
     before = page.wait(lambda: arm_size(page) > 0.4 and arm_size(page), "the limit cycle")
+    pendulum = page.picture()  # all else stands still by now
+    page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
 
     page.choose("compensation", "lugre")
     page.wait(lambda: 0.0 < arm_size(page) < before / 10.0, "a limit cycle ten times smaller")
