@@ -61,7 +61,7 @@ class Page:
         return value
 
     def close_notice(self) -> None:
-        """Close what the page says about a browser without graphics hardware: it covers the rest."""
+        """Close the notice on a browser without graphics hardware: it covers the pendulum."""
         notice = self.page.locator(".mantine-Notification-root")
         notice.get_by_role("button").click()
         notice.wait_for(state="detached")

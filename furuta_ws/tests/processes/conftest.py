@@ -22,7 +22,7 @@ from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 240.0
 WIDTH = "200"  # of the terminal [characters]
-GRACE = 10.0
+GRACE = 60.0
 STATUS_AGE = 0.05
 
 
@@ -68,16 +68,19 @@ class Processes:
         return process
 
     def close(self) -> None:
-        """End what still runs."""
+        """End what still runs; a process that Ctrl-C does not end fails its test."""
         for process in self._all:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
+        killed = []
         for process in self._all:
             try:
                 process.communicate(timeout=GRACE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.communicate()
+                killed.append(process.args)
+        assert not killed, f"did not end by Ctrl-C: {killed}"
 
 
 def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
