@@ -3,6 +3,7 @@
 import signal
 import subprocess
 from collections.abc import Sequence
+from typing import Any
 
 from furuta_ros.process_start import INTERRUPTED, child_environment
 
@@ -10,6 +11,21 @@ from furuta_ros.process_start import INTERRUPTED, child_environment
 END_TIMEOUT = 5.0
 # Return codes of a node that was told to end, also before it was ready.
 ENDED = {0, INTERRUPTED, 128 + signal.SIGTERM, -signal.SIGINT, -signal.SIGTERM}
+
+
+def end_process(child: subprocess.Popen[Any]) -> bool:
+    """End a process, and wait until it has ended; False if it had to be killed.
+
+    The middleware can wait for itself for ever when it ends.
+    """
+    child.terminate()
+    try:
+        child.wait(END_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
+        return False
+    return True
 
 
 class Children:
@@ -33,14 +49,8 @@ class Children:
     def end(self) -> None:
         """End all processes, and wait until they have ended."""
         for child in self._by_name.values():
-            child.terminate()
-        for name, child in self._by_name.items():
-            try:
-                child.wait(END_TIMEOUT)
-            except subprocess.TimeoutExpired:
-                self._killed.append(name)
-                child.kill()
-                child.wait()
+            child.terminate()  # all at once, before the wait for each
+        self._killed = [name for name, child in self._by_name.items() if not end_process(child)]
 
     def failures(self, stopped: bool) -> dict[str, int]:
         """Exit status by node for those that failed; the first one is the cause.
