@@ -6,6 +6,8 @@
 It uses the topics of the graph and nothing else of this workspace.
 """
 
+from signal import SIGINT, default_int_handler, signal
+
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -45,6 +47,7 @@ def main() -> None:
     # rclpy's own handler of Ctrl-C would end ROS in the middle of a callback, and now and then it
     # does not wake a spin() that waits. Python's handler acts when a spin with a timeout returns.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    signal(SIGINT, default_int_handler)  # a background job would start without it
     executor = SingleThreadedExecutor()
     executor.add_node(StateFeedbackNode())
     try:
