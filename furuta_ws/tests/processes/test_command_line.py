@@ -197,7 +197,10 @@ def test_parameter_file_reaches_the_run(furuta: Any, tmp_path: Path) -> None:
         ("compare --candidate a=plant.seed=1", "only the plant"),
         ("compare --out mine.csv", "already exists"),
         ("sweep alpha0=0.1:0.2 --out a.txt", ".csv"),
-        ("sweep alpha0=0.1:0.2 --scheduler tcp://127.0.0.1:9", "no Dask scheduler"),
+        pytest.param(
+            *("sweep alpha0=0.1:0.2 --scheduler tcp://127.0.0.1:9", "no Dask scheduler"),
+            marks=pytest.mark.long,
+        ),
         ("sweep sigma1=1e9,2e9", "no run is possible"),
     ],
 )

@@ -102,7 +102,9 @@ def test_every_executable_starts_with_interrupts_blocked() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "ready"), [(signal.SIGTERM, False), (signal.SIGKILL, True)], ids=str
+    ("number", "ready"),
+    [(signal.SIGTERM, False), pytest.param(signal.SIGKILL, True, marks=pytest.mark.long)],
+    ids=str,
 )
 def test_no_child_outlives_its_parent(processes: Any, number: int, ready: bool) -> None:
     """Whatever ends ``run --processes``, also while the nodes are starting."""

@@ -35,6 +35,7 @@ def test_a_second_graph_does_not_start(processes: Any, how: str) -> None:
     assert first.poll() is None
 
 
+@pytest.mark.long
 def test_a_graph_starts_again_after_a_kill(processes: Any) -> None:
     """At once: a kill ends its claim too."""
     first = processes.ready_node("plant")
