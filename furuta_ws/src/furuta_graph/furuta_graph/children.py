@@ -13,19 +13,18 @@ END_TIMEOUT = 5.0
 ENDED = {0, INTERRUPTED, 128 + signal.SIGTERM, -signal.SIGINT, -signal.SIGTERM}
 
 
-def end_process(child: subprocess.Popen[Any]) -> bool:
-    """End a process, and wait until it has ended; False if it had to be killed.
+def wait_or_kill(child: subprocess.Popen[Any]) -> bool:
+    """Wait until a process that was told to end has ended; True if it had to be killed.
 
     The middleware can wait for itself for ever when it ends.
     """
-    child.terminate()
     try:
         child.wait(END_TIMEOUT)
     except subprocess.TimeoutExpired:
         child.kill()
         child.wait()
-        return False
-    return True
+        return True
+    return False
 
 
 class Children:
@@ -49,8 +48,8 @@ class Children:
     def end(self) -> None:
         """End all processes, and wait until they have ended."""
         for child in self._by_name.values():
-            child.terminate()  # all at once, before the wait for each
-        self._killed = [name for name, child in self._by_name.items() if not end_process(child)]
+            child.terminate()
+        self._killed = [name for name, child in self._by_name.items() if wait_or_kill(child)]
 
     def failures(self, stopped: bool) -> dict[str, int]:
         """Exit status by node for those that failed; the first one is the cause.

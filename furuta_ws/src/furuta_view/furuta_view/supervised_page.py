@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from time import sleep
 
-from furuta_graph.children import Children, end_process
+from furuta_graph.children import Children, wait_or_kill
 from furuta_graph.processes import CHECK_PERIOD, executable
 from furuta_ros.process_start import child_environment
 from furuta_ros.stop_signal import StopSignal
@@ -39,7 +39,8 @@ def run_with_page(graph: Sequence[str], page: Sequence[str], shared: Sequence[st
             sleep(CHECK_PERIOD)
     finally:
         children.end()
-        end_process(shown)
+        shown.terminate()
+        wait_or_kill(shown)
     return next(iter(children.failures(stop()).values()), 0)
 
 
