@@ -1,6 +1,9 @@
 """Functions of one's own as parts of a loop: equal to the parts of the house, and to Python."""
 
+import json
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +15,7 @@ import furuta
 from furuta.studies.comparison.candidates import parse_candidates
 from furuta.studies.sweep import parse_swept_parameter
 from furuta_model.friction import laws
-from furuta_model.own_functions import part_name
+from furuta_model.own_functions import accept_parts, part_name
 from furuta_sim.lanes.lanes import prepare, run_block
 from furuta_sim.settings.settings import default_settings, load_settings, loop
 from furuta_sim.simulation.closed_loop import SETTLED, Simulation, outcome
@@ -101,10 +104,7 @@ def test_functions_of_one_name_are_different() -> None:
     ("part", "message"),
     [
         (misspelt, r"misspelt cannot be compiled \(.*test_own_functions.py, line \d+\): .*alpha7"),
-        ("no_such_module:law", "cannot load no_such_module:law as module:function: .*no_such"),
-        ("math:no_such_function", "cannot load math:no_such_function"),
-        ("math:pi", "math:pi must be a function, given float"),
-        ("bumpy", "one of coulomb, .* or an own one as module:function, given 'bumpy'"),
+        ("bumpy", "one of coulomb, .* or one of own_parts, given 'bumpy'"),
     ],
 )
 def test_bad_part_is_one_line(part: Any, message: str) -> None:
@@ -112,6 +112,116 @@ def test_bad_part_is_one_line(part: Any, message: str) -> None:
     with pytest.raises(furuta.ParameterError, match=message) as error:
         furuta.make_loop({"friction.law": part})
     assert "\n" not in str(error.value)
+
+
+# The parameters that can name code, and a module that says that it has run.
+NAMING_CODE = ("friction.law", "compensation", "mode", "estimator.method")
+MODULE = """
+import sys
+sys.loaded_evil = True
+def f(*anything):
+    return 0.0
+"""
+
+
+@pytest.fixture
+def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working directory with a module ``evil``; loading it sets ``sys.loaded_evil``."""
+    (tmp_path / "evil.py").write_text(MODULE)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delattr(sys, "loaded_evil", raising=False)
+    return tmp_path
+
+
+@pytest.mark.parametrize("parameter", NAMING_CODE)
+@pytest.mark.parametrize(
+    "name",
+    ["evil:f", "evil.py:f", "./evil.py:f", "os:system", "math:sin", "venv.__main__:x", "json:dumps"]
+    + [":", "::", "a:", ":b", " :f", "evil:", "evil:f.g", "evil:f\n", "e vil:f", "builtins:exec"]
+    + ["../evil.py:f", "/dev/stdin:f", "evil:__import__", "importlib:import_module", "évil:f"]
+    + ["own:evil", "furuta_model.own_functions:accept_parts", "evil:f" * 5000, "sys:exit"]
+    + ["subprocess:run", "own_parts:", "x" * 300 + ":f", "pickle:loads", "evil:f,os:system"],
+)
+def test_a_name_that_is_not_accepted_imports_nothing(evil: Path, parameter: str, name: str) -> None:
+    """Wherever it comes from: the check of the parameters refuses it."""
+    modules = set(sys.modules)
+    with pytest.raises(furuta.ParameterError, match="not accepted; name it when the process"):
+        load_settings([], [f"{parameter}={json.dumps(name)}"])
+    assert not {each.partition(".")[0] for each in set(sys.modules) - modules} - {"furuta"}
+    assert not hasattr(sys, "loaded_evil")
+
+
+def test_working_directory_is_no_import_path(evil: Path) -> None:
+    """Whoever starts the process names its file, or puts a module on Python's path."""
+    with pytest.raises(furuta.ParameterError, match=r"No module named 'evil'; .* file.py:function"):
+        accept_parts(["evil:f"])
+    assert not hasattr(sys, "loaded_evil")
+    accept_parts(["evil.py:f"])
+    assert hasattr(sys, "loaded_evil")
+    assert furuta.simulate(furuta.make_loop({"mode": "evil.py:f"}), 0.1).command.any() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("no_such_module:law", "cannot load the part 'no_such_module:law': ModuleNotFoundError"),
+        ("math:no_such_function", "cannot load the part 'math:no_such_function': AttributeError"),
+        ("venv.__main__:x", "cannot load the part 'venv.__main__:x': SystemExit"),
+        ("no_such.py:f", "cannot load the part 'no_such.py:f': FileNotFoundError"),
+        ("evil", "cannot load the part 'evil': ValueError: expected module:function"),
+        ("math:pi", "math:pi must be a Python function, given float"),
+        ("math:sin", "math:sin must be a Python function, given builtin_function"),
+        ("os:system", "os:system must be a Python function, given builtin_function"),
+    ],
+)
+def test_a_part_that_cannot_be_used_is_one_line(evil: Path, name: str, reason: str) -> None:
+    """When the process starts, or when a parameter chooses it."""
+    with pytest.raises(furuta.ParameterError, match=reason) as error:
+        accept_parts([name])
+        load_settings([], [f"mode={name}"])
+    assert "\n" not in str(error.value)
+
+
+def test_an_exception_is_reported_with_its_line(caplog: pytest.LogCaptureFixture) -> None:
+    """The compensation is 0 V then, and the run goes on."""
+    run = furuta.simulate(seconds=0.5, compensation=failing)
+    late = run.estimate[:, 0] > LIMIT
+    assert late.any()
+    np.testing.assert_array_equal(run.friction_estimate, np.where(late, 0.0, 0.5))
+    line = failing.__code__.co_firstlineno + 3
+    assert (
+        f"failing failed and gave 0 ({__file__}, line {line}): ValueError: too far" in caplog.text
+    )
+    assert len(caplog.records) == 1
+
+
+# Where `failing` fails [rad].
+LIMIT = 0.01
+
+
+def failing(memory: Any, x: Any, p: Any) -> float:
+    """Fails where the arm is too far."""
+    if x[0] > LIMIT:
+        raise ValueError("too far")
+    return 0.5
+
+
+def test_an_estimator_that_fails_starts_anew(caplog: pytest.LogCaptureFixture) -> None:
+    """Its estimate is unknown for one sample, which the controller answers with 0 V."""
+    run = furuta.simulate(seconds=0.5, estimator=failing_at_100)
+    failed = np.flatnonzero(np.isnan(run.estimate[:, 2]))
+    np.testing.assert_array_equal(failed, [100, 201, 302, 403])  # its memory starts at zero again
+    assert not run.command[failed].any()
+    assert "failing_at_100 failed and gave 0" in caplog.text
+
+
+def failing_at_100(memory: Any, x: Any, measurement: Any, p: Any) -> None:
+    """Passes the measurement on, and fails at its sample of number 100."""
+    memory[0] += 1
+    x[2] = measurement[2]
+    if memory[0] == 100:
+        raise ValueError("100")
+    x[0], x[1], x[3], x[4] = measurement[0], measurement[1], 0.0, 0.0
 
 
 def test_memory_of_the_wrong_size_or_start_is_refused() -> None:
@@ -134,6 +244,7 @@ class Started:
 def test_names_in_studies() -> None:
     """A colon in the name of a part is no range."""
     name = "own_parts:array_counting"
+    accept_parts([name])
     (candidate,) = parse_candidates([f"mine=compensation={name}"], default_settings(), True)
     applied = loop(candidate.applied_to(default_settings()))
     assert applied.observer.compensation == name

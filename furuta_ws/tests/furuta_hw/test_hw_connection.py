@@ -1,5 +1,6 @@
 """The connection to a rig: batches, failing and silent lines, and loading of drivers."""
 
+import sys
 from functools import partialmethod
 from queue import Empty, Queue
 from threading import Event
@@ -17,6 +18,8 @@ from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig, SafetyLimits
+from furuta_model.own_functions import accept_parts
+from furuta_model.parameters import ParameterError
 
 
 class ScriptedDriver(RigDriver):
@@ -168,7 +171,7 @@ def test_a_rig_is_not_armed_again_after_a_failure(line: Line) -> None:
 
 
 def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A module of furuta_hw/drivers, or any class."""
+    """A module of furuta_hw/drivers, or a class that the process accepts."""
     assert find_driver("serial_protocol") is SerialProtocolDriver
     monkeypatch.setattr(drivers, "__path__", [*drivers.__path__, str(tmp_path)])
     monkeypatch.syspath_prepend(tmp_path)
@@ -180,6 +183,10 @@ def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
     )
     (tmp_path / "dropped_driver.py").write_text(text)
     assert find_driver("dropped_driver").__module__ == "furuta_hw.drivers.dropped_driver"
+    with pytest.raises(ParameterError, match="'dropped_driver:Driver' is not accepted"):
+        find_driver("dropped_driver:Driver")
+    assert "dropped_driver" not in sys.modules
+    accept_parts(["dropped_driver:Driver", "dropped_driver:Incomplete"])
     assert find_driver("dropped_driver:Driver").__module__ == "dropped_driver"
     with pytest.raises(RigError, match="does not implement arm, close, decode, drive, read"):
         find_driver("dropped_driver:Incomplete")
@@ -189,12 +196,13 @@ def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
     ("name", "reason"),
     [
         ("telepathy", "no rig driver telepathy; known are serial_protocol"),
-        ("missing.module:Driver", "cannot import rig driver missing.module:Driver"),
-        ("math:pi", "pi is not a subclass of RigDriver"),
+        ("missing.module:Driver", "'missing.module:Driver' is not accepted"),
+        ("math:pi", "math:pi: this is not a subclass of RigDriver"),
     ],
 )
 def test_a_driver_that_cannot_be_loaded_is_one_line(name: str, reason: str) -> None:
     """With the name and the reason."""
-    with pytest.raises(RigError, match=reason) as caught:
+    accept_parts(["math:pi"])
+    with pytest.raises((RigError, ParameterError), match=reason) as caught:
         find_driver(name)
     assert "\n" not in str(caught.value)

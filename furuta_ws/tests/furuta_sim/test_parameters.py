@@ -149,7 +149,7 @@ def test_choices(node: str, each: Declared) -> None:
     """Each choice is accepted; any other word is rejected with the list of choices."""
     for choice in each.about.choices:
         assert values(build(NODES[node].parameters, {each.name: choice}))[each.name] == choice
-    own = ", or an own one as module:function" if each.about.own else ""
+    own = ", or one of own_parts" if each.about.own else ""
     listed = f"{each.name} must be one of {', '.join(each.about.choices)}{own}, given 'other'"
     with pytest.raises(ParameterError, match=listed):
         build(NODES[node].parameters, {each.name: "other"})

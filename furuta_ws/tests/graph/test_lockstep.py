@@ -19,6 +19,7 @@ from furuta.studies.swing_up_starts import swing_up_settings
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_model.parameters import values
+from furuta_model.own_functions import accept_parts
 from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
@@ -103,6 +104,7 @@ def require_graph_is_the_offline_loop(
 )
 def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, chosen: list[str]) -> None:
     """Nodes and offline simulation call the same functions: equal to the last bit."""
+    accept_parts(f"own_parts:{name}" for name in ("LUGRE", "counting", "differences", "feedback"))
     require_graph_is_the_offline_loop(load_settings([], chosen), tmp_path / "bag")
 
 

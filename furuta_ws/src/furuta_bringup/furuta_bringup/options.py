@@ -11,6 +11,7 @@ import click
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_model.friction.laws import LAWS
+from furuta_model.own_functions import accept_parts, parts_in
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace
@@ -70,8 +71,26 @@ def _tell_all(assignments: tuple[str, ...]) -> None:
             click.echo(f"{assignment} set {names}", err=True)
 
 
+def _accept(ctx: click.Context, param: click.Parameter, names: tuple[str, ...]) -> None:
+    for given in names:
+        accept_parts(parts_in(given))
+
+
+own_parts_option = click.option(
+    "--own-parts",
+    multiple=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_accept,
+    metavar="NAME",
+    help="Accept a part of your own in parameters: module:function or file.py:function; "
+    "repeatable.",
+)
+
+
 def parameter_options(function: Function) -> Function:
-    """``--params FILE`` and ``--set NAME=VALUE``, both repeatable."""
+    """``--params FILE``, ``--set NAME=VALUE`` and ``--own-parts NAME``, all repeatable."""
+    function = own_parts_option(function)
     function = click.option(
         "--set",
         "assignments",
@@ -103,7 +122,7 @@ law_option = click.option(
     "--law",
     callback=_law,
     metavar="NAME",
-    help=f"Friction law: {', '.join(LAWS)}, or module:function; default: plant.friction.law.",
+    help=f"Friction law: {', '.join(LAWS)}, or or one of --own-parts; default: plant.friction.law.",
 )
 
 feedback_option = click.option(

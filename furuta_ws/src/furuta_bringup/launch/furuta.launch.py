@@ -24,6 +24,7 @@ ARGUMENTS = {
     "without": ("", "nodes to leave out, separated by commas, to run your own instead"),
     "compensation": ("", "friction compensation, such as lugre; empty: as the parameter files say"),
     "record": ("", "directory for a bag of all topics, which must not exist; empty: no bag"),
+    "own_parts": ("", "parts of your own to accept, module:function, separated by commas"),
     "log_level": ("info", f"lowest level that all nodes log: {', '.join(LOG_LEVELS)}"),
     "respawn": (
         "false",

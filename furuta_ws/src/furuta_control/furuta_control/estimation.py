@@ -92,6 +92,8 @@ class EstimatorParameters(NamedTuple):
         try:
             with np.errstate(all="ignore"):
                 step = design_estimator(self).kalman.step
+        except ParameterError:
+            raise
         except (np.linalg.LinAlgError, ValueError):
             step = np.full(1, nan)
         if not np.all(np.isfinite(step)):
@@ -202,9 +204,12 @@ def estimate_state(
 
 @inlined
 def is_bounded(memory: EstimatorMemory) -> bool:
-    """Whether the estimate can go on: a nonlinear one escapes after speeds that no rig reaches."""
+    """Whether the estimate can go on: a nonlinear one escapes after speeds that no rig reaches.
+
+    An own method that has failed leaves NaN.
+    """
     x = memory.estimate
-    return not abs(x[PHI_DOT]) + abs(x[THETA]) + abs(x[THETA_DOT]) > LARGEST_VALUE
+    return abs(x[PHI_DOT]) + abs(x[THETA]) + abs(x[THETA_DOT]) <= LARGEST_VALUE
 
 
 @inlined

@@ -7,6 +7,7 @@ any, are fields of the groups here. A function of the user's own needs none of t
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import inf, isnan
 from typing import Annotated, NamedTuple
 
@@ -127,8 +128,9 @@ class CompensationMemory:
     guard: GuardMemory = field(default_factory=GuardMemory)
 
 
+@lru_cache(maxsize=64)
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
-    """The compensation that the parameters describe."""
+    """The compensation that the parameters describe. Cached: the check of a change designs it too."""
     is_own = p.compensation not in COMPENSATIONS
     return CompensationDesign(
         kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),

@@ -6,6 +6,7 @@ from typing import Any
 
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
+from furuta_model.own_functions import accept_parts, parts_in
 from furuta_model.parameters import ParameterError
 from furuta_sim.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
 from furuta_sim.settings.parameter_files import settings_file
@@ -27,6 +28,7 @@ def launched_nodes(
     without: str = "",
     compensation: str = "",
     record: str = "",
+    own_parts: str = "",
     log_level: str = "info",
     respawn: str = "false",
 ) -> list[dict[str, Any]]:
@@ -41,6 +43,7 @@ def launched_nodes(
     """
     check_choice("log_level", log_level, LOG_LEVELS)
     check_choice("respawn", respawn, TRUTH)
+    accept_parts(parts_in(own_parts))
     if port and clock:
         raise ParameterError(f"a rig has its own clock: no clock with port, given {clock!r}")
     options = GraphOptions(

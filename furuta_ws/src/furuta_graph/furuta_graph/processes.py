@@ -12,6 +12,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from furuta_graph.children import Children
 from furuta_graph.graph_plan import Graph
+from furuta_model.own_functions import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
@@ -38,7 +39,8 @@ class NodeProcess(NamedTuple):
         Text is quoted, so that ROS does not read a port named 1 as a number.
         """
         arguments = []
-        for name, value in self.parameters.items():
+        own_parts = {OWN_PARTS: ",".join(accepted_parts())} if accepted_parts() else {}
+        for name, value in (own_parts | self.parameters).items():
             arguments += ["-p", f"{name}:={json.dumps(value, ensure_ascii=False)}"]
         return arguments
 

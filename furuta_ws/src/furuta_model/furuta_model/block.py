@@ -45,9 +45,14 @@ def zeros(*shape: int) -> Any:
 
 def field_names(value: Any) -> tuple[str, ...]:
     """Names of the fields of a named tuple or a memory; none for anything else."""
-    if is_dataclass(value):
-        return tuple(declared.name for declared in fields(value))
-    return getattr(value, "_fields", ())
+    return _names(type(value))
+
+
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    if is_dataclass(kind):
+        return tuple(declared.name for declared in fields(kind))
+    return getattr(kind, "_fields", ())
 
 
 def _layout(value: Any, kind: Any = None) -> np.dtype:

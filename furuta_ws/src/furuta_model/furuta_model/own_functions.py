@@ -1,23 +1,31 @@
-"""Functions of the user's own as parts of a loop: found by name, compiled, called by address.
+"""Functions of the user's own as parts of a loop: accepted by name, compiled, called by address.
 
-A part is a Python function, or an entry of a registry with such functions. Its name in a parameter
-is ``module:function``; a part that is given as an object has such a name in this process. The loop
-is compiled once for all such parts, because it calls them by their addresses, which are numbers of
-its design. So nothing changes for the parts of the house.
+A part is a Python function, or an entry of a registry with such functions. Whoever starts a process
+names the parts that it accepts, as ``module:function`` or ``file.py:function``
+(:func:`accept_parts`). A parameter can only choose among these names, wherever it comes from: no
+other code is imported. A part that a program gives as an object has such a name too. The loop is
+compiled once for all such parts, because it calls them by their addresses, which are numbers of its
+design. So nothing changes for the parts of the house.
 
 The first argument of a function with memory is a record of the fields of a dataclass, if it is
 annotated with one, or else an array of :data:`OWN_NUMBERS` numbers. All numbers start at zero.
 """
 
+import logging
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from importlib.machinery import SourceFileLoader
+from inspect import isfunction
 from itertools import count
 from operator import attrgetter
 from pathlib import Path
+from time import monotonic
+from traceback import extract_tb
+from types import ModuleType
 from typing import Any, TypeVar, get_type_hints
 
 import numba
@@ -27,18 +35,25 @@ from numba.core import cgutils
 
 from furuta_model.block import block, zeros
 from furuta_model.compiled import inlined, make_intrinsic
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, shortened
 from furuta_model.state import SIGNALS
 
 Entry = TypeVar("Entry")
 
+# The parameter and the option that name the parts that a process accepts.
+OWN_PARTS = "own_parts"
 # Numbers that the memory of an own function holds.
 OWN_NUMBERS = 32
 # Numba's type of an array that an own function gets.
 ADDRESS = types.CPointer(types.float64)
 _LOCATION = re.compile(r'File "(.+?)", line (\d+)')
 
-_given: dict[str, Any] = {}
+# The parts that this process accepts, by name, and the names of those that it has imported.
+_accepted: dict[str, Any] = {}
+_imported_names: list[str] = []
+# Shortest time between two reports of one error [s].
+REPORT_PERIOD = 1.0
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass
@@ -49,43 +64,108 @@ class OwnMemory:
     numbers: np.ndarray = zeros(OWN_NUMBERS)
 
 
+def parts_in(given: Any) -> list[str]:
+    """The names in a parameter: text with commas, or a list of text."""
+    names = given.split(",") if isinstance(given, str) else given
+    if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"{OWN_PARTS} must be names, separated by commas; given {given!r}")
+    return [name.strip() for name in names if name.strip()]
+
+
+def accept_parts(names: Iterable[str]) -> None:
+    """Import the parts with these names, and accept the names in parameters from now on.
+
+    The names must come from whoever starts the process. Modules are found on Python's path, to
+    which the working directory does not belong.
+
+    Raises:
+        ParameterError: A part cannot be imported, or is no part.
+    """
+    for name in names:
+        if name not in _accepted:
+            _accepted[name] = _imported(name)
+            _imported_names.append(name)
+
+
+def accepted_parts() -> list[str]:
+    """The names that :func:`accept_parts` was given; another process can accept them too."""
+    return list(_imported_names)
+
+
+def is_accepted(name: str) -> bool:
+    """Whether this process accepts the name."""
+    return name in _accepted
+
+
 def part_name(part: Any) -> str:
     """The name of a part that is given as an object; it is valid in this process."""
     name = getattr(part, "name", None) or f"{part.__module__}:{part.__qualname__}"
     name = name if ":" in name else f"own:{name}"
     for number in count(1):
         unique = name if number == 1 else f"{name} {number}"
-        if _given.setdefault(unique, part) == part:
+        if _accepted.setdefault(unique, part) == part:
             return unique
     raise AssertionError
 
 
-def own_part(name: str, kind: Callable[..., Entry], *meaning: str) -> Entry:
-    """The entry with the name ``module:function``; a function becomes one with that ``meaning``.
+def accepted_part(name: str) -> Any:
+    """The accepted part with this name.
 
     Raises:
-        ParameterError: There is no such part.
+        ParameterError: This process does not accept the name; nothing has been imported.
     """
-    part = _given[name] if name in _given else _imported(name)
+    if name not in _accepted:
+        raise ParameterError(
+            f"{shortened(name)} is not accepted; name it when the process starts: furuta VERB "
+            "--own-parts NAME, or --ros-args -p own_parts:=NAME for a node. Accepted: "
+            + (", ".join(_accepted) or "none")
+        )
+    return _accepted[name]
+
+
+def own_part(name: str, kind: Callable[..., Entry], *meaning: str) -> Entry:
+    """The entry with the name of an accepted part; a function becomes one with that ``meaning``.
+
+    Raises:
+        ParameterError: The part is not accepted, or is neither such an entry nor a function.
+    """
+    part = accepted_part(name)
     if isinstance(part, kind):  # type: ignore[arg-type]
         return part._replace(name=name)  # type: ignore[attr-defined, no-any-return]
-    if not callable(part):
-        raise ParameterError(f"{name} must be a function, given {type(part).__name__}")
+    if not isfunction(getattr(part, "py_func", part)):
+        raise ParameterError(f"{name} must be a Python function, given {type(part).__name__}")
     return kind(name, *meaning, part)
 
 
-@cache
 def _imported(name: str) -> Any:
-    """The object ``module:name``; modules of the working directory are found too."""
-    module, _, attribute = name.partition(":")
-    sys.path.append("")
+    """The object ``module:name`` or ``file.py:name``."""
+    module, colon, attribute = name.rpartition(":")
     try:
-        return attrgetter(attribute)(import_module(module))
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        raise ParameterError(f"cannot load {name} as module:function: {reason}") from None
-    finally:
-        sys.path.remove("")
+        if not (colon and module and attribute):
+            raise ValueError("expected module:function or file.py:function")
+        found = _from_file(Path(module)) if module.endswith(".py") else import_module(module)
+        return attrgetter(attribute)(found)
+    except (Exception, SystemExit) as error:
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        if isinstance(error, ModuleNotFoundError):
+            reason += "; for a file of your own write file.py:function"
+        raise ParameterError(f"cannot load the part {shortened(name)}: {reason}") from None
+
+
+def _from_file(path: Path) -> ModuleType:
+    """The module in a file; its name is the full path, which no other module has."""
+    name = str(path.resolve())
+    if name not in sys.modules:
+        loader = SourceFileLoader(name, name)
+        module = ModuleType(name)
+        module.__file__ = name
+        sys.modules[name] = module  # where the hints of its functions are looked up
+        try:
+            loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name]
 
 
 @cache
@@ -107,6 +187,7 @@ def address_of(
         ParameterError: The function cannot be compiled; the message names its line.
     """
     inner = compiled_part(function)
+    _report_exceptions()
     try:
         code = numba.cfunc(types.float64(*arguments), error_model="numpy")(
             entry(inner) if entry else inner.py_func
@@ -125,8 +206,8 @@ _code: list[Any] = []
 def sample_function(function: Callable[..., Any], given: type, *others: Any) -> int:
     """Address of an own function (memory, x, *others, p) that runs every sample.
 
-    It gives a number, or changes x if ``others`` (numba's types) has an array. Arrays have
-    :data:`SIGNALS` numbers; p is a ``given``.
+    It gives a number, or changes x if ``others`` (numba's types) has an array; its code then gives
+    1. After an exception the code gives 0. Arrays have :data:`SIGNALS` numbers; p is a ``given``.
     """
     memory = _memory_view(function)
     array = numba.njit(lambda address: numba.carray(address, SIGNALS))
@@ -134,7 +215,7 @@ def sample_function(function: Callable[..., Any], given: type, *others: Any) -> 
     def entry(inner: Any) -> Callable[..., float]:
         def update(own: Any, x: Any, measurement: Any, p: Any) -> float:
             inner(memory(own), array(x), array(measurement), p)
-            return 0.0
+            return 1.0
 
         if ADDRESS in others:
             return update
@@ -161,7 +242,35 @@ def _memory_view(function: Callable[..., Any]) -> Any:
 
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     plain = getattr(function, "py_func", function)
-    return {name: kind for name, kind in get_type_hints(plain).items() if name != "return"}
+    try:
+        hints = get_type_hints(plain)
+    except Exception as error:  # of whatever the annotations evaluate
+        raise ParameterError(_one_line(function, f"its annotations: {error}")) from None
+    return {name: kind for name, kind in hints.items() if name != "return"}
+
+
+@cache
+def _report_exceptions() -> None:
+    """Report an exception of an own function in one line from now on.
+
+    Compiled code cannot raise it to its caller: numba gives it to Python's hook for such cases, and
+    the function gives 0.
+    """
+    earlier, reported_at = sys.unraisablehook, dict[tuple[str, int], float]()
+
+    def report(unraisable: Any) -> None:
+        places = extract_tb(unraisable.exc_traceback)
+        if "numba" not in str(unraisable.object) or not places:
+            earlier(unraisable)
+            return
+        file, line, name, _ = places[-1]
+        now = monotonic()
+        if now - reported_at.get((file, line or 0), -REPORT_PERIOD) >= REPORT_PERIOD:
+            reported_at[file, line or 0] = now
+            reason = f"{unraisable.exc_type.__name__}: {unraisable.exc_value}"
+            _LOG.error("%s failed and gave 0 (%s, line %s): %s", name, file, line, reason)
+
+    sys.unraisablehook = report
 
 
 def _one_line(function: Callable[..., Any], message: str) -> str:

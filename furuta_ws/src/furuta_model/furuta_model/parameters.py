@@ -12,7 +12,6 @@ names if the field is annotated with :data:`INLINE`.
 """
 
 import math
-import re
 import reprlib
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -26,9 +25,6 @@ INLINE = "inline"
 LARGEST = sys.float_info.max
 # Bits of an integer that is larger; Python refuses to print one of many more.
 LARGEST_EXPONENT = 2 * sys.float_info.max_exp
-
-# The name of a part of the user's own, module:function.
-OWN_PART = re.compile(r"[^\W\d][\w.]*:.+")
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
@@ -44,8 +40,8 @@ class About:
     """Meaning, unit and allowed values of a parameter.
 
     ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start. With
-    ``own`` the name of a part of one's own is allowed beside the choices, which the group's
-    ``check`` compiles (:mod:`furuta_model.own_functions`).
+    ``own`` a name with a colon is allowed beside the choices: that of a part of one's own, which
+    the group's ``check`` compiles (:mod:`furuta_model.own_functions`).
     """
 
     meaning: str
@@ -60,7 +56,7 @@ class About:
     def allowed(self) -> str:
         """The allowed values in words."""
         if self.choices:
-            own = ", or an own one as module:function" if self.own else ""
+            own = ", or one of own_parts" if self.own else ""
             return f"one of {', '.join(self.choices)}{own}"
         if self.low == -math.inf:
             return "any" if self.high == math.inf else f"at most {self.high:g}"
@@ -109,7 +105,7 @@ class Declared(NamedTuple):
             raise ParameterError(
                 f"{self.name} must be a {self.kind.__name__}, given {shortened(value)}"
             )
-        is_own = self.about.own and bool(OWN_PART.fullmatch(str(value)))
+        is_own = self.about.own and ":" in str(value)
         if self.about.choices and value not in self.about.choices and not is_own:
             raise ParameterError(
                 f"{self.name} must be {self.about.allowed}, given {shortened(value)}"

@@ -8,7 +8,6 @@ from typing import Any
 from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
@@ -16,6 +15,7 @@ from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
 from furuta_ros import topic_names
+from furuta_ros.messages import RefusedError, deserialized
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
 
@@ -108,7 +108,7 @@ class RecorderNode(Node):
         message_type = self._inputs[index].msg_type
         if message_type is ParameterEvent and not _changes_parameters(data):
             return
-        if message_type is JointState:
+        if message_type is JointState and len(data) >= _STAMP_OFFSET + _STAMP.size:
             seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
             self._newest_stamp = seconds * NANOSECONDS + nanoseconds
         self._writer.add(index, self._newest_stamp if self._stamped else time, data)
@@ -160,7 +160,10 @@ def chosen_topics(names: Iterable[str]) -> tuple[Topic, ...]:
 
 def _changes_parameters(data: bytes) -> bool:
     """Whether an event changes parameters; declaring them at a node's start does not count."""
-    return bool(deserialize_message(data, ParameterEvent).changed_parameters)
+    try:
+        return bool(deserialized(data, ParameterEvent).changed_parameters)
+    except RefusedError:
+        return True  # the bag keeps what cannot be read
 
 
 def _never_called(message: Any) -> None:

@@ -74,7 +74,7 @@ def _values(message: JointState) -> tuple[float, float, float, float, float]:
     return position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort
 
 
-def deserialized(data: bytes, kind: type) -> Any:
+def deserialized(data: bytes, kind: Any) -> Any:
     """The message, as the middleware reads it. Raises RefusedError if it cannot."""
     try:
         return deserialize_message(data, kind)

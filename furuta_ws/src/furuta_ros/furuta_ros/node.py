@@ -3,12 +3,15 @@
 from collections.abc import Callable, Sequence
 from functools import partial, wraps
 from time import monotonic
+from traceback import extract_tb
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
+from rclpy.service import Service
+from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
@@ -18,6 +21,7 @@ from furuta_ros.loop_topics import publishers_of
 from furuta_ros.message_age import MAX_AGE, MessageAge
 from furuta_ros.messages import RefusedError
 from furuta_ros.one_publisher import OnePublisher
+from furuta_ros.parameter_service import FurutaParameterService
 from furuta_ros.parameters import NodeParameters
 from furuta_ros.topics import CLOCK, QOS, Topic
 
@@ -49,7 +53,9 @@ class FurutaNode(Node, Generic[Group]):
         if self.runs_compiled_code:
             load_machinery()
         try:
-            super().__init__(name, parameter_overrides=list(overrides))
+            super().__init__(
+                name, parameter_overrides=list(overrides), start_parameter_services=False
+            )
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries
             raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
         self.refused = 0
@@ -57,6 +63,7 @@ class FurutaNode(Node, Generic[Group]):
         self.accepted_publishers: dict[str, OnePublisher] = {}
         self.message_age = MessageAge(self._time_is_simulated)
         self._declared = NodeParameters(self, group)
+        self._service = FurutaParameterService(self)
 
     @property
     def parameters(self) -> Group:
@@ -106,15 +113,64 @@ class FurutaNode(Node, Generic[Group]):
             except RefusedError as refusal:
                 self.refused += 1
                 self.warn(f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}")
+            except Exception as error:
+                self._report_failure(topic.name, error)
 
-        self.create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
+        super().create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
         self.steady_timer(CHECK_PERIOD, one.check)
+
+    # All other callbacks come through one of these three, also those of rclpy itself.
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Any, *others: Any, **named: Any
+    ) -> Subscription:
+        """As in ROS; an exception in the callback does not end the node."""
+        return super().create_subscription(
+            msg_type, topic, self.guarded(topic, callback), *others, **named
+        )
+
+    def create_service(
+        self, srv_type: Any, srv_name: str, callback: Any, *others: Any, **named: Any
+    ) -> Service:
+        """As in ROS; after an exception in the callback the response is an empty one."""
+        return super().create_service(
+            srv_type, srv_name, self.guarded(srv_name, callback), *others, **named
+        )
+
+    def create_timer(
+        self, timer_period_sec: float, callback: Any, *others: Any, **named: Any
+    ) -> Timer:
+        """As in ROS; an exception in the callback does not end the node."""
+        return super().create_timer(
+            timer_period_sec, self.guarded("a timer", callback), *others, **named
+        )
+
+    def guarded(self, source: str, callback: Callable[..., Any]) -> Callable[..., Any]:
+        """The callback, but an exception is logged with its line instead of ending the node."""
+
+        @wraps(callback)
+        def call(*given: Any) -> Any:
+            try:
+                return callback(*given)
+            except Exception as error:
+                self._report_failure(source, error)
+                return given[-1] if given else None  # the response of a service
+
+        return call
+
+    def _report_failure(self, source: str, error: Exception) -> None:
+        *_, (file, line, name, _) = extract_tb(error.__traceback__)
+        reason = f"{type(error).__name__}: {error}"
+        text = f"{source}: {name} failed ({file}, line {line}): {reason}"
+        self.warn(f"failed {source}", text, severity="error")
 
     def steady_timer(self, period: float, call: Callable[[], object]) -> Timer:
         """Call a function every ``period`` [s], whatever happens to the system's time."""
         return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def warn(self, kind: str, text: str, period: float = WARNING_PERIOD) -> bool:
+    def warn(
+        self, kind: str, text: str, period: float = WARNING_PERIOD, severity: str = "warning"
+    ) -> bool:
         """Log a warning, but only one of its kind in ``period`` [s]; whether it was logged.
 
         The logger's own throttle looks up its caller's source each time: 1 ms that a late loop does
@@ -124,7 +180,7 @@ class FurutaNode(Node, Generic[Group]):
         due = kind not in self._warned_at or now - self._warned_at[kind] >= period
         if due:
             self._warned_at[kind] = now
-            self.get_logger().warning(text)
+            getattr(self.get_logger(), severity)(text)
         return due
 
     def _time_is_simulated(self) -> bool:

@@ -1,8 +1,9 @@
 """ROS parameters of a node from a declared group of parameters (furuta_model.parameters)."""
 
 import math
-from collections.abc import Callable
-from typing import Any, Generic, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from typing import Generic, NamedTuple, TypeVar
 
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -14,9 +15,17 @@ from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from furuta_model.parameters import Declared, ParameterError, build, declared
+from furuta_model.own_functions import (
+    OWN_PARTS,
+    accept_parts,
+    accepted_parts,
+    is_accepted,
+    parts_in,
+)
+from furuta_model.parameters import Declared, ParameterError, build, declared, shortened
 from furuta_ros.context import ros_arguments
 from furuta_ros.parameter_sections import check_names, read_sections
+from furuta_ros.yaml_files import parse_yaml
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -44,13 +53,15 @@ class NodeParameters(Generic[Group]):
         self._group = group
         self._on_change: list[Callable[[Group], None]] = []
         self._names = {declaration.name: declaration for declaration in declared(group)}
+        _accept_own_parts(node)
         given = node._parameter_overrides
         node._parameter_overrides = {name: self._with_type(given[name]) for name in given}
         self._warn_about_names()
         for declaration in declared(group):
             self._declare(declaration)
-        self.current: Group = build(group, self._values())
-        self._next = self.current
+        self._values = {name: node.get_parameter(name).value for name in self._names}
+        self.current: Group = build(group, self._values)
+        self._next = self._values, self.current
         node.add_pre_set_parameters_callback(lambda given: [self._with_type(p) for p in given])
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._keep)
@@ -83,25 +94,49 @@ class NodeParameters(Generic[Group]):
         except InvalidParameterTypeException as error:
             raise ParameterError(str(error)) from None
 
-    def _values(self) -> dict[str, Any]:
-        return {name: self._node.get_parameter(name).value for name in self._names}
-
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         if not all(parameter.name for parameter in parameters):
             return SetParametersResult(successful=False, reason="a parameter has no name")
         mine = {p.name: p.value for p in parameters if p.name in self._names}
         if mine:
             try:
-                self._next = build(self._group, self._values() | mine)
+                values = self._values | mine
+                self._next = values, build(self._group, values)
             except ParameterError as error:
                 return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
     def _keep(self, parameters: list[Parameter]) -> None:
         if any(parameter.name in self._names for parameter in parameters):
-            self.current = self._next
+            self._values, self.current = self._next
             for apply in self._on_change:
                 apply(self.current)
+
+
+def _accept_own_parts(node: Node) -> None:
+    """Accept the parts of one's own that the command line names, and show them as a parameter.
+
+    A parameter file can come from anywhere: it may only repeat names that are accepted.
+    """
+    accept_parts(_named_parts(ros_arguments()))
+    given = node._parameter_overrides.pop(OWN_PARTS, None)
+    refused = [name for name in parts_in(given.value if given else "") if not is_accepted(name)]
+    if refused:
+        raise ParameterError(
+            f"{OWN_PARTS} names code, so a parameter file cannot add {shortened(refused[0])}; give "
+            f"it where the process is started: --ros-args -p {OWN_PARTS}:=NAME"
+        )
+    meaning = "parts of one's own that this process accepts, separated by commas"
+    descriptor = ParameterDescriptor(description=meaning, read_only=True)
+    node.declare_parameter(OWN_PARTS, ",".join(accepted_parts()), descriptor)
+
+
+def _named_parts(arguments: Sequence[str]) -> Iterator[str]:
+    """The names in ``-p own_parts:=NAMES``, which a node's name may precede."""
+    for flag, value in pairwise(arguments):
+        name, _, text = value.partition(":=")
+        if flag in ("-p", "--param") and name.rpartition(":")[2] == OWN_PARTS:
+            yield from parts_in(parse_yaml(text, OWN_PARTS))
 
 
 def _with_list(parameter: Parameter, declaration: Declared) -> Parameter:

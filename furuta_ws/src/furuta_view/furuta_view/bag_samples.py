@@ -1,5 +1,6 @@
 """Reads the samples of a recording around a time, without reading the rest of it."""
 
+import logging
 from contextlib import ExitStack
 from functools import lru_cache
 from math import floor, nan, pi, remainder
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta_model.parameters import ParameterError, values
+from furuta_model.parameters import ParameterError, build, values
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.readers.bag import joint_sample
@@ -21,8 +22,11 @@ from furuta_ros.topic_names import (
     JOINTS,
     MEASUREMENT,
 )
+from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.settings import parameters_of, read_file
 from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
+
+_LOG = logging.getLogger(__name__)
 
 # Topics with the state, the best one first.
 STATES = (GROUND_TRUTH, JOINT_STATES, MEASUREMENT)
@@ -61,7 +65,13 @@ class BagSamples:
         file = parameter_file_of(self.path)
         if file is None:
             return {}
-        return {node: values(group) for node, group in parameters_of(read_file(file)).items()}
+        recorded = read_file(file)
+        try:
+            return {node: values(group) for node, group in parameters_of(recorded).items()}
+        except ParameterError as error:  # such as a part of the user's own
+            _LOG.warning("no exact cycle: %s", error)
+            defaults = {name: values(build(node.parameters, {})) for name, node in NODES.items()}
+            return {node: defaults[node] | recorded[node] for node in NODES}
 
     def window(self, end: float, seconds: float) -> np.ndarray:
         """The samples (n, 8) of the ``seconds`` before ``end``; times count from the start."""

@@ -7,6 +7,7 @@ times a second. The subscriptions are best effort, so that a view that hangs hol
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from math import nan, pi, remainder
 from time import monotonic
 from typing import Any
@@ -16,14 +17,13 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, QoSReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import UInt64MultiArray
 
 from furuta_model.state import RIGID_STATES, SIGNALS
 from furuta_ros import topic_names
-from furuta_ros.messages import RefusedError, read_joints
+from furuta_ros.messages import RefusedError, deserialized, read_joints, value_of
 from furuta_ros.reduction_status import NAME_END
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topics import (
@@ -46,6 +46,8 @@ EVENTS_QOS = QoSProfile(depth=1000, reliability=QoSReliabilityPolicy.RELIABLE)
 RATE = 100
 KEPT = 12
 PERIOD = NANOSECONDS // RATE
+# Bytes of a serialised JointState up to the end of its stamp.
+SMALLEST = 12
 
 PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 
@@ -110,12 +112,14 @@ class LiveNode(Node):
 
     def _add(self, serialized: bytes, estimate: float, command: float) -> None:
         """Keep a sample if the last one that was kept is old enough."""
+        if len(serialized) < SMALLEST:
+            return
         seconds, nanoseconds = np.frombuffer(serialized, "<i4,<u4", 1, 4)[0].item()
         stamp = seconds * NANOSECONDS + nanoseconds
         if 0 <= stamp - self._last_stamp < PERIOD:
             return
-        message = deserialize_message(serialized, JointState)
         try:
+            message = deserialized(serialized, JointState)
             read_joints(message, self._x)
         except RefusedError:
             return
@@ -175,12 +179,17 @@ def _take(subscription: Subscription) -> Iterator[bytes]:
 def _messages(subscription: Subscription) -> Iterator[Any]:
     """The messages that have arrived."""
     for message in _take(subscription):
-        yield deserialize_message(message, subscription.msg_type)
+        with suppress(RefusedError):
+            yield deserialized(message, subscription.msg_type)
 
 
 def _floats(messages: Iterator[bytes]) -> np.ndarray:
     """The numbers in serialized messages of type Float64."""
-    return np.array([np.frombuffer(message, "<f8", 1, 4)[0] for message in messages])
+    numbers = []
+    for message in messages:
+        with suppress(RefusedError):
+            numbers.append(value_of(message))
+    return np.array(numbers)
 
 
 def _at(numbers: np.ndarray, index: int, count: int) -> float:

@@ -69,7 +69,8 @@ class ParametersOnPage:
             self._link.search.submit(("describe", node), partial(self._replace, node))
         for changed in (*event.changed_parameters, *event.new_parameters):
             if changed.name in known:
-                self._show(node, changed.name, parameter_value_to_python(changed.value))
+                with contextlib.suppress(RuntimeError):  # a type that ROS does not know
+                    self._show(node, changed.name, parameter_value_to_python(changed.value))
 
     def _enter(self, node: str, name: str, value: Any) -> None:
         """Set what the user has entered; a refusal is shown at its control."""

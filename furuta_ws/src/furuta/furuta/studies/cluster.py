@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
+from furuta_model.own_functions import accept_parts, accepted_parts
 from furuta_ros.errors import UserError
 from furuta_sim.lanes.batch import outcomes
 from furuta_sim.simulation.closed_loop import Loop, Outcome
@@ -43,7 +44,13 @@ def outcomes_on_cluster(address: str, loops: Iterator[Loop], seconds: float) -> 
 
 
 def _submit(client: Any, chunk: list[Loop], seconds: float) -> Any:
-    return client.submit(outcomes, chunk, seconds, pure=False)
+    return client.submit(_outcomes_of, accepted_parts(), chunk, seconds, pure=False)
+
+
+def _outcomes_of(parts: list[str], chunk: list[Loop], seconds: float) -> list[Outcome]:
+    """The outcomes of loops whose parts the client of the cluster accepts; for its workers."""
+    accept_parts(parts)
+    return outcomes(chunk, seconds)
 
 
 def _outcomes(client: Any, chunk: list[Loop], future: Any, seconds: float) -> list[Outcome]:

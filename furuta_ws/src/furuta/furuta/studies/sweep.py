@@ -41,7 +41,7 @@ def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
             f"given {text!r}"
         )
     (_, first), *_ = parameters_named(name)
-    if ":" not in rest or (first.about.own and rest[0].isalpha()):
+    if ":" not in rest or first.about.own:
         return SweptParameter(name, tuple(rest.split(",")))
     if first.kind not in (float, int):
         raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")

@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 
 from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, option
+from furuta_bringup.options import json_option, option, own_parts_option
 from furuta_bringup.printing import print_json, show
 from furuta_hw.commissioning.friction import (
     RAMP_RATE,
@@ -43,10 +43,12 @@ RATES = FiniteRange(1e-3, 10.0)
 
 
 def rig_options(function: Function) -> Function:
-    """``--port`` and ``--rig``."""
+    """``--port``, ``--rig`` and ``--own-parts``."""
     rig = option("--rig", "name", default="paper", metavar="NAME|FILE", help="Rig file.")
     port = "Port of the rig, or mock for an emulated rig."
-    return option("--port", required=True, metavar="PORT", help=port)(rig(function))
+    return option("--port", required=True, metavar="PORT", help=port)(
+        rig(own_parts_option(function))
+    )
 
 
 def drive_options(function: Function) -> Function:

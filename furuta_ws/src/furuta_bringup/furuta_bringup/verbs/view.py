@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from furuta_bringup.file_types import PATH
-from furuta_bringup.options import namespace_option, option
+from furuta_bringup.options import namespace_option, option, own_parts_option
+from furuta_model.own_functions import accepted_parts
 from furuta_ros.scheduling import may_have_priority
 
 # How far the page stands back for the loop when both want a core.
@@ -25,6 +26,7 @@ NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 @option("--no-open", is_flag=True, help="Open no browser.")
 @option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
+@own_parts_option
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(
     attach: bool,
@@ -60,7 +62,8 @@ def command(
 
     page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []
+    page += (own := [word for name in accepted_parts() for word in ("--own-parts", name)])
     shared = ["--namespace", namespace] if namespace else []
     in_time = not any(option.startswith(NOT_IN_TIME) for option in options)
     prior = ["--priority", str(PRIORITY)] if in_time and may_have_priority(PRIORITY) else []
-    sys.exit(run_with_page((*prior, *options), page, shared))
+    sys.exit(run_with_page((*prior, *own, *options), page, shared))

@@ -23,7 +23,7 @@ class RigLine(NamedTuple):
     """The line to the rig, the driver that uses it, and the rig's timing."""
 
     driver: Annotated[
-        str, About("rig driver: a module of furuta_hw/drivers, or package.module:Class")
+        str, About("rig driver: a module of furuta_hw/drivers, or one of own_parts")
     ] = "serial_protocol"
     baud: Annotated[int, About("bits per second", "1/s", 1200, 12_000_000)] = 1_000_000
     sample_time: Annotated[float, About("time between samples", "s", 1e-4, 0.1)] = 0.001
