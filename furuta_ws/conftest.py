@@ -72,6 +72,24 @@ def other_rig(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working directory with a module ``evil``; loading it sets ``sys.loaded_evil``.
+
+    The process accepts no parts yet.
+    """
+    from own_parts import EVIL
+
+    from furuta_model import own_functions
+
+    (tmp_path / "evil.py").write_text(EVIL)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delattr(sys, "loaded_evil", raising=False)
+    monkeypatch.setattr(own_functions, "_accepted", {})
+    monkeypatch.setattr(own_functions, "_imported_names", [])
+    return tmp_path
+
+
+@pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
     from furuta_sim.settings.settings import default_settings

@@ -55,3 +55,12 @@ def differences(memory: Any, x: Any, measurement: Any, p: Any) -> None:
     """Filtered differences of θ."""
     x[3] += 0.2 * ((measurement[2] - x[2]) / p.sample_time - x[3])
     x[0], x[1], x[2], x[4] = measurement[0], measurement[1], measurement[2], nan
+
+
+# A module that says when it is loaded.
+EVIL = """
+import sys
+sys.loaded_evil = True
+def f(memory, x, friction, p):
+    return 0.25
+"""

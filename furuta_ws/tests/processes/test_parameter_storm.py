@@ -15,8 +15,9 @@ LONGEST_STANDSTILL = 0.1
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("rate", [500, pytest.param(50, marks=pytest.mark.long),
-    pytest.param(200, marks=pytest.mark.long), pytest.param(2000, marks=pytest.mark.long)])  # fmt: skip
+@pytest.mark.parametrize(
+    "rate", [500, *(pytest.param(each, marks=pytest.mark.long) for each in (50, 200, 2000))]
+)
 @pytest.mark.parametrize("changed", [("controller", "omega1", 7.0, 7.1)], ids=lambda c: c[0])
 def test_pendulum_stays_upright_while_parameters_are_flooded(
     processes: Any, tmp_path: Path, rate: int, changed: tuple[str, str, float, float]

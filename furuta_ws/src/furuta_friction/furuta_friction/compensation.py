@@ -130,7 +130,7 @@ class CompensationMemory:
 
 @lru_cache(maxsize=64)
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
-    """The compensation that the parameters describe. Cached: the check of a change designs it too."""
+    """The compensation that the parameters describe. Cached: a change is checked by it too."""
     is_own = p.compensation not in COMPENSATIONS
     return CompensationDesign(
         kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),

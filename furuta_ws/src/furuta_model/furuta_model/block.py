@@ -45,11 +45,12 @@ def zeros(*shape: int) -> Any:
 
 def field_names(value: Any) -> tuple[str, ...]:
     """Names of the fields of a named tuple or a memory; none for anything else."""
-    return _names(type(value))
+    kind: Any = type(value)
+    return _names(kind)
 
 
 @cache
-def _names(kind: type) -> tuple[str, ...]:
+def _names(kind: Any) -> tuple[str, ...]:
     if is_dataclass(kind):
         return tuple(declared.name for declared in fields(kind))
     return getattr(kind, "_fields", ())

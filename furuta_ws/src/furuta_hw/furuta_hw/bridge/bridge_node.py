@@ -63,6 +63,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
         LifecycleNodeMixin.__init__(self)
+        changes = self._service_change_state
+        changes.callback = self.guarded("change_state", changes.callback)
         reject_simulated_time(self, "a rig runs in real time")
         self.rig = Rig()
         self.guard = Guard(self.rig.limits, self.rig.line.sample_time)

@@ -1,0 +1,113 @@
+"""Which names of code nodes, launch arguments, files and bags may use."""
+
+import sys
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from own_parts import EVIL
+from testbench import Bench
+
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.launching import launched_nodes
+from furuta_graph.parameter_client import ParameterClient
+from furuta_model.parameters import ParameterError
+from furuta_recordings.recorder_node import RecorderNode
+from furuta_ros.context import ros_context
+from furuta_ros.services import ServiceError
+from furuta_sim.settings.nodes import NODES
+from furuta_view.bag_samples import BagSamples
+
+# Node, parameter, and the default, of each parameter that can name code.
+NAMING_CODE = [
+    ("plant", "friction.law", "lugre"),
+    ("estimator", "method", "kalman"),
+    ("friction_observer", "compensation", "none"),
+    ("controller", "mode", "balance"),
+]
+
+
+def write(file: Path, node: str, **parameters: Any) -> Path:
+    file.write_text(yaml.safe_dump({node: {"ros__parameters": parameters}}))
+    return file
+
+
+@pytest.mark.parametrize(("name", "parameter", "default"), NAMING_CODE)
+def test_a_request_imports_nothing(
+    bench: Bench, evil: Path, name: str, parameter: str, default: str
+) -> None:
+    """It is refused with the reason, and the node goes on with what it had."""
+    node = bench.add(NODES[name].load_class()([]))
+    client = ParameterClient(bench.probe, bench.executor)
+    for code in ("evil:f", "evil.py:f", "os:system", "venv.__main__:x"):
+        with pytest.raises(ServiceError, match="is not accepted; name it when the process starts"):
+            client.set_all(name, {parameter: code})
+    with pytest.raises(ServiceError, match="read-only"):
+        client.set_all(name, {"own_parts": "evil.py:f"})
+    assert client.get(name, [parameter, "own_parts"]) == {parameter: default, "own_parts": ""}
+    assert node.get_parameter(parameter).value == default
+    assert not hasattr(sys, "loaded_evil")
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_a_parameter_file_names_no_code(evil: Path, name: str) -> None:
+    """Neither as a part nor as one that is accepted."""
+    for parameter, code in (("own_parts", "evil.py:f"), ("own_parts", ["evil:f"])):
+        file = write(evil / "theirs.yaml", name, **{parameter: code})
+        with (
+            ros_context(["--ros-args", "--params-file", str(file)]),
+            pytest.raises(ParameterError, match="a parameter file cannot add 'evil"),
+        ):
+            NODES[name].load_class()([])
+    assert not hasattr(sys, "loaded_evil")
+
+
+def test_whoever_starts_a_node_names_its_parts(evil: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The node shows them, uses them while it runs, and takes no other."""
+    (evil / "mine.py").write_text(EVIL)
+    names = "controller:own_parts:=mine.py:f,evil.py:f"
+    with ros_context(["--ros-args", "-p", names, "-p", "mode:=mine.py:f"]):
+        bench = Bench()
+        node = bench.add(NODES["controller"].load_class()([]))
+        client = ParameterClient(bench.probe, bench.executor)
+        assert client.get("controller", ["mode"]) == {"mode": "mine.py:f"}
+        assert "mine.py:f,evil.py:f" in client.get("controller", ["own_parts"])["own_parts"]
+        for mode in ("balance", "evil.py:f", "mine.py:f"):
+            client.set_all("controller", {"mode": mode})
+            assert node.parameters.mode == mode
+        with pytest.raises(ServiceError, match="'evil:f' is not accepted"):
+            client.set_all("controller", {"mode": "evil:f"})
+        bench.close()
+
+
+def test_launch_names_parts_for_every_node(evil: Path) -> None:
+    """A parameter file of a launch may use these, and no others."""
+    for _, parameter, _ in NAMING_CODE:
+        file = write(evil / "theirs.yaml", "/**", **{parameter: "evil:f"})
+        with pytest.raises(ParameterError, match="'evil:f' is not accepted"):
+            launched_nodes(params_file=str(file))
+    assert not hasattr(sys, "loaded_evil")
+    (evil / "launched.py").write_text(EVIL)
+    file = write(evil / "mine.yaml", "controller", mode="launched.py:f")
+    nodes = launched_nodes(params_file=str(file), own_parts="launched.py:f")
+    for arguments in (node["ros_arguments"] for node in nodes):
+        assert any("own_parts:=" in each and "launched.py:f" in each for each in arguments)
+
+
+def test_reading_a_bag_imports_nothing(
+    ros: None, evil: Path, settings: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Its parameters are shown as they were recorded."""
+    settings["plant"] |= {"clock": "lockstep", "run_until": 0.1}
+    graph = SimulatedGraph(settings, record=partial(RecorderNode, evil / "bag", stamped=True))
+    graph.run_until(0.1)
+    graph.close()
+    (evil / "bag" / "evil.py").write_text(EVIL)
+    write(evil / "bag" / "parameters.yaml", "plant", **{"friction.law": "evil:f"})
+    samples = BagSamples(evil / "bag")
+    assert samples.parameters()["plant"]["friction.law"] == "evil:f"
+    assert "'evil:f' is not accepted" in caplog.text
+    samples.close()
+    assert not hasattr(sys, "loaded_evil")
