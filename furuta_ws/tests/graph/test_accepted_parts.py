@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 import yaml
 from own_parts import EVIL
+from std_msgs.msg import Float64
 from testbench import Bench
 
 from furuta_graph.composed_graph import SimulatedGraph
@@ -15,6 +16,7 @@ from furuta_graph.launching import launched_nodes
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import RecorderNode
+from furuta_recordings.replay_node import message_class
 from furuta_ros.context import ros_context
 from furuta_ros.services import ServiceError
 from furuta_sim.settings.nodes import NODES
@@ -111,3 +113,17 @@ def test_reading_a_bag_imports_nothing(
     assert "'evil:f' is not accepted" in caplog.text
     samples.close()
     assert not hasattr(sys, "loaded_evil")
+
+
+@pytest.mark.parametrize(
+    "name", ["evil/msg/f", "evil", "antigravity/msg/X", "", "..", "os.path/msg/X", "a b/msg/c"]
+)
+def test_a_type_in_a_bag_imports_no_other_package(
+    evil: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Only packages with ROS messages are imported, to replay them."""
+    monkeypatch.syspath_prepend(evil)
+    assert message_class(name) is None
+    assert not hasattr(sys, "loaded_evil")
+    assert "antigravity" not in sys.modules
+    assert message_class("std_msgs/msg/Float64") is Float64

@@ -1,7 +1,8 @@
 """Node ``replay``: publishes the messages of a bag on their topics."""
 
-import importlib
 from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any, NamedTuple
@@ -54,10 +55,10 @@ class ReplayNode(Node):
         self._topic_publishers: dict[str, Publisher] = {}
         names = {_absolute(old): new for old, new in options.remap}
         for topic, type_name in self._chosen_types().items():
-            message_class = _message_class(type_name)
-            if message_class is not None:
+            kind = message_class(type_name)
+            if kind is not None:
                 self._topic_publishers[topic] = self.create_publisher(
-                    message_class, names.get(_absolute(topic), topic), deep(QUEUE_DEPTH)
+                    kind, names.get(_absolute(topic), topic), deep(QUEUE_DEPTH)
                 )
             elif options.topics:
                 raise ParameterError(f"{topic}: the type {type_name} is not installed")
@@ -131,10 +132,17 @@ def _absolute(topic: str) -> str:
     return "/" + topic.strip("/")
 
 
-def _message_class(type_name: str) -> Any:
+def message_class(type_name: str) -> Any:
     """The class of a message type; None if it is not installed."""
     package, _, rest = type_name.partition("/")
-    try:
-        return getattr(importlib.import_module(f"{package}.msg"), rest.rpartition("/")[2], None)
-    except ImportError:
+    if not _has_messages(package):
         return None
+    return getattr(import_module(f"{package}.msg"), rest.rpartition("/")[2], None)
+
+
+def _has_messages(package: str) -> bool:
+    """Whether a package holds ROS messages. A bag can name any package: it must not be imported."""
+    spec = find_spec(package) if package.isidentifier() else None
+    folders = (spec and spec.submodule_search_locations) or ()
+    name = f"{package}_s__rosidl_typesupport_c.*"
+    return any(any(Path(folder).glob(name)) for folder in folders)
