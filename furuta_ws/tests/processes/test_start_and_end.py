@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic, sleep
@@ -31,6 +32,15 @@ INTERRUPTED = {
     "param": ((*FURUTA, "param", "get", "nobody", "seed"), ("", "rclpy_pybind11")),
 }
 USUAL = (("plant", "rclpy_pybind11"), ("run", ""), ("simulate", "llvmlite"))
+BLOCKED_GRAPH = """
+import ctypes, sys
+from furuta_bringup.main import run_verb
+from furuta_sim.plant_node import PlantNode
+
+PlantNode.destroy_node = lambda node: ctypes.PyDLL(None).pause()  # keeps Python's lock
+sys.argv = ["furuta", "run", "--lockstep", "--seconds", "1", "--record", sys.argv[1]]
+run_verb()
+"""
 
 
 def wait_for(condition: Callable[[], Any]) -> Any:
@@ -174,3 +184,11 @@ def test_a_bridge_without_a_rig_is_not_ready(processes: Any, goal: str) -> None:
     status, _, err = end_of(process)
     assert status == 0
     assert "ready" not in "".join(lines[:-1]) + err
+
+
+def test_a_graph_ends_though_the_middleware_does_not(processes: Any, tmp_path: Path) -> None:
+    """With status 0, its report, and its bag closed."""
+    bag = tmp_path / "bag"
+    status, out, err = end_of(processes.start(sys.executable, "-c", BLOCKED_GRAPH, bag))
+    assert (status, out.splitlines()[-1]) == (0, "1000 samples, 1.000 s"), err
+    assert sorted(file.suffix for file in bag.iterdir()) == [".db3", ".yaml", ".yaml"]

@@ -70,6 +70,11 @@ class ComposedGraph:
         """Why the recording ended before the graph; None if it did not."""
         return self._recorder.failure if self._recorder is not None else None
 
+    def end_recording(self) -> None:
+        """Finish the bag, if there is one."""
+        if self._recorder is not None:
+            self._recorder.close()
+
     def close(self) -> None:
         """End the recording, then the nodes."""
         self.executor.shutdown()

@@ -2,8 +2,6 @@
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
 from typing import Any, NamedTuple
@@ -15,6 +13,7 @@ from furuta_graph.graph_plan import Graph
 from furuta_model.own_functions import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
+from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import fail
 from furuta_ros.stop_signal import StopSignal
@@ -81,18 +80,31 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     This process records, if ``record`` is given. The status is that of the first node that failed,
     with a line on standard error for each such node; it is 1 if the recording ended early.
     """
-    started = Children()
-    with _recording(record, graph.namespace) as recorder:
-        collect = recorder.collect if recorder else lambda: None
+    if record is None:
+        return _run(graph, stop)
+    with ros_context(namespace=graph.namespace):
+        recorder, status = record(), 1
         try:
-            for node in node_processes(graph):
-                started.start(node.name, node.command)
-            while not (stop() or started.any_has_ended()):
-                collect()
-                sleep(CHECK_PERIOD)
+            status = _run(graph, stop, recorder)
         finally:
-            collect()  # the last messages of a node are lost when it ends
-            started.end()
+            with bounded_end(status):
+                recorder.destroy_node()
+    return status
+
+
+def _run(graph: Graph, stop: StopSignal, recorder: RecorderNode | None = None) -> int:
+    started, collect = Children(), recorder.collect if recorder else lambda: None
+    try:
+        for node in node_processes(graph):
+            started.start(node.name, node.command)
+        while not (stop() or started.any_has_ended()):
+            collect()
+            sleep(CHECK_PERIOD)
+    finally:
+        collect()  # the last messages of a node are lost when it ends
+        started.end()
+        if recorder is not None:
+            recorder.close()
     failures = started.failures(stop())
     for name in failures:
         print(f"error: {started.describe_end(name)}", file=sys.stderr)
@@ -101,17 +113,3 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     if recorder is not None and recorder.failure is not None:
         unrecorded = fail(f"the recording is incomplete: {recorder.failure}")
     return next(iter(failures.values()), unready or unrecorded)
-
-
-@contextmanager
-def _recording(record: MakeRecorder | None, namespace: str) -> Iterator[RecorderNode | None]:
-    """The recorder, if there is something to record; it ends with the context."""
-    if record is None:
-        yield None
-        return
-    with ros_context(namespace=namespace):
-        recorder = record()
-        try:
-            yield recorder
-        finally:
-            recorder.destroy_node()

@@ -1,5 +1,6 @@
 """Running the composed graph until it is stopped, with a report at the end."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
@@ -9,6 +10,7 @@ from furuta_graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedG
 from furuta_graph.graph_plan import Graph
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
+from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.scheduling import Scheduling, apply_scheduling
@@ -102,7 +104,10 @@ def _running(
         try:
             yield composed
         finally:
-            composed.close()
+            composed.end_recording()
+            failed = composed.recording_failure is not None or sys.exc_info()[0] is not None
+            with bounded_end(int(failed)):
+                composed.close()
     if composed.recording_failure is not None:
         raise UserError(f"the recording is incomplete: {composed.recording_failure}")
 

@@ -134,8 +134,9 @@ class RecorderNode(Node):
             )
 
     def close(self) -> None:
-        """Collect what is left and finish the bag."""
-        self.collect()
+        """Collect what is left and finish the bag; may be called twice."""
+        if not self._writer.closed:
+            self.collect()
         self._writer.close()
         self._report_failure()
 

@@ -10,6 +10,7 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.parameters import About, ParameterError
 from furuta_recordings.recorder_node import COLLECT_EVERY, RecorderNode
+from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
@@ -38,7 +39,9 @@ def record(arguments: list[str] | None = None) -> int:
             while not stop() and recorder.failure is None:
                 recorder.collect()
                 sleep(COLLECT_EVERY)
-            recorder.destroy_node()
+            recorder.close()
+            with bounded_end(int(recorder.failure is not None)):
+                recorder.destroy_node()
     except (ParameterError, UserError) as error:
         return fail(first_line(error))
     return int(recorder.failure is not None)

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from furuta_model.parameters import ParameterError, shortened
+from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
@@ -112,7 +113,8 @@ def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
         spin_until(executor, stop)
         # The executor first: it would release what the middleware has destroyed with the node.
         executor.shutdown()
-        node.destroy_node()
+        with bounded_end(0):
+            node.destroy_node()
     return 0
 
 

@@ -120,11 +120,12 @@ def replay(
     """Publish the messages of BAG with their original timing."""
     from furuta_recordings.replay_node import ReplayNode, ReplayOptions
     from furuta_ros.context import ros_context
+    from furuta_ros.bounded_end import bounded_end
     from furuta_ros.spinning import StopSignal
 
     with ros_context():
         node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
         node.play(StopSignal())
-        result = {"published": node.published, "latest_s": node.latest}
-        node.destroy_node()
-    show(result, as_json)
+        show({"published": node.published, "latest_s": node.latest}, as_json)
+        with bounded_end(0):
+            node.destroy_node()

@@ -30,7 +30,7 @@ class BackgroundWriter:
         self._rows: list[Row] = []
         self._bytes = 0
         self._next_flush = 0.0
-        self._closed = False
+        self.closed = False
         try:
             self._writer = BagWriter(path, topics, parameters)
         except OSError as error:
@@ -73,9 +73,9 @@ class BackgroundWriter:
 
     def close(self) -> None:
         """Write what is left and finish the bag; may be called twice."""
-        if self._closed:
+        if self.closed:
             return
-        self._closed = True
+        self.closed = True
         self._flush()
         self._check()
         self._writing = self._thread.submit(self._writer.close)
