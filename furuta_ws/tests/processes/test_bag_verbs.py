@@ -1,6 +1,8 @@
 """Recording, replaying and identifying on the command line."""
 
 import json
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -180,3 +182,18 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
         assert (status, out) == (1, ""), arguments
         assert reason in err
         assert len(err.strip().splitlines()) == 1
+
+
+def test_names_in_files_do_not_command_the_terminal(furuta: Any, tmp_path: Path) -> None:
+    """They are printed with escapes, by ``bag info`` and by ``bag replay``."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        writer.add_connection("/x\x1b[2J\ny", "std_msgs/msg/Float64", typestore=types)
+    (file,) = (tmp_path / "bag").glob("*.db3")
+    with closing(sqlite3.connect(file)) as database, database:
+        database.execute("UPDATE topics SET type = 'a\x1b[2Jb/msg/C'")
+    for verb in (("info",), ("replay", "--rate", "0")):
+        status, out, err = furuta("bag", *verb, file)
+        assert status == 0, err
+        assert "\x1b[2J" not in out + err
+        assert "/x\\x1b[2J\\ny" in out + err

@@ -12,9 +12,13 @@ COMPLEX = ("poles", "zeros", "multipliers")
 
 
 def printable(text: str) -> str:
-    """The text as one line, with escapes for what a terminal would not print."""
-    shown = text[:LONGEST_LINE] + (" ..." if len(text) > LONGEST_LINE else "")
-    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in shown)
+    """The text as one line, not too long, with escapes for what a terminal would not print."""
+    return escaped(text[:LONGEST_LINE] + (" ..." if len(text) > LONGEST_LINE else ""))
+
+
+def escaped(text: str) -> str:
+    """The text with escapes for what a terminal would not print, such as its own commands."""
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
 def rounded(value: Any) -> str:
@@ -29,7 +33,7 @@ def show(result: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(result)
     else:
-        print("\n".join(_lines(result)))
+        print("\n".join(map(escaped, _lines(result))))
 
 
 def _lines(result: dict[str, Any], indent: str = "") -> Iterator[str]:

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
-from furuta_bringup.printing import finite
+from furuta_bringup.printing import escaped, finite
 
 Item = TypeVar("Item")
 
@@ -36,5 +36,5 @@ def print_table(title: str, rows: Iterable[Mapping[str, Any]], headings: Mapping
     for row in rows:
         values = (finite(row[name]) for name in headings)
         texts = (f"{value:.3g}" if isinstance(value, float) else value for value in values)
-        table.add_row(*("–" if text is None else escape(str(text)) for text in texts))
+        table.add_row(*("–" if text is None else escape(escaped(str(text))) for text in texts))
     Console().print(table)

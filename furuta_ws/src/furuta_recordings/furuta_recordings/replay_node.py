@@ -63,7 +63,7 @@ class ReplayNode(Node):
             elif options.topics:
                 raise ParameterError(f"{topic}: the type {type_name} is not installed")
             else:
-                self.get_logger().warning(f"left out {topic}: {type_name} is not installed")
+                self.get_logger().warning(f"left out {topic!r}: {type_name!r} is not installed")
         self._bag_clock = SimulatedClock(self, CLOCK_TOPIC) if options.clock else None
 
     def _chosen_types(self) -> dict[str, str]:

@@ -6,11 +6,12 @@ from typing import Any
 import click
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 
 from furuta_bringup.file_types import FIGURE, PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
-from furuta_bringup.printing import print_json, show
+from furuta_bringup.printing import escaped, print_json, show
 from furuta_identification.fitting.coupling import find_coupling
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.identify import free_swing_of_files, identify_files
@@ -146,7 +147,8 @@ def command(
     console = Console(stderr=True)
     with console.status("reading") as status:
         # Without a terminal there is no line to update: a line for each stage.
-        options = options._replace(report=status.update if console.is_terminal else console.print)
+        stage = status.update if console.is_terminal else console.print
+        options = options._replace(report=lambda text: stage(escape(escaped(text))))
         model, fitted, held_out = identify_files(paths, validation_paths, names, options)
         compared = compare_laws(model, options.report) if laws else []
         if coupling:
@@ -171,7 +173,7 @@ def command(
     if as_json:
         print_json(result)
     else:
-        print(*report_lines(result), sep="\n")
+        print(*map(escaped, report_lines(result)), sep="\n")
     _refuse_unusable(verdict)
 
 
