@@ -9,6 +9,8 @@ from furuta_recordings.recording import Recording
 FEWEST_SAMPLES = 100
 # Part of the samples that may be before an earlier one.
 LARGEST_UNORDERED_PART = 0.1
+# Time [s] to the sample before from which the speed between them means something.
+SHORTEST_STEP = 1e-9
 # Median intervals without a sample from which a dropout is reported.
 LONGEST_GAP = 10.0
 # Largest command [V] of a motor of this size.
@@ -40,7 +42,7 @@ def _with_usable_samples(recording: Recording) -> Recording:
             raise ParameterError(f"{recording.name}: no angle of the {joint}")
     _refuse_unordered(recording)
     usable = np.isfinite(measured[:, PHI]) & np.isfinite(measured[:, THETA]) & np.isfinite(time)
-    usable[1:] &= np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > 0.0
+    usable[1:] &= np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > SHORTEST_STEP
     if np.sum(usable) < FEWEST_SAMPLES:
         raise ParameterError(
             f"{recording.name}: {np.sum(usable)} usable samples of {len(time)}, at least "

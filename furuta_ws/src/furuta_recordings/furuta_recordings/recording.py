@@ -44,8 +44,10 @@ class Recording(NamedTuple):
 
     @property
     def interval(self) -> float:
-        """The median time between two samples [s]."""
-        return float(np.median(np.diff(self.time)))
+        """The median time between two samples [s], where it increases; 0 if it never does."""
+        steps = np.diff(self.time)
+        forward = steps[steps > 0.0]
+        return float(np.median(forward)) if len(forward) else 0.0
 
     @property
     def largest_command(self) -> float:

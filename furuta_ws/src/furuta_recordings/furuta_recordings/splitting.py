@@ -85,8 +85,8 @@ def excerpts_of(run: Recording, most_samples: int) -> list[Recording]:
     n = len(run.time)
     if n <= most_samples:
         return [run]
-    every = max(1, int(SHORTEST_INTERVAL / run.interval + 1e-6))
-    size = EXCERPT * every
+    every = max(1, int(SHORTEST_INTERVAL / (run.interval or 1.0) + 1e-6))
+    size = min(EXCERPT * every, n)
     parts = [slice(start, start + size, every) for start in range(0, n - size + 1, size)]
     parts = _moving(run, parts)
     spread = np.linspace(0, len(parts) - 1, min(EXCERPTS, len(parts))).round().astype(int)

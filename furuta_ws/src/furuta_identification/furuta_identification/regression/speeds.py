@@ -46,6 +46,7 @@ def with_speeds(recording: Recording, lag: float, reach: float = REACH) -> Recor
 def _slope(time: np.ndarray, angle: np.ndarray, seconds: float) -> np.ndarray:
     """Slope of a straight line through the samples within some ``seconds`` to either side."""
     reach = max(2, round(seconds / float(np.median(np.diff(time)))))
+    reach = min(reach, len(time) // 2)
     time = time - time[0]  # squares of times since 1970 would lose the intervals
     kernel = np.ones(2 * reach + 1)
     pad = (reach, reach)

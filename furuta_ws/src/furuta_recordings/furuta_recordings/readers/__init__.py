@@ -7,6 +7,7 @@ from furuta_recordings.readers.bag import read_bag
 from furuta_recordings.readers.mapping import Mapping
 from furuta_recordings.readers.simulation import read_simulation
 from furuta_recordings.readers.table import read_table
+from furuta_recordings.readers.times import with_usable_times
 from furuta_recordings.recording import Recording
 
 __all__ = ["Mapping", "is_bag", "read"]
@@ -22,5 +23,6 @@ def read(path: Path, mapping: Mapping) -> Recording:
     if not path.exists():
         raise ParameterError(f"no recording {path}")
     if path.suffix == ".npz":
-        return read_simulation(path)
-    return read_bag(path, mapping) if is_bag(path) else read_table(path, mapping)
+        return with_usable_times(read_simulation(path))
+    read_one = read_bag if is_bag(path) else read_table
+    return with_usable_times(read_one(path, mapping))

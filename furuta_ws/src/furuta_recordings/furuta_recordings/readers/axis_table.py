@@ -17,7 +17,7 @@ from furuta_recordings.readers.columns import (
 )
 from furuta_recordings.readers.mapping import Mapping
 from furuta_recordings.readers.table import command_column
-from furuta_recordings.readers.times import clock_column, seconds
+from furuta_recordings.readers.times import clock_column, seconds, with_usable_times
 from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import read_columns
 
@@ -46,7 +46,8 @@ def read_axis(
     measured = np.full((len(time), RIGID_STATES), np.nan)
     measured[:, PHI] = in_si(path, columns, where, ANGLE_UNITS | LENGTH_UNITS)
     torque = torque_constant * in_si(path, columns, driven, DRIVE_UNITS)
-    return Recording(path.name, time - time[0], measured, time - time[0], torque)
+    elapsed = time - time[0]
+    return with_usable_times(Recording(path.name, elapsed, measured, elapsed, torque))
 
 
 def _position_column(path: Path, columns: Columns, wanted: str | None) -> str:

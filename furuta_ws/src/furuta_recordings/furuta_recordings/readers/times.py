@@ -6,6 +6,7 @@ import numpy as np
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.columns import TIME_UNITS, Columns, column, in_si
+from furuta_recordings.recording import Recording
 
 # Names of a column with the time; `stamp` alone is one too.
 TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime")
@@ -14,6 +15,8 @@ USUAL = "__time, time, timestamp, t, time_ms, millis, `Time [s]`"
 EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
 # Median interval [s] from which a time cannot be in seconds.
 LONGEST_INTERVAL = 0.5
+# Median interval and time from first to last [s] that no log has.
+SHORTEST_INTERVAL, LONGEST_SPAN = 1e-7, 1e12
 
 
 def clock_column(path: Path, columns: Columns, wanted: str | None) -> str:
@@ -74,3 +77,15 @@ def seconds(path: Path, columns: Columns, name: str) -> np.ndarray:
             "seconds, add its unit to the name, as in time_ms"
         )
     return scale * times
+
+
+def with_usable_times(recording: Recording) -> Recording:
+    """The recording, if its times can be computed with: a window of 1e-300 s has no samples."""
+    times = recording.time[np.isfinite(recording.time)]
+    span = float(np.ptp(times)) if len(times) > 1 else 0.0
+    if span > LONGEST_SPAN or 0.0 < recording.interval < SHORTEST_INTERVAL:
+        raise ParameterError(
+            f"{recording.name}: {len(times)} times over {span:.3g} s, with a median interval of "
+            f"{recording.interval:.3g} s; correct the times or their unit"
+        )
+    return recording
