@@ -1,6 +1,7 @@
 """Bag files: readable after every flush, whatever ends the writer, and recovered when damaged."""
 
 import os
+import re
 import shutil
 import signal
 import sqlite3
@@ -27,10 +28,11 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.bags import background_writer
 from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.limits import parse_offered_qos
-from furuta_recordings.bags.metadata import BagTopic
+from furuta_recordings.bags.limits import MOST_TOPICS, parse_offered_qos
+from furuta_recordings.bags.metadata import METADATA_FILE, SECTION, BagTopic, as_yaml, metadata
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
+from furuta_ros.yaml_files import read_yaml
 
 TOPICS = [
     BagTopic("/a", "std_msgs/msg/Float64", "float64 data\n", ""),
@@ -344,3 +346,93 @@ def test_megabytes_of_offered_qualities_of_service_are_refused() -> None:
     """The library's reader of YAML would take minutes."""
     with pytest.raises(ParameterError, match="described by 3000000 characters"):
         parse_offered_qos("[" + "1, " * 999_999 + "1]")
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "value", "found", "kept"),
+    [
+        ("topics", "name", "NULL", "null, must be text", 20),
+        ("topics", "type", "7", "integer, must be text", 20),
+        ("topics", "id", "1.5", "real, must be integer", 20),
+        ("messages", "topic_id", "NULL", "null, must be integer", 39),
+        ("messages", "timestamp", "1.5", "real, must be integer", 39),
+        ("messages", "timestamp", "'now'", "text, must be integer", 39),
+        ("messages", "data", "'text'", "text, must be blob", 39),
+        ("message_definitions", "encoding", "x'00'", "blob, must be text", 40),
+        ("schema", "schema_version", "NULL", "null, must be integer", 40),
+    ],
+)
+def test_a_column_with_another_type_is_named(
+    tmp_path: Path, table: str, column: str, value: str, found: str, kept: int
+) -> None:
+    """The bag is refused; a recovery keeps the messages that have all they need."""
+    bag = written(tmp_path / "bag", 40)
+    with closing(sqlite3.connect(bag / "bag_0.db3")) as database, database:
+        names = [name for _, name, *_ in database.execute(f"PRAGMA table_info({table})")]
+        rows = database.execute(f"SELECT * FROM {table}").fetchall()
+        database.execute(f"DROP TABLE {table}")
+        database.execute(f"CREATE TABLE {table}({','.join(names)})")  # takes all types
+        database.executemany(f"INSERT INTO {table} VALUES ({','.join('?' * len(names))})", rows)
+        database.execute(f"UPDATE {table} SET {column} = {value} WHERE rowid = 1")
+    reason = f"{table}.{column} holds {found}"
+    with pytest.raises(ParameterError, match=re.escape(reason)), Bag(bag):
+        pass
+    recovered = recover(bag, tmp_path / "recovered")
+    assert recovered["messages"] == kept == len(times(tmp_path / "recovered"))
+    assert reason in recovered["problems"][0]
+
+
+def test_a_damaged_page_costs_what_comes_after_it(tmp_path: Path) -> None:
+    bag = written(tmp_path / "bag", 3000)
+    file = bag / "bag_0.db3"
+    content = bytearray(file.read_bytes())
+    middle = len(content) // 2 // 4096 * 4096
+    content[middle : middle + 8192] = b"\xff" * 8192
+    file.write_bytes(content)
+    assert recover(bag, tmp_path / "recovered")["messages"] > 500
+    kept = times(tmp_path / "recovered")
+    assert kept == list(range(len(kept)))
+
+
+def test_a_time_beyond_64_bits_is_refused(tmp_path: Path) -> None:
+    """MCAP has room for it; a recovery names the message that it leaves out."""
+    file = tmp_path / "bag.mcap"
+    with file.open("wb") as stream:
+        writer = McapWriter(stream)
+        writer.start("ros2", "test")
+        schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channel = writer.register_channel("/a", "cdr", schema)
+        for time in (5, 2**63):
+            writer.add_message(channel, time, DATA, time)
+        writer.finish()
+    with pytest.raises(ParameterError, match="/a has the time 9223372036854775808 ns"):
+        times(file)
+    (problem,) = recover(file, tmp_path / "recovered")["problems"]
+    assert "left out a message with the time 9223372036854775808 ns" in problem
+    assert times(tmp_path / "recovered") == [5]
+
+
+def test_metadata_of_the_most_topics_are_readable(tmp_path: Path) -> None:
+    """Those of a recovered bag, which knows no quality of service."""
+    hashed = "RIHS01_" + 64 * "0"
+    topics = [
+        TOPICS[0]._replace(name=f"/robot/group/topic_{k}", type_hash=hashed)
+        for k in range(MOST_TOPICS)
+    ]
+    about = metadata(topics, [0] * MOST_TOPICS, "bag_0.db3", (0, 0))
+    (tmp_path / METADATA_FILE).write_text(as_yaml({SECTION: about}))
+    assert read_yaml(tmp_path / METADATA_FILE, "metadata") == {SECTION: about}
+
+
+def test_a_recovery_says_what_it_has_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Too many topics; what it writes is readable."""
+    names = [f"/{k}" for k in range(20)]
+    writer = BagWriter(tmp_path / "bag", [TOPICS[0]._replace(name=name) for name in names], {})
+    for k in range(40):
+        writer.add(k % 20, k, DATA)
+    writer.close()
+    monkeypatch.setattr("furuta_recordings.bags.recovery.MOST_TOPICS", 12)
+    reason = r"lacks 16 messages on topics after the first 12, .* it holds 24 messages"
+    with pytest.raises(ParameterError, match=reason):
+        recover(tmp_path / "bag", tmp_path / "recovered")
+    assert len(times(tmp_path / "recovered")) == 24

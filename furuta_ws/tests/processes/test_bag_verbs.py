@@ -7,6 +7,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+import hostile_files
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -197,3 +198,13 @@ def test_names_in_files_do_not_command_the_terminal(furuta: Any, tmp_path: Path)
         assert status == 0, err
         assert "\x1b[2J" not in out + err
         assert "/x\\x1b[2J\\ny" in out + err
+
+
+def test_a_message_of_another_type_is_not_replayed(furuta: Any, tmp_path: Path) -> None:
+    """One line names its topic."""
+    bag = hostile_files.sound_bag(tmp_path / "bag")
+    with closing(sqlite3.connect(bag / "bag_0.db3")) as database, database:
+        database.execute("UPDATE messages SET data = zeroblob(1000)")  # more than a Float64 has
+    status, _, err = furuta("bag", "replay", "--rate", "0", bag)
+    assert (status, len(err.splitlines())) == (1, 1), err
+    assert "cannot replay /command: " in err

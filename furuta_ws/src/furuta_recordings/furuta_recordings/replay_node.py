@@ -12,7 +12,7 @@ from rclpy.publisher import Publisher
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag, last_part
-from furuta_ros.errors import UserError
+from furuta_ros.errors import UserError, first_line
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topic_names import ACTIVE_MODE, PARAMETER_EVENTS, ROSOUT
@@ -92,7 +92,11 @@ class ReplayNode(Node):
                     return
                 if self._bag_clock is not None:
                     self._bag_clock.advance(time)
-                self._topic_publishers[connection.topic].publish(bytes(data))
+                try:
+                    self._topic_publishers[connection.topic].publish(bytes(data))
+                except RuntimeError as error:  # of ROS: not a message of the topic's type
+                    reason = f"{connection.topic}: {first_line(error)}"
+                    raise UserError(f"cannot replay {reason}") from None
                 self.published += 1
         for publisher in self._topic_publishers.values():
             publisher.wait_for_all_acked()

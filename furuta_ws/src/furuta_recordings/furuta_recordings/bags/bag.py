@@ -19,6 +19,8 @@ from furuta_ros.time_stamps import NANOSECONDS
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
 MOST_IN_MEMORY = 1_000_000
+# Latest time of a message [ns]; an MCAP file can hold twice as much.
+LATEST = 2**63 - 1
 
 
 class Topic(NamedTuple):
@@ -89,6 +91,8 @@ class Bag:
             for reader in self._readers:
                 own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
                 for c, time, data in reader.messages(own, first, last) if own else ():
+                    if time > LATEST:
+                        raise ParameterError(f"a message on {c.topic} has the time {time} ns")
                     yield chosen[c.topic, c.msgtype], time, data
 
     def find(self, topic: Topic, first: int, last: int) -> tuple[np.ndarray, list[bytes]]:

@@ -17,6 +17,15 @@ from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE, SECT
 from furuta_ros.yaml_files import read_yaml
 
 _TABLES = ("topics", "messages", "message_definitions", "schema", "metadata")
+# What the columns that are read must hold: sqlite3 keeps a value of any type in any column.
+_TEXTS = ("name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
+_DEFINITION = ("topic_type", "encoding", "encoded_message_definition", "type_description_hash")
+_TYPES = {
+    "schema": {"schema_version": "integer"},
+    "topics": {"id": "integer", **dict.fromkeys(_TEXTS, "text")},
+    "message_definitions": dict.fromkeys(_DEFINITION, "text"),
+    "messages": {"topic_id": "integer", "timestamp": "integer", "data": "blob"},
+}
 # Files that sqlite3 reads with a file of the same name.
 _COMPANIONS = ("-wal", "-shm", "-journal")
 
@@ -124,6 +133,7 @@ def _whole(file: Path, directory: Path) -> Path:
     if set("%?#") & set(str(file)):  # rosbags would misread it
         raise ParameterError("the path of a .db3 file must not contain %, ? or #")
     with open_sqlite(file) as source:
+        check_values(source)
         if not file.with_name(f"{file.name}-wal").exists():
             return file
         with closing(sqlite3.connect(directory / file.name)) as copy:
@@ -155,3 +165,13 @@ def _check_tables(connection: sqlite3.Connection) -> None:
         virtual = str(sql).upper().split()[:2] == ["CREATE", "VIRTUAL"]
         if kind != "table" or virtual or any(hidden for (hidden,) in columns):
             raise ParameterError(f"{name} is not a plain table")
+
+
+def check_values(connection: sqlite3.Connection) -> None:
+    """Raise :class:`ParameterError` if a column holds a value of another type than it must."""
+    for table, types in _TYPES.items():
+        columns = connection.execute("SELECT name FROM pragma_table_info(?)", [table]).fetchall()
+        for column in (name for (name,) in columns if name in types):
+            query = f"SELECT typeof({column}) FROM {table} WHERE typeof({column}) != ? LIMIT 1"
+            for (found,) in connection.execute(query, [types[column]]):
+                raise ParameterError(f"{table}.{column} holds {found}, must be {types[column]}")

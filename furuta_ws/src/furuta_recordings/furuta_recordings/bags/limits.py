@@ -22,9 +22,10 @@ from furuta_model.parameters import ParameterError
 LARGEST_CHUNK: Final = 2**25
 LARGEST_EXPANSION: Final = 100
 SMALL: Final = 2**16
-# Largest description of a message type or topic [bytes], and most topics.
+# Largest description of a message type or topic [bytes], and most topics: 300 bytes of metadata
+# each are less than a YAML file may have.
 LARGEST_DESCRIPTION: Final = 2**18
-MOST_TOPICS: Final = 10_000
+MOST_TOPICS: Final = 5000
 
 
 def decompress_chunk(data: bytes, size: int, compression: str) -> bytes:

@@ -1,5 +1,6 @@
 """Copies what is still readable of a damaged bag into a new bag."""
 
+import sqlite3
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -9,7 +10,8 @@ from mcap.records import Channel, Chunk, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag_files import file_in, open_sqlite, parameter_file_of
+from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.bag_files import check_values, file_in, open_sqlite, parameter_file_of
 from furuta_recordings.bags.limits import LARGEST_CHUNK, MOST_TOPICS, decompress_chunk
 from furuta_recordings.bags.message_types import JAZZY, definition_of, type_hash, typestore_of
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
@@ -20,6 +22,9 @@ from furuta_ros.yaml_files import LARGEST_FILE, parse_yaml
 _SUFFIXES = (".mcap", ".db3")
 # Most problems that a recovery lists.
 MOST_PROBLEMS = 100
+
+# Most topics of a file that are looked at.
+MOST_KNOWN = 10 * MOST_TOPICS
 
 # A message: its topic, its time [ns] and its content.
 StoredMessage = tuple[BagTopic, int, bytes]
@@ -39,25 +44,34 @@ class _Recovery:
         self._problems: list[str] = []
         # Index of each topic (name, type) in the new bag; None if it is left out.
         self._topics: dict[tuple[str, str], int | None] = {}
+        self._beyond = 0  # messages on more topics than a bag may have
         self._writer: BagWriter | None = None
 
     def run(self) -> dict[str, object]:
         files = self._data_files()
         if not files:
-            reason = "".join(f" ({problem})" for problem in self._problems[:1])
             raise ParameterError(
-                f"{self._bag} has no .mcap and no .db3 file: nothing to recover{reason}"
+                f"{self._bag} has no .mcap and no .db3 file: nothing to recover{self._reason()}"
             )
         messages = 0
         for file in files:
             for topic, time, data in self._readable_messages(file):
                 index = self._index_of(topic)
-                if self._writer and index is not None and 0 <= time < 2**63:
+                if not 0 <= time < 2**63:
+                    self._note(f"{file.name}: left out a message with the time {time} ns")
+                elif self._writer and index is not None:
                     self._writer.add(index, time, data)
                     messages += 1
         if self._writer is None:
-            raise ParameterError(f"{self._bag} has no message that can be read")
+            raise ParameterError(f"{self._bag} has no message that can be read{self._reason()}")
         self._writer.close()
+        with Bag(self._out):  # what is written must be readable
+            pass
+        if self._beyond:
+            raise ParameterError(
+                f"{self._out} lacks {self._beyond} messages on topics after the first "
+                f"{MOST_TOPICS}, the most that a bag may have; it holds {messages} messages"
+            )
         return {"bag": str(self._out), "messages": messages, "problems": self._problems}
 
     def _note(self, problem: str) -> None:
@@ -65,6 +79,9 @@ class _Recovery:
             problem = "further problems are not listed"
         if len(self._problems) <= MOST_PROBLEMS:
             self._problems.append(problem)
+
+    def _reason(self) -> str:
+        return "".join(f" ({problem})" for problem in self._problems[:1])
 
     def _data_files(self) -> list[Path]:
         if self._bag.is_file():
@@ -93,6 +110,7 @@ class _Recovery:
         key = topic.name, topic.type_name
         if key not in self._topics:
             if len(self._topics) == MOST_TOPICS:
+                self._beyond += 1
                 return None
             self._topics[key] = None
             try:
@@ -115,11 +133,15 @@ class _Recovery:
 
     def _sqlite_messages(self, file: Path) -> Iterator[StoredMessage]:
         with open_sqlite(file) as connection:
+            try:
+                check_values(connection)
+            except (ParameterError, sqlite3.Error) as error:  # what comes before may be sound
+                self._note(f"{file.name}: {error}")
+            rows = connection.execute(f"SELECT id, name, type FROM topics LIMIT {MOST_KNOWN}")
             topics = {
-                number: BagTopic(str(name), str(type_name), "", "")
-                for number, name, type_name in connection.execute(
-                    f"SELECT id, name, type FROM topics LIMIT {MOST_TOPICS}"
-                )
+                number: BagTopic(name, type_name, "", "")
+                for number, name, type_name in rows
+                if isinstance(name, str) and isinstance(type_name, str)
             }
             rows = connection.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY id")
             for number, time, data in rows:
@@ -141,6 +163,7 @@ class _Recovery:
                 channel = channels.get(record.channel_id)
                 schema = schemas.get(channel.schema_id) if channel else None
                 if channel is None or schema is None:
+                    self._note(f"{file.name}: left out a message without channel or schema")
                     continue
                 qos = channel.metadata.get("offered_qos_profiles", "")
                 definition = schema.data.decode(errors="replace")

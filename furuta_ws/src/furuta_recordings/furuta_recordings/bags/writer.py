@@ -90,6 +90,7 @@ class BagWriter:
                 self.add_topic(topic)
             self._describe(new)
         new.rename(path)
+        self._defined: set[str] = set()  # names of message types
         self._database = sqlite3.connect(path / self._file, check_same_thread=False)
         self._database.execute("PRAGMA synchronous = OFF")
         # Each flush also reaches the file itself, for readers that ignore the write-ahead log.
@@ -97,7 +98,8 @@ class BagWriter:
 
     def add_topic(self, topic: BagTopic) -> int:
         """Add a topic; returns its index."""
-        if topic.type_name not in {known.type_name for known in self._topics}:
+        if topic.type_name not in self._defined:
+            self._defined.add(topic.type_name)
             self._database.execute(
                 "INSERT INTO message_definitions"
                 "(topic_type, encoding, encoded_message_definition, type_description_hash) "
