@@ -1,5 +1,6 @@
 """Bag files: readable after every flush, whatever ends the writer, and recovered when damaged."""
 
+import errno
 import os
 import re
 import shutil
@@ -13,6 +14,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import hostile_files
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -32,6 +34,7 @@ from furuta_recordings.bags.limits import MOST_TOPICS, parse_offered_qos
 from furuta_recordings.bags.metadata import METADATA_FILE, SECTION, BagTopic, as_yaml, metadata
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
+from furuta_recordings.readers import Mapping, read
 from furuta_ros.yaml_files import read_yaml
 
 TOPICS = [
@@ -436,3 +439,31 @@ def test_a_recovery_says_what_it_has_lost(tmp_path: Path, monkeypatch: pytest.Mo
     with pytest.raises(ParameterError, match=reason):
         recover(tmp_path / "bag", tmp_path / "recovered")
     assert len(times(tmp_path / "recovered")) == 24
+
+
+def test_a_full_disk_leaves_no_unfinished_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither when the bag is closed nor when it is made."""
+    write = Path.write_text
+
+    def half(file: Path, text: str) -> int:
+        write(file, text[: len(text) // 2])
+        raise OSError(errno.ENOSPC, "No space left on device", str(file))
+
+    writer = BagWriter(tmp_path / "bag", TOPICS, {})
+    before = sorted(tmp_path.rglob("*.yaml*"))
+    monkeypatch.setattr(Path, "write_text", half)
+    with pytest.raises(OSError, match="No space left"):
+        writer.close()
+    with pytest.raises(OSError, match="No space left"):
+        BagWriter(tmp_path / "new", TOPICS, {})
+    assert sorted(tmp_path.rglob("*.yaml*")) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
+
+
+def test_a_bag_in_the_working_directory_has_a_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(hostile_files.sound_bag(tmp_path / "bag"))
+    assert read(Path(), Mapping()).name == "bag"

@@ -208,3 +208,12 @@ def test_a_message_of_another_type_is_not_replayed(furuta: Any, tmp_path: Path) 
     status, _, err = furuta("bag", "replay", "--rate", "0", bag)
     assert (status, len(err.splitlines())) == (1, 1), err
     assert "cannot replay /command: " in err
+
+
+def test_a_bag_in_the_working_directory_is_recovered_beside_it(
+    furuta: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(hostile_files.sound_bag(tmp_path / "bag"))
+    status, _, err = furuta("bag", "recover", ".")
+    assert (status, err) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bag", "bag_recovered"]

@@ -168,3 +168,9 @@ def test_view_adds_rviz_to_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
         assert (ours.parameters, ours.arguments) == (theirs.parameters, theirs.arguments)
         assert ours.namespace == theirs.namespace == "/left"
     assert 'xyz="0.085 0 0"' in added[0].parameters[0]["robot_description"]
+
+
+def test_a_recording_that_cannot_be_made_starts_no_node(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The launch is refused as a whole."""
+    with pytest.raises(ParameterError, match="cannot make the bag /proc/x"):
+        launched_nodes(monkeypatch, record="/proc/x")

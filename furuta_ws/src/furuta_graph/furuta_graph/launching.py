@@ -8,6 +8,7 @@ from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
 from furuta_model.own_functions import accept_parts, parts_in
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.writer import check_new_bag
 from furuta_sim.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
 from furuta_sim.settings.parameter_files import settings_file
 from furuta_sim.settings.rigs import config_directory
@@ -92,8 +93,7 @@ def _recorders(graph: Graph, directory: str) -> list[NodeProcess]:
     """The process that records into a directory, if one is given."""
     if not directory:
         return []
-    if Path(directory).exists():
-        raise ParameterError(f"{directory} already exists; name another directory for the bag")
+    check_new_bag(Path(directory))
     settings = graph.settings
     lockstep = graph.controlled == PLANT and settings[PLANT].get("clock") == "lockstep"
     parameters = {

@@ -75,7 +75,8 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
 
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
-    show(recover_bag(bag, out or bag.with_name(f"{bag.stem}_recovered")), as_json)
+    named = bag if bag.name else bag.resolve()  # the name of . is empty
+    show(recover_bag(bag, out or named.parent / f"{named.stem}_recovered"), as_json)
 
 
 def _remappings(
@@ -119,8 +120,8 @@ def replay(
 ) -> None:
     """Publish the messages of BAG with their original timing."""
     from furuta_recordings.replay_node import ReplayNode, ReplayOptions
-    from furuta_ros.context import ros_context
     from furuta_ros.bounded_end import bounded_end
+    from furuta_ros.context import ros_context
     from furuta_ros.spinning import StopSignal
 
     with ros_context():

@@ -13,6 +13,7 @@ from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.writer import check_new_bag
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
 from furuta_ros.scheduling import Scheduling
 from furuta_ros.spinning import StopSignal
@@ -99,4 +100,6 @@ def _recorder(
             raise ParameterError("--topic needs --record")
         return None
     parameters = settings_file(graph.settings)
-    return partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
+    make = partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
+    check_new_bag(path)
+    return make

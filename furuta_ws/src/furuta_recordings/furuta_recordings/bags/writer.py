@@ -52,6 +52,26 @@ LARGEST_PENDING = 2**20
 Row = tuple[int, int, bytes]
 
 
+def check_new_bag(path: Path) -> None:
+    """Raise :class:`ParameterError` if no bag ``path`` can be made; so before anything runs."""
+    _make_new(path).rmdir()
+
+
+def _make_new(path: Path) -> Path:
+    """The directory, made under a temporary name, that becomes the bag ``path``."""
+    if os.path.lexists(path):
+        raise ParameterError(f"{path} already exists; name another directory for the bag")
+    new = path.with_name(f".{path.name}.new")
+    try:
+        make_directory(path.parent)
+        shutil.rmtree(new, ignore_errors=True)
+        new.mkdir()
+    except OSError as error:
+        reason = f"{error.filename}: {error.strerror}"
+        raise ParameterError(f"cannot make the bag {path}: {reason}") from None
+    return new
+
+
 class BagWriter:
     """Writes messages into the bag ``path``, which must not exist yet.
 
@@ -60,37 +80,36 @@ class BagWriter:
 
     Raises:
         OSError: The disk does not take the data.
-        ParameterError: There is such a bag already.
+        ParameterError: There is such a bag already, or its directory cannot be made.
     """
 
     def __init__(
         self, path: Path, topics: Iterable[BagTopic], parameters: Mapping[str, str]
     ) -> None:
-        if os.path.lexists(path):
-            raise ParameterError(f"{path} already exists; name another directory for the bag")
-        make_directory(path.parent)
+        new = _make_new(path)
         self.path, self._file = path, f"{path.name}_0.db3"
         self._topics: list[BagTopic] = []
+        self._defined: set[str] = set()  # names of message types
         self._counts: list[int] = []
         self._start, self._end = 2**63 - 1, 0
         self._rows: list[Row] = []
         self._pending_bytes = 0
-        new = path.with_name(f".{path.name}.new")
-        shutil.rmtree(new, ignore_errors=True)
-        new.mkdir()
-        for name, text in parameters.items():
-            (new / name).write_text(text)
-        self._database = sqlite3.connect(new / self._file)
-        with self._disk_errors(), closing(self._database):
-            self._database.executescript(_SCHEMA)
-            self._database.execute(
-                "INSERT INTO schema VALUES (?, ?)", (_SCHEMA_VERSION, distribution())
-            )
-            for topic in topics:
-                self.add_topic(topic)
-            self._describe(new)
-        new.rename(path)
-        self._defined: set[str] = set()  # names of message types
+        try:
+            for name, text in parameters.items():
+                (new / name).write_text(text)
+            self._database = sqlite3.connect(new / self._file)
+            with self._disk_errors(), closing(self._database):
+                self._database.executescript(_SCHEMA)
+                self._database.execute(
+                    "INSERT INTO schema VALUES (?, ?)", (_SCHEMA_VERSION, distribution())
+                )
+                for topic in topics:
+                    self.add_topic(topic)
+                self._describe(new)
+            new.rename(path)
+        except BaseException:
+            shutil.rmtree(new, ignore_errors=True)
+            raise
         self._database = sqlite3.connect(path / self._file, check_same_thread=False)
         self._database.execute("PRAGMA synchronous = OFF")
         # Each flush also reaches the file itself, for readers that ignore the write-ahead log.
@@ -159,8 +178,11 @@ class BagWriter:
         times = (self._start, self._end) if any(self._counts) else (0, 0)
         about = metadata(self._topics, self._counts, self._file, times)
         new = directory / f"{METADATA_FILE}.new"
-        new.write_text(as_yaml({SECTION: about}))
-        new.rename(directory / METADATA_FILE)
+        try:
+            new.write_text(as_yaml({SECTION: about}))
+            new.rename(directory / METADATA_FILE)
+        finally:
+            new.unlink(missing_ok=True)
         with self._database:
             self._database.execute(
                 "INSERT OR REPLACE INTO metadata VALUES (1, ?, ?)", (VERSION, as_yaml(about))

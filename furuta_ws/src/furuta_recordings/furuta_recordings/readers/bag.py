@@ -149,7 +149,8 @@ class _Content:
         u = np.array(commands) if commands else np.zeros((0, 2))
         measured = np.array([sample.state for sample in self.samples])
         start = time[0]
-        recording = Recording(self._path.name, time - start, measured, u[:, 0] - start, u[:, 1])
+        name = self._path.name or self._path.resolve().name  # that of . is empty
+        recording = Recording(name, time - start, measured, u[:, 0] - start, u[:, 1])
         return recording.noting(self._about_joints) if self._about_joints else recording
 
 
