@@ -1,7 +1,7 @@
 """Parts of one's own: a friction law and a compensator, as plain functions.
 
     tools/in_environment python examples/own_parts.py
-    ./furuta sweep plant.friction.law=dahl,examples.own_parts:BUMP alpha0=0.1:0.3:3 --seconds 20
+    ./furuta limit-cycle --own-parts examples/own_parts.py:BUMP --law examples/own_parts.py:BUMP
 
 Friction here is that of Dahl, but its level has a bump at 0.3 rad/s. The compensator is smooth and
 learns the level from the observed friction.
