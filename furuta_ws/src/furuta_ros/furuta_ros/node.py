@@ -42,6 +42,7 @@ class FurutaNode(Node, Generic[Group]):
         refused: Number of invalid messages.
         accepted_publishers: By topic name, which publisher's messages are accepted.
         message_age: Of the message that the node answers.
+        parameter_service: What changes the parameters on request.
         runs_compiled_code: Whether to load what compiled code needs before others see the node.
         one_per_graph: Whether a second such node must not start, whatever its name.
     """
@@ -63,7 +64,7 @@ class FurutaNode(Node, Generic[Group]):
         self.accepted_publishers: dict[str, OnePublisher] = {}
         self.message_age = MessageAge(self._time_is_simulated)
         self._declared = NodeParameters(self, group)
-        self._service = FurutaParameterService(self)
+        self.parameter_service = FurutaParameterService(self)
 
     @property
     def parameters(self) -> Group:

@@ -38,10 +38,14 @@ _allowance = Allowance()
 
 
 class FurutaParameterService(ParameterService):
-    """Refuses changes beyond a rate, and those that ROS cannot read, with a reason."""
+    """Refuses changes beyond a rate, and those that ROS cannot read, with a reason.
+
+    Without ``limited`` it accepts any number, for a node that may be late.
+    """
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
+        self.limited = True
 
     def _set_parameters_callback(
         self, request: SetParameters.Request, response: SetParameters.Response
@@ -62,7 +66,7 @@ class FurutaParameterService(ParameterService):
 
     def _change(self, messages: Sequence[ParameterMessage]) -> SetParametersResult:
         """Set all of the parameters or none."""
-        if not _allowance.take():
+        if self.limited and not _allowance.take():
             return _refused(f"more than {RATE:g} changes of parameters per second; try again")
         try:
             given = [Parameter.from_parameter_msg(message) for message in messages]

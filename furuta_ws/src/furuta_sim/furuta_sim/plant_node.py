@@ -59,7 +59,9 @@ class PlantNode(PacedNode):
         self._send_measurement = sender(self.publish_on(MEASUREMENT))
         self._truth_publisher = LoopPublisher(self, GROUND_TRUTH)
         self.create_service(Trigger, "~/reset", self._reset)
-        self.pacing = (LockStep if self.parameters.clock == "lockstep" else RealTime)(self)
+        lockstep = self.parameters.clock == "lockstep"
+        self.parameter_service.limited = not lockstep  # run_until may be set for every step
+        self.pacing = (LockStep if lockstep else RealTime)(self)
         self.subscribe_to(COMMAND, self._on_command, raw=True)
 
     def parameters_changed(self, parameters: PlantNodeParameters) -> None:
