@@ -2,17 +2,26 @@
 
 from array import array
 from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from rclpy.serialization import serialize_message
+from rosbags.highlevel import AnyReader
+from sensor_msgs.msg import JointState
 from testbench import Bench
 
+from furuta_graph.composed_graph import SimulatedGraph
+from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros import parameter_service
+from furuta_ros.topics import JOINT_STATES, Topic
 from furuta_sim.settings.nodes import NODES
+from furuta_sim.settings.settings import Settings
+from furuta_view.live_node import LiveNode
 
 # Of each kind, on each node.
 COUNT = 1000
@@ -135,3 +144,43 @@ def test_a_parameter_of_an_unknown_type_is_refused(bench: Bench, node: Any) -> N
         result = answer.result if name else answer.results[0]
         assert not result.successful
         assert "77 is not a valid" in result.reason
+
+
+# Events and states that cannot be read, or whose parameters have no known type.
+MALFORMED = (b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00" + b"\xff" * 40, b"\xff" * 9)
+UNKNOWN = Parameter(name="alpha0", value=ParameterValue(type=77))
+
+
+def test_malformed_messages_do_not_end_a_recording(
+    bench: Bench, settings: Settings, tmp_path: Path
+) -> None:
+    """The bag keeps them, and what comes after them."""
+    settings["plant"] |= {"clock": "lockstep", "run_until": 1.0}
+    graph = SimulatedGraph(settings, record=partial(RecorderNode, tmp_path / "bag", stamped=True))
+    events = bench.probe.create_publisher(ParameterEvent, "/parameter_events", 10)
+    states = bench.probe.create_publisher(JointState, "ground_truth", 10)
+    bench.spin(lambda: events.get_subscription_count() > 0 and states.get_subscription_count() > 0)
+    for data in MALFORMED:
+        events.publish(data)
+        states.publish(data)
+    events.publish(ParameterEvent(node="/plant", changed_parameters=[UNKNOWN]))
+    graph.run_until(1.0)
+    assert graph.recording_failure is None
+    graph.close()
+    with AnyReader([tmp_path / "bag"]) as reader:
+        counts = {each.topic: each.msgcount for each in reader.connections}
+    assert counts["/command"] == 1000
+    assert counts["/parameter_events"] > 1
+
+
+def test_malformed_messages_do_not_end_the_page(bench: Bench) -> None:
+    """Its node leaves them out."""
+    received: list[ParameterEvent] = []
+    node = bench.add(LiveNode(received.append))
+    events = bench.publisher(Topic("/parameter_events", ParameterEvent))
+    states = bench.publisher(JOINT_STATES.throttled)
+    for data in MALFORMED:
+        events.publish(data)
+        states.publish(data)
+    events.publish(ParameterEvent(node="/last"))
+    bench.spin(lambda: node.collect() or any(each.node == "/last" for each in received))
