@@ -56,5 +56,18 @@ soak:
 	cd furuta_ws/tests && ../../tools/in_environment python -m soak --minutes $(MINUTES) \
 		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE)) $(if $(STEPS),--steps $(STEPS))
 
+# The lock files, with uv. A lowest version, which is noble's, is the version in noble's. Packages without
+# one are not in its apt; pip serves them. matplotlib 3.6.3 has no wheel for Python 3.12, and pyarrow 26
+# needs numpy 2.
+COMPILE = uv pip compile --quiet --universal --no-annotate --no-header --no-emit-index-url \
+	pyproject.toml requirements.in
+lock:
+	$(COMPILE) --python-version 3.10 --extra cluster --extra parquet --extra ros --extra view \
+		--output-file requirements.lock
+	grep --no-filename --only-matching -E '[a-z]+>=[0-9.]+' pyproject.toml requirements.in \
+		| sed -e 's/>=/==/' -e 's/^matplotlib.*/&;python_version<"3.12"/' \
+			-e '$$a matplotlib==3.8.0;python_version>="3.12"' -e '$$a pyarrow<26' \
+		| $(COMPILE) --python-version 3.11 --all-extras --constraint - --output-file requirements.noble.lock
+
 clean:
 	rm -rf .venv .setup.log .setup.lock furuta_ws/build furuta_ws/install furuta_ws/log

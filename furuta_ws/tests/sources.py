@@ -5,6 +5,8 @@ import xml.etree.ElementTree as ET
 from configparser import ConfigParser
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "furuta_ws" / "src"
 TESTS = ROOT / "furuta_ws" / "tests"
@@ -37,6 +39,14 @@ def manifest(package: str) -> ET.Element:
 def keys(package: str, *tags: str) -> set[str]:
     """The dependencies that a package.xml declares with these tags."""
     return {element.text or "" for tag in tags for element in manifest(package).findall(tag)}
+
+
+def product_requirements() -> list[str]:
+    """What the product requires according to pyproject.toml, with its extras."""
+    tomllib = pytest.importorskip("tomllib", reason="since Python 3.11")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    groups = (project["dependencies"], *project["optional-dependencies"].values())
+    return [each for group in groups for each in group]
 
 
 def setup_options(package: str) -> ConfigParser:

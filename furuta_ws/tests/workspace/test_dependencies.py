@@ -7,7 +7,18 @@ from glob import glob
 from pathlib import Path
 
 import pytest
-from sources import PACKAGES, ROOT, SITE, SOURCES, TESTS, imports, keys, modules, setup_options
+from sources import (
+    PACKAGES,
+    ROOT,
+    SITE,
+    SOURCES,
+    TESTS,
+    imports,
+    keys,
+    modules,
+    product_requirements,
+    setup_options,
+)
 
 from furuta_sim.settings.nodes import NODES
 
@@ -72,6 +83,8 @@ REQUIREMENT_OF_IMPORT = {
 }
 # Folders with a ``requirements.in``.
 REQUIREMENTS = (".", "benchmarks", "course", "docs", "examples", "firmware", "furuta_ws/tests")
+# For Python 3.12, where the lowest version has no wheel.
+NEXT_WITH_WHEEL = {"matplotlib": ["3.8.0"]}
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 
@@ -108,6 +121,16 @@ def extras(package: str) -> dict[str, list[str]]:
     return {key: value.split() for key, value in section.items()}
 
 
+def locked(file: str) -> dict[str, list[str]]:
+    """The versions of each package in a lock file; several depend on the version of Python."""
+    versions: dict[str, list[str]] = {}
+    for name, version in re.findall(
+        r"^([\w-]+)==([\w.]+)", (ROOT / file).read_text(), re.MULTILINE
+    ):
+        versions.setdefault(name, []).append(version)
+    return versions
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_are_declared(package: str) -> None:
     """In package.xml, to be installed with the package."""
@@ -140,9 +163,10 @@ def test_keys_are_known_to_rosdep() -> None:
 
 
 def test_imports_are_required() -> None:
-    """``requirements.in`` names directly whatever is imported, not what happens to come along."""
+    """Directly, whatever is imported, not what happens to come along."""
     files = (ROOT / folder / "requirements.in" for folder in REQUIREMENTS)
     required = set(re.findall(r"^[\w-]+", "\n".join(f.read_text() for f in files), re.MULTILINE))
+    required |= {re.split(r"[\[>]", each)[0] for each in product_requirements()}
     folders = (ROOT / "benchmarks", ROOT / "examples", SITE)
     scripts = {file for folder in folders for file in folder.glob("*.py")}
     tests = [TESTS.parent / "conftest.py", *TESTS.rglob("*.py")]
@@ -150,3 +174,23 @@ def test_imports_are_required() -> None:
     own = helpers() | set(PACKAGES) | {file.stem for file in scripts}
     names = imported([*scripts, *tests, *sources]) - own - ONLY_WITH_ROS
     assert {REQUIREMENT_OF_IMPORT.get(name, name) for name in names} <= required
+
+
+def test_lowest_versions_are_those_of_the_tests() -> None:
+    """Each is declared once and is the version of requirements.noble.lock, no later one."""
+    declared = [*product_requirements(), *(ROOT / "requirements.in").read_text().splitlines()]
+    lowest = [each.partition(",")[0].split(">=") for each in declared if ">=" in each]
+    names = [name for name, _ in lowest]
+    assert len(names) == len(set(names))
+    assert {"numpy", "scipy", "numba", "click", "matplotlib", "rich", "pyyaml"} <= set(names)
+    tested = locked("requirements.noble.lock")
+    wanted = {name: [version, *NEXT_WITH_WHEEL.get(name, [])] for name, version in lowest}
+    assert {name: tested[name] for name in names} == wanted
+
+
+@pytest.mark.parametrize("file", ["requirements.lock", "requirements.noble.lock"])
+def test_everything_required_is_locked(file: str) -> None:
+    """What a verb needs is in both environments, but for two extras that only tests use."""
+    names = {re.split(r"[\[>]", each)[0] for each in product_requirements()}
+    optional = {"gymnasium", "python-flint"} if file == "requirements.lock" else set()
+    assert names - optional <= locked(file).keys()
