@@ -242,6 +242,15 @@ def test_wrong_usage_is_status_2(arguments: list[str], reason: str) -> None:
     assert reason in done.output
 
 
+@pytest.mark.parametrize("group", ["", "bag", "export", "hw", "node", "param"])
+def test_no_arguments_show_the_help(furuta: Any, group: str) -> None:
+    """On standard error, as wrong usage, with every version of click."""
+    status, out, err = furuta(*group.split())
+    assert (status, out) == (2, "")
+    assert err.startswith(f"Usage: furuta {group}".rstrip())
+    assert "\nCommands:\n" in err or "\nVerbs:\n" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [

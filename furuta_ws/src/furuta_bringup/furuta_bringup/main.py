@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.printing import printable
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
@@ -39,13 +40,12 @@ VERBS = {
 }
 
 
-# The extra of the wheel that brings a package.
-EXTRAS = {
-    **dict.fromkeys(("viser", "websockets", "xacro", "urdf_parser_py"), "view"),
-    "distributed": "cluster",
-    "pyarrow": "parquet",
-    "gymnasium": "gym",
-    "flint": "prove",
+# What pip calls a package that is imported by another name.
+DISTRIBUTIONS = {
+    "flint": "python-flint",
+    "serial": "pyserial",
+    "urdf_parser_py": "urdf-parser-py",
+    "yaml": "pyyaml",
 }
 
 
@@ -66,13 +66,14 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
-    extra = "ros" if of_ros else EXTRAS.get(name)
-    remedy = f"pip install 'furuta[{extra}]'" if extra else f"pip install {name}"
+    package = "'furuta[ros]'" if of_ros else DISTRIBUTIONS.get(name, name)
     ros = "ROS 2 Jazzy, or on Linux x86-64 " if of_ros else ""
-    return UserError(f"furuta {verb} needs {name}, which is not installed: {ros}{remedy}")
+    return UserError(
+        f"furuta {verb} needs {name}, which is not installed: {ros}pip install {package}"
+    )
 
 
-class Verbs(click.Group):
+class Verbs(HelpfulGroup):
     """The group of all verbs; imports a verb's module only when that verb is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -145,9 +146,6 @@ def run_verb() -> None:
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
         status = furuta.main(prog_name="furuta", standalone_mode=False)
-    except click.exceptions.NoArgsIsHelpError as error:
-        error.show()
-        status = error.exit_code
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
     except click.ClickException as error:
@@ -172,11 +170,12 @@ def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
     if isinstance(error, click.NoSuchOption):
         name = error.option_name
-        message = None if name.startswith("--") else f"No such option {name!r}; write --NAME"
+        message = f"No such option {name!r}" + ("" if name.startswith("--") else "; write --NAME")
         near = get_close_matches(name, error.possibilities or (), n=1)
         if error.ctx and error.ctx.info_name == "view" and not near:
             message = f"No such option {name!r}; options of furuta run come after --"
-        error = click.NoSuchOption(name, message, near, error.ctx)
+        suggested = f". Did you mean {near[0]!r}?" if near else ""
+        error = click.UsageError(message + suggested, error.ctx)
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{text} (see {context.command_path} --help)" if context else text

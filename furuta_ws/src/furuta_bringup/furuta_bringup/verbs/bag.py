@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from furuta_bringup.file_types import PATH, SERIES
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import show
@@ -18,7 +19,7 @@ from furuta_ros.time_stamps import NANOSECONDS
 BAG = click.argument("bag", type=PATH)
 
 
-@click.group()
+@click.group(cls=HelpfulGroup)
 def command() -> None:
     """Show, export, recover and replay recorded bags."""
 

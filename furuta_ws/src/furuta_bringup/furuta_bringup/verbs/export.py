@@ -7,6 +7,7 @@ import click
 
 from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, model_options
 from furuta_bringup.printing import show
 from furuta_hw.rigs.rig import Rig
@@ -16,7 +17,7 @@ from furuta_ros.yaml_files import read_yaml
 from furuta_sim.settings.settings import load_settings, loop
 
 
-@click.group()
+@click.group(cls=HelpfulGroup)
 def command() -> None:
     """Export the control system for use without Python."""
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import click
 from rclpy.node import Node
 
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import show
 from furuta_bringup.verbs.hw_commissioning import check, friction, read, signs, zero
@@ -18,7 +19,7 @@ from furuta_ros.spinning import executor_of
 from furuta_sim.settings.rigs import find_rig
 
 
-@click.group()
+@click.group(cls=HelpfulGroup)
 def command() -> None:
     """Commission a rig, arm and disarm the bridge, emulate a rig.
 

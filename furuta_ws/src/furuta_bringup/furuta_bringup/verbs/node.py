@@ -5,6 +5,7 @@ import os
 import click
 from rclpy.node import Node
 
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import print_json
 from furuta_graph.processes import executable as find
@@ -15,7 +16,7 @@ from furuta_ros.spinning import executor_of, spin_until
 DISCOVERY = 3.0
 
 
-@click.group()
+@click.group(cls=HelpfulGroup)
 def command() -> None:
     """List the running nodes, or run one."""
 

@@ -9,6 +9,7 @@ import click
 from rcl_interfaces.msg import ParameterType
 from rclpy.node import Node
 
+from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import print_json
 from furuta_graph.parameter_client import ParameterClient
@@ -20,7 +21,7 @@ from furuta_sim.settings.nodes import NODES
 from furuta_sim.settings.parameter_files import parameter_file
 
 
-@click.group()
+@click.group(cls=HelpfulGroup)
 def command() -> None:
     """Read and set parameters of running nodes; print parameter files.
 
