@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.figures.figure import FAINT_GRID, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, legend_outside, saved_figure, style_axis
 from furuta_model.friction.laws import (
     ANALYSED_LAWS,
     FrictionLaw,
@@ -43,9 +43,8 @@ def draw_friction_laws(path: Path) -> None:
             for axis in axes
             for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
         }
-        figure.legend(
-            handles.values(), handles.keys(), loc="outside lower center", ncols=3, frameon=False
-        )
+        entries = (handles.values(), handles.keys())
+        legend_outside(figure, "lower center", *entries, ncols=3, frameon=False)
 
 
 def _draw_steady_sliding(axis: Any, law: FrictionLaw) -> None:

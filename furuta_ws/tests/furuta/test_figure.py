@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
-from furuta.figures.figure import saved_figure
+from furuta.figures.figure import legend_outside, saved_figure
 from furuta.figures.labels import axis_label
 
 PNG = b"\x89PNG"
@@ -19,6 +19,24 @@ def test_figure_is_saved_and_closed(tmp_path: Path) -> None:
         assert not path.exists()
     assert path.read_bytes().startswith(PNG)
     assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize("place", ["lower center", "upper right"])
+def test_a_legend_outside_hides_nothing(tmp_path: Path, place: str) -> None:
+    """Neither curves nor titles and labels, and it is on the figure itself."""
+    with saved_figure(tmp_path / "figure.png", 2, 2, figsize=(5, 4)) as (figure, axes):
+        for axis in axes.flat:
+            axis.plot([0, 1], label="curve")
+            axis.set(title="title", xlabel="time [s]", ylabel="angle [rad]")
+        legend_outside(figure, place, *axes[0, 0].get_legend_handles_labels(), ncols=2)
+        figure.canvas.draw()
+        (legend,) = figure.legends
+        box = legend.get_window_extent()
+        drawn = [axis.get_tightbbox() for axis in axes.flat]
+        bottom, top = min(each.y0 for each in drawn), max(each.y1 for each in drawn)
+        free = bottom - box.y1 if place.startswith("lower") else box.y0 - top
+        assert 0.0 <= free < box.height
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
 
 
 def test_nothing_is_saved_after_an_error(tmp_path: Path) -> None:

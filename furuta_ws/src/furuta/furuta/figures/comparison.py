@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta.figures.figure import saved_figure, style_axis
+from furuta.figures.figure import legend_outside, saved_figure, style_axis
 from furuta.studies.comparison.comparison import Table
 
 LABEL = "arm, peak to peak [rad]"
@@ -37,7 +37,8 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, path: 
         if np.isinf(table.residual).any():
             points.axvline(fall, color="tab:red", lw=0.8, label="fell")
         points.plot([], [], "k|", ms=12, label="median, 95 %, worst")
-        figure.legend(*points.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        entries = points.get_legend_handles_labels()
+        legend_outside(figure, "lower center", *entries, ncols=3)
         above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
         style_axis(points, LABEL)
         style_axis(above, LABEL, f"fraction of the {len(table.rigs)} rigs above it")

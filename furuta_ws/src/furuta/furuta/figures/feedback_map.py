@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from furuta.figures.figure import saved_figure, style_axis
+from furuta.figures.figure import legend_outside, saved_figure, style_axis
 from furuta.figures.labels import axis_label
 from furuta.studies.feedback_map import MapPoint
 
@@ -51,7 +51,7 @@ def draw_map(
         style_axis(bar.ax)
         _mark_other_kinds(axes[1], firsts, seconds, kinds)
         if (kinds != "oscillation").any():
-            figure.legend(loc="outside lower center", ncols=len(OTHER_KINDS))
+            legend_outside(figure, "lower center", ncols=len(OTHER_KINDS))
 
 
 def _common_scale(sizes: np.ndarray) -> LogNorm | None:

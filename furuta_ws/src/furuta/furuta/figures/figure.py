@@ -38,6 +38,18 @@ def saved_figure(
         plt.close(figure)
 
 
+def legend_outside(figure: Figure, place: Any, *entries: Any, **options: Any) -> None:
+    """A legend of the figure above or below its axes; ``place`` and ``options`` are matplotlib's.
+
+    It is ``loc="outside ..."`` of matplotlib 3.7, for older ones too.
+    """
+    legend = figure.legend(*entries, loc=place, **options)
+    engine: Any = figure.get_layout_engine()
+    pad = 2.0 * engine.get()["h_pad"] / figure.get_figheight()
+    height = legend.get_window_extent().height / figure.bbox.height + pad
+    engine.set(rect=(0.0, height if "lower" in place else 0.0, 1.0, 1.0 - height))
+
+
 def style_axis(axis: Axes, x: str = "", y: str = "", grid: float = GRID) -> None:
     """Set labels (an empty one is left out) and draw the grid."""
     if x:

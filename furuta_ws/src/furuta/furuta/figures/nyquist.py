@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, legend_outside, saved_figure, style_axis
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.transfer import Transfer, transfer
 
@@ -26,8 +26,8 @@ def draw_nyquist(cases: dict[str, IdealLoop], path: Path) -> None:
             _draw_panel(axis, transfer(loop.body, loop.gains))
             letter = case if len(cases) > 1 else ""
             axis.set_title(feedback_title(letter, loop.gains))
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+        entries = axes[0, 0].get_legend_handles_labels()
+        legend_outside(figure, "lower center", *entries, ncols=4, frameon=False)
 
 
 def feedback_title(case: str, feedback: tuple[float, float, float, float]) -> str:

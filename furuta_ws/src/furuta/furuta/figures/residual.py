@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta.figures.figure import saved_figure, style_time_series
+from furuta.figures.figure import legend_outside, saved_figure, style_time_series
 from furuta_identification.model import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
@@ -27,8 +27,8 @@ def draw_residuals(followed: list[Prediction], others: list[Prediction], path: P
             for row, k in enumerate(channels):
                 _draw_channel(column[2 * row], column[2 * row + 1], run, k, fits[CHANNELS[k]])
             column[-1].set_xlabel("time [s]")
-        lines, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(lines, labels, loc="outside upper right", ncols=2)
+        entries = axes[0, 0].get_legend_handles_labels()
+        legend_outside(figure, "upper right", *entries, ncols=2)
         figure.align_ylabels()
 
 

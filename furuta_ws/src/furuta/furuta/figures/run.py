@@ -9,6 +9,7 @@ from furuta.figures.figure import (
     ESTIMATE,
     FRICTION,
     PENDULUM,
+    legend_outside,
     saved_figure,
     style_time_series,
 )
@@ -54,7 +55,8 @@ def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
         label_signals(axes[:, 0])
         for axis in axes[2:].flat:
             axis.set_xlabel("time [s]")
-        figure.legend(*axes[3, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+        entries = axes[3, 0].get_legend_handles_labels()
+        legend_outside(figure, "lower center", *entries, ncols=2)
 
 
 def draw_signals(axes: Any, run: Record | RecordedRun, shown: slice = slice(None)) -> None:
