@@ -4,6 +4,7 @@ from math import inf, isnan
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from furuta.studies.comparison.comparison import Table
 from furuta.studies.comparison.scores import probability_below, quantile, rank, recommended
@@ -35,6 +36,18 @@ def test_quantile_intervals_are_order_statistics() -> None:
     value, _, high = quantile(np.arange(1.0, 11.0), 0.95)
     assert value == 10.0
     assert isnan(high)
+
+
+@pytest.mark.parametrize("n", [1, 7, 60, 1000])
+@pytest.mark.parametrize("part", [0.5, 0.95])
+def test_quantile_intervals_are_those_of_scipy(n: int, part: float) -> None:
+    """Also with ties, and where the values are too few."""
+    if not hasattr(stats, "quantile_test"):
+        pytest.skip("scipy has quantile_test since 1.12")
+    values = np.random.default_rng(n).integers(0, 2 * n, n).astype(float)
+    value, low, high = quantile(values, part)
+    expected = stats.quantile_test(values, q=value, p=part).confidence_interval(0.95)
+    np.testing.assert_array_equal((low, high), tuple(expected))
 
 
 @pytest.mark.parametrize("n", [10, 1000])

@@ -8,7 +8,7 @@ there are too few rigs for it.
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import binomtest, quantile_test
+from scipy.stats import binom, binomtest
 
 from furuta.studies.comparison.comparison import Table
 
@@ -101,10 +101,15 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
 
 
 def quantile(values: np.ndarray, part: float) -> tuple[float, float, float]:
-    """A quantile, which is one of the ``values``, with its interval."""
+    """A quantile, which is one of the ``values``, with its interval.
+
+    scipy has it as ``quantile_test`` since a later version than that of Ubuntu 24.04.
+    """
     value = float(np.quantile(values, part, method="inverted_cdf"))
-    low, high = quantile_test(values, q=value, p=part).confidence_interval(CONFIDENCE)
-    return value, float(low), float(high)
+    below = binom(len(values), part)  # number of the values below the quantile
+    tail = (1.0 - CONFIDENCE) / 2.0
+    padded = [np.nan, *np.sort(values), np.nan]
+    return value, float(padded[int(below.ppf(tail))]), float(padded[int(below.isf(tail)) + 1])
 
 
 def probability_below(hits: np.ndarray) -> float:
