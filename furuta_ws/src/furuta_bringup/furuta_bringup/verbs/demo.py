@@ -10,6 +10,7 @@ from rich.console import Console
 
 from furuta.figures.run import draw_demo
 from furuta.studies.phases import COMPENSATIONS, evaluate
+from furuta.studies.trust_region import SEARCH
 from furuta.studies.tuning.plan import TuningPlan, observer_parameters
 from furuta.studies.tuning.tuning import tune_simulated
 from furuta_bringup.demo_run import in_lockstep, run_demo
@@ -68,7 +69,7 @@ def command(
         print_json(summary)
     else:
         print_table(TITLE, summary["runs"], HEADINGS)
-        show({name: summary[name] for name in ("figure", "bag")}, as_json)
+        show({name: summary[name] for name in ("search", "figure", "bag")}, as_json)
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
@@ -93,6 +94,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     return {
         "runs": evaluate(phases, recorded),
         "tuned_parameters": tuned,
+        "search": SEARCH,
         "figure": str(figure),
         "bag": str(bag),
     }

@@ -98,7 +98,8 @@ def command(
         return
     motions = ("before", "uncompensated", "after")
     show({f"{name} [rad]": getattr(result, name).amplitude for name in motions}, as_json)
-    show({**tuned["parameters"], "pendulum time [s]": result.seconds}, as_json)
+    about = {"pendulum time [s]": result.seconds, "search": tuned["search"]}
+    show({**tuned["parameters"], **about}, as_json)
     if not result.gain:
         print(f"no gain: nothing is better than {result.after.observer.compensation} as it was")
 

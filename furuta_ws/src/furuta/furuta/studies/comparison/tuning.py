@@ -9,11 +9,11 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
 
 from furuta.studies.comparison.candidates import Candidate, Range, current_values
 from furuta.studies.comparison.comparison import residual
 from furuta.studies.comparison.rigs import SimulatedRig
+from furuta.studies.trust_region import SEARCH, search
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
@@ -24,7 +24,7 @@ TUNING_RIGS = 10
 # Largest peak-to-peak angle of the arm that counts [rad].
 ARM_GUARD = 2.0
 # First and last radius of the trust region, relative to the range.
-FIRST_RADIUS, LAST_RADIUS = 0.1, 0.01
+RADII = (0.1, 0.01)
 
 
 class TuningBudget(NamedTuple):
@@ -36,19 +36,20 @@ class TuningBudget(NamedTuple):
 
 
 class TunedCandidate(NamedTuple):
-    """Name and tuned settings of a candidate, and the criterion [rad] before and after."""
+    """Name and tuned settings of a candidate, the criterion [rad] before and after, the search."""
 
     candidate: str
     settings: dict[str, Any]
     before: float
     after: float
     evaluations: int
+    search: str = SEARCH
 
 
 def tune_candidate(
     candidate: Candidate, settings: Settings, budget: TuningBudget
 ) -> TunedCandidate:
-    """Tune the parameters of ``candidate`` that have a range, with COBYQA."""
+    """Tune the parameters of ``candidate`` that have a range."""
     plants = _plants(settings, budget.rigs)
     tried: list[tuple[float, Candidate]] = []
 
@@ -72,17 +73,7 @@ def tune_candidate(
     start = np.array([fraction(value, limits) for value, limits in pairs])
     before = criterion(start)
     if len(start) and budget.evaluations > 1:
-        minimize(
-            criterion,
-            start,
-            method="COBYQA",
-            bounds=[(0.0, 1.0)] * len(start),
-            options={
-                "maxfev": budget.evaluations - 1,
-                "initial_tr_radius": FIRST_RADIUS,
-                "final_tr_radius": LAST_RADIUS,
-            },
-        )
+        search(criterion, start, RADII, budget.evaluations - 1, [(0.0, 1.0)] * len(start))
     after, best = min(tried, key=lambda trial: trial[0])
     return TunedCandidate(candidate.name, best.settings, before, after, len(tried))
 

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+from furuta.studies.trust_region import SEARCH
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.parameters import ParameterError, values
 
@@ -107,6 +108,7 @@ class TuningResult(NamedTuple):
             "after": self.after.as_json(),
             "gain": self.gain,
             "pendulum_seconds": self.seconds,
+            "search": SEARCH,
         }
 
 

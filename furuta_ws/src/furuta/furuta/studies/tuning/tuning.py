@@ -21,8 +21,8 @@ from collections.abc import Callable
 from math import log
 
 import numpy as np
-from scipy.optimize import minimize
 
+from furuta.studies.trust_region import search
 from furuta.studies.tuning.guarded_loop import (
     GUARD_INTERVAL,
     GuardedLoop,
@@ -57,7 +57,7 @@ ProgressCallback = Callable[[str, float], None]
 # One step of the search multiplies σ₁ by a factor.
 STEP_FACTOR = 1.5
 # First and last radius of the trust region, in steps.
-FIRST_RADIUS, LAST_RADIUS = 0.6, 0.1
+RADII = (0.6, 0.1)
 # Least amplitude that the search distinguishes from 0 [rad].
 SMALLEST_AMPLITUDE = 1e-12
 _SIGMA1 = next(item.about for item in declared(ObserverParameters) if item.name == "sigma1")
@@ -146,16 +146,7 @@ class _Tuner:
             tried = start._replace(friction=start.friction._replace(sigma1=sigma1))
             return log(max(self._try(tried), SMALLEST_AMPLITUDE))
 
-        minimize(
-            cost,
-            np.zeros(1),
-            method="COBYQA",
-            options={
-                "maxfev": self._plan.max_trials,
-                "initial_tr_radius": FIRST_RADIUS,
-                "final_tr_radius": LAST_RADIUS,
-            },
-        )
+        search(cost, np.zeros(1), RADII, self._plan.max_trials)
         if self._plan.rivals and not self._plan.tries_rivals:
             self._report("no time left to try the other compensations")
         for rival in RIVALS if self._plan.tries_rivals else ():
