@@ -6,7 +6,7 @@ from itertools import islice
 from math import prod
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile
 
 import numpy as np
 from scipy.io import loadmat, savemat, whosmat
@@ -15,11 +15,13 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.csv_columns import csv_columns
 from furuta_ros.whole_files import whole_file
 
+_PROBLEM = "not installed"
 try:
     import pyarrow as arrow
     from pyarrow import parquet
-except ModuleNotFoundError:  # only Parquet files need it
+except ImportError as error:  # only Parquet files need it
     arrow = parquet = None
+    _PROBLEM = str(error)
 
 SUFFIXES = (".csv", ".parquet", ".mat", ".npz")
 # Largest content of a file that is read [bytes]: an hour and a quarter of 14 columns at 1 kHz.
@@ -79,7 +81,8 @@ def _format(path: Path) -> tuple[Callable[[Path, Columns], None], Callable[[Path
 def check_parquet() -> None:
     """Raise ParameterError if Parquet files cannot be read and written."""
     if arrow is None:
-        raise ParameterError("Parquet files need pyarrow: pip install pyarrow")
+        fitting = "'pyarrow<26'" if np.__version__ < "2" else "pyarrow"  # 26 needs numpy 2
+        raise ParameterError(f"Parquet files need pyarrow ({_PROBLEM}): pip install {fitting}")
 
 
 def _write_csv(path: Path, columns: Columns) -> None:
@@ -124,9 +127,12 @@ def _read_matlab(path: Path) -> dict[str, np.ndarray]:
     return {name: _floats(name, content[name].squeeze()) for name in names}
 
 
-def _write_npz(path: Path, columns: Columns) -> None:
-    with path.open("wb") as file:
-        np.savez_compressed(file, **columns)  # type: ignore[arg-type]
+def write_npz(path: Path, arrays: Columns) -> None:
+    """Write arrays as numpy does; its 1.26 leaves the file open if the disk is full."""
+    with ZipFile(path, "w", ZIP_DEFLATED) as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, np.asarray(values), allow_pickle=False)
 
 
 def _read_npz(path: Path) -> dict[str, np.ndarray]:
@@ -154,5 +160,5 @@ _FORMATS: dict[str, tuple[Callable[[Path, Columns], None], Callable[[Path], Any]
     ".csv": (_write_csv, csv_columns),
     ".parquet": (_write_parquet, _read_parquet),
     ".mat": (_write_matlab, _read_matlab),
-    ".npz": (_write_npz, _read_npz),
+    ".npz": (write_npz, _read_npz),
 }

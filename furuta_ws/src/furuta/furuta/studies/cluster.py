@@ -20,6 +20,11 @@ CONNECT_TIMEOUT = 5.0
 MAX_ATTEMPTS = 20
 
 
+def check_cluster() -> None:
+    """Raise ModuleNotFoundError if the package is not installed, before anything is written."""
+    import distributed  # noqa: F401
+
+
 def outcomes_on_cluster(address: str, loops: Iterator[Loop], seconds: float) -> Iterator[Outcome]:
     """The outcomes of loops on the cluster at ``address``, in order.
 

@@ -20,7 +20,7 @@ from furuta_bringup.options import (
 )
 from furuta_bringup.printing import show
 from furuta_model.state import LARGEST_VALUE
-from furuta_recordings.table_files import SUFFIXES, write_columns
+from furuta_recordings.table_files import SUFFIXES, write_columns, write_npz
 from furuta_ros.whole_files import whole_file
 from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Simulation
@@ -106,7 +106,7 @@ def _save(record: Any, out: Path, actuator: Any) -> None:
     if suffix == ".npz":
         fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
         with whole_file(out) as new:
-            np.savez_compressed(new, time=record.time, drive=np.array(actuator), **fields)
+            write_npz(new, {"time": record.time, "drive": np.array(actuator), **fields})
     elif suffix in SUFFIXES:
         write_columns(out, simulated_series(record))
     else:

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from furuta.studies.cluster import outcomes_on_cluster
+from furuta.studies.cluster import check_cluster, outcomes_on_cluster
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta.studies.sweep import Sweep, parse_swept_parameter, run
 from furuta.studies.sweep_journal import Journal
@@ -54,6 +54,8 @@ def command(
     sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()
     check_table(out)
+    if scheduler:
+        check_cluster()
     journal = Journal(out, sweep)
     resumed, counts = journal.count, Counter[str]()
     try:
