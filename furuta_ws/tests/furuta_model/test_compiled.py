@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from furuta_model.compilation_notice import NOTICE
 from furuta_model.compiled import by_kind, compiled
 
 CONSTANT = "SHIFT = 1.0"
@@ -127,3 +128,31 @@ def test_one_function_of_several_by_kind() -> None:
     """``by_kind`` calls the function with that index."""
     chosen = by_kind([_first, _second, _third])
     assert [chosen(kind, 3.0) for kind in range(3)] == [4.0, 6.0, -3.0]
+
+
+NOTICED = """
+from furuta_model import compilation_notice
+compilation_notice.UNNOTICED = {}
+from caller_module import caller
+print(caller(3.0))
+"""
+
+
+def errors_of(folder: Path, script: str) -> list[str]:
+    """The lines on standard error of the script; standard output is the result alone."""
+    path = os.pathsep.join([str(folder), os.environ["PYTHONPATH"]])
+    environment = os.environ | {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(folder / "cache")}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "7.0\n"
+    return done.stderr.splitlines()
+
+
+def test_compilation_is_announced(tmp_path: Path) -> None:
+    """In one line on standard error, if it takes long, and not where the code is in the cache."""
+    write(tmp_path, constant=CONSTANT, callee=CALLEE, caller=CALLER)
+    assert errors_of(tmp_path, NOTICED.format(0.0)) == [NOTICE]
+    assert errors_of(tmp_path, NOTICED.format(0.0)) == []
+    write(tmp_path, callee=CALLEE.replace("2.0 * x", "x + x"))
+    assert errors_of(tmp_path, NOTICED.format(60.0)) == []

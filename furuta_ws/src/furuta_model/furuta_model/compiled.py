@@ -19,6 +19,8 @@ from typing import Any, TypeVar, cast, get_type_hints
 import numba
 import numba.extending
 
+from furuta_model.compilation_notice import announce_compilation
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -99,6 +101,8 @@ def inlined(function: Function, **options: Any) -> Function:
     """
     return compiled(function, forceinline=True, _nrt=False, **options)
 
+
+announce_compilation()
 
 # By function and the arguments' types.
 _machine_code: dict[tuple[Any, ...], Any] = {}

@@ -1,0 +1,41 @@
+"""Says that functions are being compiled, which takes minutes where none is in the cache yet."""
+
+import sys
+from multiprocessing import parent_process
+from time import monotonic
+from typing import Any
+
+from numba.core import event
+
+NOTICE = "furuta: compiling; the first run takes about 3 minutes, later ones start at once"
+# Time of compilation without a notice [s]: a few functions may be new after a change.
+UNNOTICED = 2.0
+
+
+class _Notice(event.Listener):
+    """Prints the notice once, when this process has compiled our functions for a while."""
+
+    def __init__(self) -> None:
+        self._begun: list[float] = []  # a function is compiled while the one that calls it is
+        self._total = 0.0
+        self._printed = parent_process() is not None  # a worker; its parent compiles too
+
+    def on_start(self, event: Any) -> None:
+        if not hasattr(event.data["dispatcher"], "furuta_digest"):
+            return
+        self._begun.append(monotonic())
+        if not self._printed and self._total + monotonic() - self._begun[0] > UNNOTICED:
+            self._printed = True
+            print(NOTICE, file=sys.stderr, flush=True)
+
+    def on_end(self, event: Any) -> None:
+        if not hasattr(event.data["dispatcher"], "furuta_digest"):
+            return
+        begun = self._begun.pop()
+        if not self._begun:
+            self._total += monotonic() - begun
+
+
+def announce_compilation() -> None:
+    """Print one line on standard error if this process compiles for long."""
+    event.register("numba:compile", _Notice())
