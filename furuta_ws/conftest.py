@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,28 @@ sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURC
 
 # Folders whose tests take long; all others come first, so that a failure shows early.
 SLOW = ("furuta", "furuta_identification", "graph", "processes", "proofs", "soak", "workspace")
+
+# What some files of tests import, and rosdep does not install.
+OPTIONAL = ("distributed", "flint", "gymnasium", "viser", "websockets")
+
+
+class FileOfTests(pytest.Module):
+    """A file of tests, skipped if it imports an optional package that is not installed."""
+
+    def collect(self) -> Iterable[pytest.Item | pytest.Collector]:
+        """Its tests."""
+        try:
+            return list(super().collect())
+        except self.CollectError as error:
+            name = getattr(error.__cause__, "name", None)
+            if name in OPTIONAL:
+                pytest.skip(f"{name} is not installed")
+            raise
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module:
+    """Skip a file that lacks an optional package."""
+    return FileOfTests.from_parent(parent, path=module_path)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -57,7 +57,7 @@ def _prepared(run: furuta.Record, last: int) -> tuple[Any, Any]:
     """The figure, and the function that draws the sample of a frame in it."""
     figure = plt.figure(figsize=(8, 3.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
-    scene = figure.add_subplot(grid[:, 0], projection="3d")
+    scene: Any = figure.add_subplot(grid[:, 0], projection="3d")
     arm_axis, pendulum_axis = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     _style_scene(scene)
     (past,) = scene.plot([], [], [], color="0.6", lw=1.0)

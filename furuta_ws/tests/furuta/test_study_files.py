@@ -86,6 +86,7 @@ def test_parquet_has_types_and_empty_values(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also if no value of a column is in the first rows; written in groups."""
+    pytest.importorskip("pyarrow")
     monkeypatch.setattr(table_files, "ROWS_TOGETHER", 4)
     write_runs(rows(10), tmp_path / "a.parquet")
     assert parquet.ParquetFile(tmp_path / "a.parquet").num_row_groups == 3

@@ -17,6 +17,7 @@ import pytest
 
 from furuta_bringup import main
 from furuta_graph.processes import executable
+from furuta_model.compilation_notice import NOTICE
 from furuta_sim.emulator.monitor import ask
 from furuta_sim.settings.nodes import NODES
 
@@ -50,10 +51,13 @@ class Processes:
         return self.start(executable("furuta_bringup", "furuta"), *arguments)
 
     def run(self, *arguments: str | Path) -> tuple[int, str, str]:
-        """Run a verb to its end: exit status, standard output, standard error."""
+        """Run a verb to its end: exit status, standard output, standard error.
+
+        Without the notice of a first run: colcon test compiles as it goes.
+        """
         process = self.furuta(*arguments)
         out, err = process.communicate(timeout=TIMEOUT)
-        return process.returncode, out, err
+        return process.returncode, out, err.replace(f"{NOTICE}\n", "")
 
     def start(self, *command: str | Path) -> subprocess.Popen[str]:
         """Start a command."""
@@ -162,6 +166,7 @@ def furuta(
             main.run_verb()
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        return int(ended.value.code or 0), *capfd.readouterr()
+        out, err = capfd.readouterr()
+        return int(ended.value.code or 0), out, err.replace(f"{NOTICE}\n", "")
 
     return run

@@ -144,11 +144,12 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
 
 
 def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
-    """Here the commands are those of another run."""
+    """Here the commands are in disorder."""
     series, table, rig = (tmp_path / name for name in ("run.npz", "log.csv", "rig.yaml"))
     furuta("simulate", "--ideal-sensors", "--seconds", "4", "--out", series)
     with np.load(series) as file:
-        columns = [file["time"], *file["estimate"].T[[0, 2]], file["command"][::-1]]
+        commands = np.random.default_rng(1).permutation(file["command"])
+        columns = [file["time"], *file["estimate"].T[[0, 2]], commands]
     np.savetxt(table, np.column_stack(columns), header="time,arm,pendulum,command", delimiter=",",
         comments="")  # fmt: skip
     status, out, err = furuta("identify", table, "--write", rig)

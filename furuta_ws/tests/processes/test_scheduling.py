@@ -6,7 +6,6 @@ from typing import Any
 import pytest
 
 from furuta_ros.scheduling import may_have_priority
-from furuta_view import supervised_page
 
 pytestmark = pytest.mark.realtime
 
@@ -26,6 +25,7 @@ def test_beside_a_page_a_graph_takes_a_priority_where_it_may(
     furuta: Any, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
 ) -> None:
     """Not in lock-step, where it would leave nothing for the page, nor beside one of its own."""
+    supervised_page = pytest.importorskip("furuta_view.supervised_page")  # it needs viser
     started: list[tuple[str, ...]] = []
     monkeypatch.setattr(
         supervised_page, "run_with_page", lambda graph, *_: started.append(graph) or 0

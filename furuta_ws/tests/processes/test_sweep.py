@@ -9,7 +9,6 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
-from distributed import Client, LocalCluster
 
 TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
@@ -94,12 +93,13 @@ def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, wh
 
 @pytest.mark.long
 def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> None:
+    distributed = pytest.importorskip("distributed")
     out = tmp_path / "sweep.csv"
     with (
-        LocalCluster(
+        distributed.LocalCluster(
             n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster,
-        Client(cluster, set_as_default=False) as client,
+        distributed.Client(cluster, set_as_default=False) as client,
     ):
         process = processes.furuta(
             "sweep", *LONG, "--out", out, "--scheduler", client.scheduler.addr

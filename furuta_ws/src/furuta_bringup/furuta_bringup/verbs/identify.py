@@ -50,7 +50,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 )
 @option(
     "--direction",
-    type=click.Choice(DIRECTIONS),
+    type=click.Choice(list(DIRECTIONS)),
     default="auto",
     help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
     "direction when the arm accelerates in its positive one.",
