@@ -1,4 +1,4 @@
-.PHONY: demo test test-all bench docs page wheel course soak clean
+.PHONY: demo test test-all test-noble bench docs page wheel course soak lock clean
 
 demo:
 	./furuta demo
@@ -14,6 +14,25 @@ test test-all:
 	$(PYTEST) -m "not realtime $(SHORT)" \
 		--numprocesses auto --dist loadfile --no-loadscope-reorder
 	$(PYTEST) -m "realtime $(SHORT)"
+
+# With the library versions of Ubuntu 24.04 (noble), where ROS 2 Jazzy runs: the committed state in a clone
+# with an environment of its own. NOBLE_PYTHON are candidates, its own Python first.
+NOBLE = output/noble
+NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
+	furuta_bringup furuta_control furuta_description furuta_graph furuta_hw furuta_model \
+	furuta_recordings furuta_ros furuta_view workspace/test_dependencies.py \
+	$(patsubst %,furuta/test_%.py,axis comparison_scores figure gym library limit_cycle proof \
+		study_files trust_region tuning whole_files) \
+	$(patsubst %,graph/test_%.py,lockstep reset second_publishers) \
+	$(patsubst %,processes/test_%.py,analysis_verbs axis_verb bag_verbs command_line compare \
+		every_verb missing_packages suggestions sweep tune))
+NOBLE_PYTHON = python3.12 $(wildcard $(HOME)/.pyenv/versions/3.12.*/bin/python3) python3.11 python3
+test-noble:
+	test -d $(NOBLE) || git clone --quiet --no-checkout . $(NOBLE)
+	git -C $(NOBLE) fetch --quiet --force ../.. HEAD && git -C $(NOBLE) checkout --quiet --force FETCH_HEAD
+	cd $(NOBLE) && FURUTA_REQUIREMENTS=requirements.noble.lock FURUTA_PYTHON="$(NOBLE_PYTHON)" \
+		tools/in_environment python -m pytest $(NOBLE_TESTS) -m "not realtime and not long" \
+		--numprocesses auto --dist loadfile
 
 bench:
 	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
