@@ -94,20 +94,22 @@ def other_rig(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with a module ``evil``; loading it sets ``sys.loaded_evil``.
-
-    The process accepts no parts yet.
-    """
-    from own_parts import EVIL
-
+def no_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The process accepts no parts of the user's own before the test, and none of its own after."""
     from furuta_model import own_functions
+
+    monkeypatch.setattr(own_functions, "_accepted", {})
+    monkeypatch.setattr(own_functions, "_imported_names", [])
+
+
+@pytest.fixture
+def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_parts: None) -> Path:
+    """A working directory with a module ``evil``; loading it sets ``sys.loaded_evil``."""
+    from own_parts import EVIL
 
     (tmp_path / "evil.py").write_text(EVIL)
     monkeypatch.chdir(tmp_path)
     monkeypatch.delattr(sys, "loaded_evil", raising=False)
-    monkeypatch.setattr(own_functions, "_accepted", {})
-    monkeypatch.setattr(own_functions, "_imported_names", [])
     return tmp_path
 
 

@@ -229,7 +229,7 @@ class Started:
     level: float = 1.0
 
 
-def test_names_in_studies() -> None:
+def test_names_in_studies(no_parts: None) -> None:
     """A colon in the name of a part is no range."""
     name = "own_parts:array_counting"
     accept_parts([name])

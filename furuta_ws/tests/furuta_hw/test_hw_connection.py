@@ -170,7 +170,9 @@ def test_a_rig_is_not_armed_again_after_a_failure(line: Line) -> None:
     assert rig.arm() == ""
 
 
-def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drivers_are_found_by_name(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch, no_parts: None
+) -> None:
     """A module of furuta_hw/drivers, or a class that the process accepts."""
     assert find_driver("serial_protocol") is SerialProtocolDriver
     monkeypatch.setattr(drivers, "__path__", [*drivers.__path__, str(tmp_path)])
@@ -200,7 +202,7 @@ def test_drivers_are_found_by_name(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
         ("math:pi", "math:pi: this is not a subclass of RigDriver"),
     ],
 )
-def test_a_driver_that_cannot_be_loaded_is_one_line(name: str, reason: str) -> None:
+def test_a_driver_that_cannot_be_loaded_is_one_line(no_parts: None, name: str, reason: str) -> None:
     """With the name and the reason."""
     accept_parts(["math:pi"])
     with pytest.raises((RigError, ParameterError), match=reason) as caught:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import JointState
@@ -82,10 +83,11 @@ def parameter(r: np.random.Generator) -> Parameter:
 def node(request: pytest.FixtureRequest, bench: Bench, monkeypatch: Any) -> Iterator[Any]:
     """A node of the graph on the bench."""
     made = bench.add(NODES[request.param].load_class()([]))
-    made.get_logger().set_level(50)
+    made.get_logger().set_level(LoggingSeverity.FATAL)
     monkeypatch.setattr(parameter_service, "RATE", 1e6)  # each change is tried
     NAMES[:] = list(made._parameters)
-    return made
+    yield made
+    made.get_logger().set_level(LoggingSeverity.UNSET)
 
 
 def test_no_message_ends_a_node(bench: Bench, node: Any) -> None:

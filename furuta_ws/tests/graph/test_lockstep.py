@@ -102,7 +102,9 @@ def require_graph_is_the_offline_loop(
     ],
     ids=lambda chosen: chosen[0],
 )
-def test_graph_is_the_offline_loop(ros: None, tmp_path: Path, chosen: list[str]) -> None:
+def test_graph_is_the_offline_loop(
+    ros: None, no_parts: None, tmp_path: Path, chosen: list[str]
+) -> None:
     """Nodes and offline simulation call the same functions: equal to the last bit."""
     accept_parts(f"own_parts:{name}" for name in ("LUGRE", "counting", "differences", "feedback"))
     require_graph_is_the_offline_loop(load_settings([], chosen), tmp_path / "bag")

@@ -7,6 +7,8 @@ import pytest
 
 from furuta_bringup import main
 
+pytestmark = [pytest.mark.long, pytest.mark.noble]
+
 # Those with a graph that runs, and the demo, are called in test_command_line, test_start_and_end
 # and below.
 WITH_A_GRAPH = {"demo", "view", "param", "reset"}

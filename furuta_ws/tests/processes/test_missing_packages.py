@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = [pytest.mark.long, pytest.mark.noble]
+
 NOT_INSTALLED = "raise ModuleNotFoundError(f'No module named {__name__!r}', name=__name__)"
 UNFIT = "raise ImportError('pyarrow requires NumPy 2.0 or newer, found 1.26.4')"
 AXIS = "axis --inertia 1 --friction alpha0=0.1 --pid 40 13 40"

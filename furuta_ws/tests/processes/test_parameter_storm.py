@@ -22,8 +22,8 @@ def test_pendulum_stays_upright_while_parameters_are_flooded(
 ) -> None:
     """Changes beyond a rate are refused at once, so that samples go on."""
     bag = tmp_path / "bag"
-    graph = processes.furuta("run", "--seconds", 10, "--record", bag)
-    storm = processes.start(*parameter_storm.COMMAND, *changed, rate, 8)
+    graph = processes.furuta("run", "--seconds", 8, "--record", bag)
+    storm = processes.start(*parameter_storm.COMMAND, *changed, rate, 6)
     out, _ = storm.communicate(timeout=60)
     assert graph.wait(timeout=60) == 0, graph.stderr
     print(out)

@@ -105,7 +105,7 @@ class Declared(NamedTuple):
             raise ParameterError(
                 f"{self.name} must be a {self.kind.__name__}, given {shortened(value)}"
             )
-        is_own = self.about.own and ":" in str(value)
+        is_own = self.about.own and names_part(str(value))
         if self.about.choices and value not in self.about.choices and not is_own:
             raise ParameterError(
                 f"{self.name} must be {self.about.allowed}, given {shortened(value)}"
@@ -127,6 +127,11 @@ class Declared(NamedTuple):
             unit = f" {about.unit}" if about.unit else ""
             raise ParameterError(f"{self.name} must be {about.allowed}{unit}, given {value:g}")
         return value if whole else float(value)
+
+
+def names_part(text: str) -> bool:
+    """Whether a text may be the name of a part of one's own; numbers with a colon are a range."""
+    return ":" in text and not text[0].isdigit()
 
 
 def shortened(value: Any) -> str:

@@ -7,7 +7,7 @@ from math import prod
 from typing import Any, NamedTuple
 
 from furuta.studies.analysis_options import parse_range
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, names_part
 from furuta_sim.lanes.batch import batch
 from furuta_sim.settings.parameter_names import parameters_named
 from furuta_sim.settings.settings import Settings, loop_with
@@ -41,7 +41,7 @@ def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
             f"given {text!r}"
         )
     (_, first), *_ = parameters_named(name)
-    if ":" not in rest or first.about.own:
+    if ":" not in rest or (first.about.own and names_part(rest)):
         return SweptParameter(name, tuple(rest.split(",")))
     if first.kind not in (float, int):
         raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")
