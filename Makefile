@@ -21,9 +21,9 @@ NOBLE = output/noble
 NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
 	furuta_bringup furuta_control furuta_description furuta_graph furuta_hw furuta_model \
 	furuta_recordings furuta_ros furuta_view workspace/test_dependencies.py \
-	$(patsubst %,furuta/test_%.py,axis comparison_scores figure gym library limit_cycle proof \
+	$(patsubst %,furuta/test_%.py,axis comparison_scores figure gym library limit_cycle own_functions proof \
 		study_files trust_region tuning whole_files) \
-	$(patsubst %,graph/test_%.py,lockstep reset second_publishers) \
+	$(patsubst %,graph/test_%.py,accepted_parts hostile_input lockstep reset second_publishers) \
 	$(patsubst %,processes/test_%.py,analysis_verbs axis_verb bag_verbs command_line compare \
 		every_verb missing_packages suggestions sweep tune))
 NOBLE_PYTHON = python3.12 $(wildcard $(HOME)/.pyenv/versions/3.12.*/bin/python3) python3.11 python3
