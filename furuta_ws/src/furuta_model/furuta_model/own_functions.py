@@ -249,28 +249,33 @@ def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     return {name: kind for name, kind in hints.items() if name != "return"}
 
 
-@cache
-def _report_exceptions() -> None:
-    """Report an exception of an own function in one line from now on.
+class _Report:
+    """Python's hook for exceptions that cannot be raised: one line for those of own functions.
 
-    Compiled code cannot raise it to its caller: numba gives it to Python's hook for such cases, and
-    the function gives 0.
+    numba gives it what compiled code cannot raise to its caller; the function gives 0 then.
     """
-    earlier, reported_at = sys.unraisablehook, dict[tuple[str, int], float]()
 
-    def report(unraisable: Any) -> None:
+    def __init__(self) -> None:
+        self._earlier = sys.unraisablehook
+        self._reported_at: dict[tuple[str, int | None], float] = {}
+
+    def __call__(self, unraisable: Any) -> None:
         places = extract_tb(unraisable.exc_traceback)
         if "numba" not in str(unraisable.object) or not places:
-            earlier(unraisable)
+            self._earlier(unraisable)
             return
         file, line, name, _ = places[-1]
         now = monotonic()
-        if now - reported_at.get((file, line or 0), -REPORT_PERIOD) >= REPORT_PERIOD:
-            reported_at[file, line or 0] = now
+        if now - self._reported_at.get((file, line), -REPORT_PERIOD) >= REPORT_PERIOD:
+            self._reported_at[file, line] = now
             reason = f"{unraisable.exc_type.__name__}: {unraisable.exc_value}"
             _LOG.error("%s failed and gave 0 (%s, line %s): %s", name, file, line, reason)
 
-    sys.unraisablehook = report
+
+def _report_exceptions() -> None:
+    """Report exceptions of own functions from now on."""
+    if not isinstance(sys.unraisablehook, _Report):
+        sys.unraisablehook = _Report()
 
 
 def _one_line(function: Callable[..., Any], message: str) -> str:
