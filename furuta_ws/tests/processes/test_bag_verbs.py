@@ -158,6 +158,13 @@ def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
     assert "error: not usable: log.csv: fit of the arm" in err
 
 
+def test_a_page_of_no_bag_gives_one_line(furuta: Any, tmp_path: Path) -> None:
+    pytest.importorskip("viser")
+    status, out, err = furuta("view", "--no-open", "--bag", tmp_path)
+    assert (status, out) == (1, "")
+    assert "not a readable bag" in err
+
+
 def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
     empty = tmp_path / "empty"
     empty.mkdir()
@@ -175,7 +182,6 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),
         (["bag", "info", empty], "not a readable bag"),
-        (["view", "--no-open", "--bag", empty], "not a readable bag"),
         (["bag", "recover", empty], "nothing to recover"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
         (["bag", "export", states, "--out", tmp_path / "x.csv"], "sensor_msgs/msg/JointState"),

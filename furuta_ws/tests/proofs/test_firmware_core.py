@@ -6,9 +6,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from sources import ROOT
 
 HERE = Path(__file__).with_name("firmware")
-CORE = Path(__file__).parents[2] / "src" / "furuta_hw" / "firmware" / "core"
+CORE = ROOT / "furuta_ws" / "src" / "furuta_hw" / "firmware" / "core"
 SOURCES = ("furuta_firmware.c", "furuta_frames.c", "furuta_rig.c")
 # The hooks of the thread sanitizer without its run-time, and a trap for each undefined behaviour.
 HOOKS = ("-fsanitize=thread,undefined,bounds", "-fsanitize-undefined-trap-on-error")
