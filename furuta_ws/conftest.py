@@ -96,10 +96,10 @@ def other_rig(tmp_path: Path) -> Path:
 @pytest.fixture
 def no_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The process accepts no parts of the user's own before the test, and none of its own after."""
-    from furuta_model import own_functions
+    from furuta_model import accepted_parts
 
-    monkeypatch.setattr(own_functions, "_accepted", {})
-    monkeypatch.setattr(own_functions, "_imported_names", [])
+    monkeypatch.setattr(accepted_parts, "_accepted", {})
+    monkeypatch.setattr(accepted_parts, "_imported_names", [])
 
 
 @pytest.fixture

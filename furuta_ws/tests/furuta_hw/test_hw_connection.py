@@ -18,7 +18,7 @@ from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import LineError, RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig, SafetyLimits
-from furuta_model.own_functions import accept_parts
+from furuta_model.accepted_parts import accept_parts
 from furuta_model.parameters import ParameterError
 
 

@@ -18,7 +18,7 @@ from std_msgs.msg import String
 from furuta.studies.swing_up_starts import swing_up_settings
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_model.own_functions import accept_parts
+from furuta_model.accepted_parts import accept_parts
 from furuta_model.parameters import values
 from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_loop import read_recorded_run

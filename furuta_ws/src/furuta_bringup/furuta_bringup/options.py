@@ -10,8 +10,8 @@ import click
 
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
+from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.laws import LAWS
-from furuta_model.own_functions import accept_parts, parts_in
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace

@@ -22,13 +22,7 @@ from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import by_kind, compiled, inlined
-from furuta_model.own_functions import (
-    ADDRESS,
-    OwnMemory,
-    forget_own,
-    own_part,
-    sample_function,
-)
+from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors

@@ -6,7 +6,7 @@ from typing import Any
 
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
-from furuta_model.own_functions import accept_parts, parts_in
+from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.writer import check_new_bag
 from furuta_sim.settings.nodes import FRICTION_OBSERVER, NODES, PLANT

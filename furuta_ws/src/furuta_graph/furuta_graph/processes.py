@@ -10,7 +10,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from furuta_graph.children import Children
 from furuta_graph.graph_plan import Graph
-from furuta_model.own_functions import OWN_PARTS, accepted_parts
+from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.bounded_end import bounded_end

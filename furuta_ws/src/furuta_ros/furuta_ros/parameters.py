@@ -15,7 +15,7 @@ from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from furuta_model.own_functions import (
+from furuta_model.accepted_parts import (
     OWN_PARTS,
     accept_parts,
     accepted_parts,

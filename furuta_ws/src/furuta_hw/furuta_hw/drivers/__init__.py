@@ -7,7 +7,7 @@ from pkgutil import iter_modules
 from furuta_hw.connection.rig_driver import RigDriver
 from furuta_hw.errors import RigError
 from furuta_hw.rigs.rig import Rig
-from furuta_model.own_functions import accepted_part
+from furuta_model.accepted_parts import accepted_part
 
 # The class that a module of this package defines.
 CLASS_NAME = "Driver"
