@@ -12,10 +12,10 @@ from furuta_recordings.bags.recorded_loop import read_recorded_loop
 from furuta_ros import parameter_service
 
 
+# Storm, graph and recorder together use two processors fully, so that any other load ends the run.
 @pytest.mark.realtime
-@pytest.mark.parametrize(
-    "rate", [500, *(pytest.param(each, marks=pytest.mark.long) for each in (50, 200, 2000))]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("rate", [50, 200, 500, 2000])
 @pytest.mark.parametrize("changed", [("controller", "omega1", 7.0, 7.1)], ids=lambda c: c[0])
 def test_pendulum_stays_upright_while_parameters_are_flooded(
     processes: Any, tmp_path: Path, rate: int, changed: tuple[str, str, float, float]
