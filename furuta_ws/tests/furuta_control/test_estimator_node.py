@@ -2,6 +2,7 @@
 
 from math import isnan, nan
 from time import sleep
+from typing import Any
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -15,7 +16,7 @@ from furuta_control.estimation import (
 )
 from furuta_control.estimator_node import EstimatorNode
 from furuta_model.block import new_memory
-from furuta_ros.message_age import MAX_AGE
+from furuta_ros.node import MAX_AGE
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000
@@ -79,8 +80,8 @@ def test_a_measurement_that_waited_is_ignored_in_real_time(bench: Bench) -> None
     bench.probe.destroy_publisher(bench.clock)
     measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 2))
     sleep(2 * MAX_AGE)
-    bench.spin(lambda: node.message_age.expired == 1)
-    node.message_age.answerable = lambda: True
+    bench.spin(lambda: node.expired == 1)
+    node.time_is_simulated = lambda: True
     measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 3))
     bench.spin(lambda: len(states) == 2)
     assert [each.header.stamp.nanosec for each in states] == [1, 3]
@@ -125,16 +126,20 @@ def test_gap_in_the_stamps_starts_anew(bench: Bench) -> None:
     assert states[-1].velocity[1] == 0.0
 
 
-def test_kalman_needs_the_applied_torque(bench: Bench) -> None:
-    """A measurement without effort is rejected by method kalman and accepted by lowpass."""
+def test_kalman_needs_the_applied_torque(bench: Bench, capfd: Any) -> None:
+    """Without effort method kalman has no estimate, and says what was given; lowpass has one."""
     node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     message = joint_state((0.0, 0.0, 0.1, nan), 1)
     message.effort = []
     measurement.publish(message)
-    bench.spin(lambda: node.refused == 1)
-    node.set_parameters([Parameter("method", value="lowpass")])
-    measurement.publish(message)
     bench.spin(lambda: len(states) == 1)
-    assert isnan(states[0].effort[0])
+    assert isnan(states[0].velocity[1])
+    assert "no estimate" in (warning := capfd.readouterr().err)
+    assert "effort nan" in warning
+    node.set_parameters([Parameter("method", value="lowpass")])
+    message.header.stamp.nanosec += MS
+    measurement.publish(message)
+    bench.spin(lambda: len(states) == 2)
+    assert not isnan(states[1].velocity[1])

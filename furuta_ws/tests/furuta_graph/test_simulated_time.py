@@ -45,7 +45,7 @@ class LockStep:
 
     def run_to(self, sample: int) -> None:
         """Answer each sample until the plant has published this one."""
-        self._bench.spin(lambda: self.node.pacing._waiting)
+        self._bench.spin(lambda: self.node.pacing._is_waiting)
         while (before := self.node.sample) < sample:
             self._commands.publish(Float64())
             self._bench.spin(lambda before=before: self.node.sample > before)

@@ -9,12 +9,13 @@ import pytest
 from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 from testbench import Bench
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
-from furuta_ros.topics import ARMED, LATCHED, MEASUREMENT
+from furuta_ros.topics import ARMED, COMMAND, LATCHED, MEASUREMENT, QOS
 
 
 @pytest.fixture
@@ -71,6 +72,26 @@ def test_reports_whether_it_is_armed(bench: Bench, permissive_rig: str) -> None:
     bench.spin(lambda: reports == [False, True])
     node.guarded_rig.stop("test")
     bench.spin(lambda: reports == [False, True, False])
+
+
+def test_a_second_controller_stops_the_rig_and_keeps_it_from_arming(
+    bench: Bench, permissive_rig: str
+) -> None:
+    """Nobody can say whose commands are right; the reason names both."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
+    Loop(bench, 1.0)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    bench.spin(lambda: code(node) != 0)
+    second = Node("second")
+    publisher = second.create_publisher(COMMAND.type, COMMAND.name, QOS)
+    bench.spin(lambda: not node.guard.armed)
+    assert node.guard.reason == "2 nodes publish command: /probe and /second"
+    bench.spin(lambda: code(node) == 0)
+    assert arm(bench) == (False, "2 nodes publish command: /probe and /second")
+    second.destroy_publisher(publisher)
+    second.destroy_node()
+    bench.spin(lambda: arm(bench) == (True, ""))
 
 
 def test_autostart_takes_effect_when_the_node_spins(bench: Bench) -> None:

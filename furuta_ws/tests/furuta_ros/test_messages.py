@@ -5,17 +5,18 @@ from math import inf, isnan, nan
 
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
 from testbench import joint_state
 
-from furuta_ros.messages import RefusedError, read_joints, read_measurement
-from furuta_ros.time_stamps import stamp_nanoseconds
+from furuta_model.state import LARGEST_VALUE
+from furuta_ros.messages import RefusedError, read_joint_state
 
 STATE = (0.1, -0.2, 0.3, -0.4)
 
 
 def read(message: object) -> np.ndarray:
     x = np.zeros(5)
-    read_joints(message, x)
+    read_joint_state(serialize_message(message), x, LARGEST_VALUE)
     return x
 
 
@@ -23,7 +24,7 @@ def test_round_trip() -> None:
     """Values and stamp are read as they were written."""
     message = joint_state(STATE, 12_345_678_901, effort=0.7)
     assert read(message).tolist() == [*STATE, 0.7]
-    assert stamp_nanoseconds(message) == 12_345_678_901
+    assert read_joint_state(serialize_message(message), np.zeros(5)) == 12_345_678_901
 
 
 def test_joints_are_found_by_name() -> None:
@@ -48,7 +49,7 @@ def test_bad_values_are_rejected_and_nothing_is_written(field: str, values: list
     setattr(message, field, array("d", values))
     x = np.full(5, 7.0)
     with pytest.raises(RefusedError):
-        read_joints(message, x)
+        read_joint_state(serialize_message(message), x, LARGEST_VALUE)
     assert x.tolist() == [7.0] * 5
 
 
@@ -63,10 +64,11 @@ def test_missing_effort_is_nan(efforts: list[float]) -> None:
 def test_readings_are_read_whatever_they_are() -> None:
     """The estimator decides about values; the joints must be right."""
     measurement = np.zeros(5)
-    read_measurement(joint_state((inf, -1e300, 0.3, nan), 0, effort=-inf), measurement)
+    message = joint_state((inf, -1e300, 0.3, nan), 0, effort=-inf)
+    read_joint_state(serialize_message(message), measurement)
     assert measurement[[0, 1, 2, 4]].tolist() == [inf, -1e300, 0.3, -inf]
     with pytest.raises(RefusedError):
-        read_measurement(joint_state(STATE, 0, ["arm"]), measurement)
+        read_joint_state(serialize_message(joint_state(STATE, 0, ["arm"])), measurement)
 
 
 @pytest.mark.parametrize("efforts", [[0.0], [-1e300, 0.0]])

@@ -77,8 +77,8 @@ def test_a_recorder_does_not_delay_the_run_for_ever(
 
 
 def test_a_lost_measurement_is_sent_again(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the same nodes too, after the time that a slow controller gets."""
-    monkeypatch.setattr(lockstep, "LOST_AFTER", 0.6)
+    """With the same nodes too."""
+    monkeypatch.setattr(lockstep, "REPEAT_AFTER", 0.2)
     plant(bench)
     measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
     bench.spin(lambda: len(measurements) == 1)

@@ -1,5 +1,7 @@
 """Visits every state that a system can reach, breadth first."""
 
+import __future__
+
 import inspect
 import sys
 from collections import deque
@@ -31,15 +33,17 @@ def explore(
     steps: Callable[[Any], Iterable[tuple[str, Any]]],
     problem: Callable[[Any], str],
     key: Callable[[Any], Hashable],
+    ends: bool = False,
 ) -> Explored:
     """Visit all states; ends at the first one that has a ``problem``, on a shortest way.
 
     ``steps`` gives the states that follow a state, each with the name of the step. Two states with
-    the same ``key`` behave alike. A state from which nothing follows is a deadlock: ``problem``
-    says whether it may be.
+    the same ``key`` behave alike. A state from which nothing follows must be ``done``. With
+    ``ends`` a way to one that is done must lead from every state.
     """
     parents: dict[Hashable, tuple[Hashable, str] | None] = {key(initial): None}
-    waiting = deque([initial])
+    before: dict[Hashable, list[Hashable]] = {}
+    waiting, finished = deque([initial]), []
     transitions = 0
 
     def result(violation: str, at: Hashable) -> Explored:
@@ -54,17 +58,38 @@ def explore(
         here = key(state)
         if violation := problem(state):
             return result(violation, here)
+        if state.done:
+            finished.append(here)
         moves = 0
         for name, following in steps(state):
             moves += 1
             there = key(following)
+            if ends:
+                before.setdefault(there, []).append(here)
             if there not in parents:
                 parents[there] = (here, name)
                 waiting.append(following)
         transitions += moves
         if moves == 0 and not state.done:
             return result("deadlock", here)
+    for trapped in _without_end(parents, before, finished) if ends else ():
+        return result("stands still for good", trapped)
     return Explored(len(parents), transitions)
+
+
+def _without_end(
+    states: Iterable[Hashable],
+    before: dict[Hashable, list[Hashable]],
+    finished: list[Hashable],
+) -> Iterator[Hashable]:
+    """The states from which no way leads to a ``finished`` one."""
+    ending, waiting = set(finished), deque(finished)
+    while waiting:
+        for earlier in before.get(waiting.popleft(), ()):
+            if earlier not in ending:
+                ending.add(earlier)
+                waiting.append(earlier)
+    return (state for state in states if state not in ending)
 
 
 def shallow(instance: Any) -> Any:
@@ -81,7 +106,8 @@ def mutated(kind: type, old: str, new: str) -> Iterator[None]:
     assert source.count(old) == 1, f"{kind.__name__} has {source.count(old)} times {old!r}"
     names = vars(sys.modules[kind.__module__])
     with patch.dict(names):
-        exec(dedent(source.replace(old, new)), names)
+        changed_source = dedent(source.replace(old, new))
+        exec(compile(changed_source, "mutant", "exec", __future__.annotations.compiler_flag), names)
         changed = vars(names[kind.__name__])
     functions = {name: value for name, value in changed.items() if inspect.isfunction(value)}
     with patch.multiple(kind, **functions):

@@ -1,8 +1,8 @@
 """The lock-step loop as a system to explore: the nodes' own code, and a middleware that misbehaves.
 
-``LockStep``, ``EstimateMatching`` and the controller's answers are the classes that the nodes run.
-Around them stand four queues and a clock. A step is: a message is received or lost, half a second
-passes, a node is restarted, or the plant is reset.
+``LockStep`` and the controller's methods are those that the nodes run. Around them stand four
+queues and a clock. A step is: a message is received or lost, half a second passes, a node is
+restarted, or the plant is reset.
 """
 
 from collections.abc import Iterator
@@ -10,11 +10,13 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
+import numpy as np
 from proofs.explorer import shallow
 
 from furuta_control.controller_node import ControllerNode
-from furuta_control.estimate_matching import EstimateMatching
-from furuta_ros.wire import ANEW, CONTINUES, REPEATED
+from furuta_ros.messages import read_value
+from furuta_ros.time_stamps import NEVER
+from furuta_ros.wire import joint_state_bytes, value_bytes
 from furuta_sim import lockstep
 from furuta_sim.lockstep import LockStep
 
@@ -22,11 +24,15 @@ SECOND = 1_000_000_000
 TICK = SECOND // 2  # [ns]
 EVENT = 1000  # [ns] between two events
 # Ticks after which an age makes no more difference: longer than every time in the protocol.
-OLDEST = 9
+OLDEST = 4
 QUEUES = ("measurement", "state to observer", "state", "estimate", "command")
+PERIOD = SECOND // 50  # of the samples [ns]
 RESET_GAP = 10  # samples that a reset takes
 LATE_COMMANDS = 1  # that may be on the way for any time
 NODES = ("estimator", "friction_observer", "controller")
+# A command stands for the sample and the estimate that it was computed from: this times the first
+# plus the second.
+CODE = 1000
 
 
 class Bounds(NamedTuple):
@@ -42,47 +48,41 @@ class Bounds(NamedTuple):
     resets: int = 0
 
 
-class Controller:
-    """The controller without ROS: its answers to states and estimates."""
-
-    _do = ControllerNode._do
-    taken = ControllerNode.taken
+class Controller(ControllerNode):
+    """The controller's node without ROS and without arithmetic."""
 
     def __init__(self, world: "World") -> None:
         self.world = world
-        self.message_age = world.message_age
-        self._matching = EstimateMatching(10)
-        self._memory, self._memory_before = [0], [0]
-        self.sample = -1
-        self.command = (-1, -1)
+        self._x, self._memory, self._controller = np.zeros(5), None, None
+        self._stamp, self._command = NEVER, 0.0
+        self._friction, self._friction_stamp, self._timeout = 0.0, NEVER, 0.0
+        self._is_estimated, self._is_applied = True, True
+        self._is_anew = self._is_answered = False
+        self.missed_estimates = self._active_mode = 0
 
-    def _compute(self, friction: float) -> None:
-        self.command = (self.sample, int(friction))
-        self.publish_answer()
+    def _step(self, memory: Any, x: Any, friction: float, *others: Any) -> tuple[float, int, bool]:
+        return CODE * self._stamp / PERIOD + friction, 0, False
 
-    def _compute_without_estimate(self) -> None:
-        self._compute(self._matching.friction)
+    def warn(self, *about: Any, **named: Any) -> bool:
+        """Log nothing."""
+        return True
 
-    def publish_answer(self) -> None:
+    def time_is_simulated(self) -> bool:
+        """It is, in lock-step."""
+        return True
+
+    @property
+    def _publisher(self) -> Any:
+        return self
+
+    def publish(self, data: bytes, stamp: int) -> None:
         """Send the last command."""
-        self.world.send("command", self.command)
+        self.world.send("command", read_value(data))
 
-    def on_state(self, sample: int) -> None:
-        """Receive a state."""
-        follows = sample == self.sample + 1
-        kind = REPEATED if sample == self.sample else CONTINUES if follows else ANEW
-        self.sample = sample
-        self.taken(kind)
-
-    def on_estimate(self, sample: int) -> None:
-        """Receive an estimate."""
-        self._do(self._matching.estimate(float(sample), self.message_age.sent))
-
-
-class Age:
-    """When the message that is being received was sent [ns]."""
-
-    sent = 0
+    def key(self) -> Any:
+        """What determines how it goes on."""
+        flags = self._is_estimated, self._is_anew, self._is_answered
+        return self._stamp, self._command, self._friction, self._friction_stamp, flags
 
 
 class World:
@@ -91,11 +91,10 @@ class World:
     def __init__(self, bounds: Bounds) -> None:
         self.bounds, self.budget = bounds, bounds[1:]
         self.now = SECOND
-        self.message_age = Age()
+        self.sent = 0  # when the message that is being received was sent [ns]
         self.queues: dict[str, tuple[Any, ...]] = dict.fromkeys(QUEUES, ())
         self.estimator = self.observer = -1  # newest sample of each
-        self.generation = 0  # of the nodes that publish
-        self.sample, self.held, self.resetting = 0, True, False
+        self.sample, self.held, self.resetting, self.message = 0, True, False, 0
         self.violation = ""
         self.controller = Controller(self)
         self.lockstep = LockStep(self)
@@ -116,17 +115,17 @@ class World:
 
     def publish_sample(self) -> None:
         """Send the measurement of a new sample."""
-        self.resetting = False
+        self.resetting, self.message = False, self.sample
         self.repeat_measurement()
 
     def repeat_measurement(self) -> None:
         """Send it again."""
-        self.send("measurement", self.sample)
+        self.send("measurement", self.message)
 
-    def move(self, command: tuple[int, int]) -> None:
+    def move(self, command: float) -> None:
         """Apply a command, which must be that of this sample."""
-        if not self.held and command != (self.sample, self.sample):
-            self.violation = f"sample {self.sample} moves by the command to {command}"
+        if not self.held and command != CODE * self.sample + self.sample:
+            self.violation = f"sample {self.sample} moves by the command to {command / CODE}"
         self.sample += 1
 
     # What the middleware does.
@@ -140,7 +139,7 @@ class World:
         (content, sent), *rest = self.queues[queue]
         self.queues[queue] = tuple(rest)
         self.now += EVENT
-        self.message_age.sent = sent
+        self.sent = sent
         if queue == "measurement":
             self.estimator = content
             self.send("state to observer", content)
@@ -149,16 +148,15 @@ class World:
             self.observer = content
             self.send("estimate", content)
         elif queue == "state":
-            self.controller.on_state(content)
+            self.controller.on_state(joint_state_bytes(content * PERIOD, np.zeros(4), 0.0))
         elif queue == "estimate":
-            self.controller.on_estimate(content)
+            self.controller.on_friction(value_bytes(content))
         else:
             self.held = self.resetting
             self.lockstep.on_command(content)
 
     def restart(self, node: str) -> None:
         """A node is killed and started again: what it had received is gone."""
-        self.generation += 1
         if node == "controller":
             self.controller = Controller(self)
         inputs = {"estimator": (0,), "friction_observer": (1,), "controller": (2, 3)}
@@ -178,33 +176,25 @@ class World:
     def copy(self) -> "World":
         """An independent copy."""
         new: World = shallow(self)
-        new.message_age, new.queues = Age(), dict(self.queues)
+        new.queues = dict(self.queues)
         new.controller, new.lockstep = shallow(self.controller), shallow(self.lockstep)
-        new.controller.world, new.controller.message_age = new, new.message_age
-        new.controller._matching = shallow(self.controller._matching)
-        new.lockstep._plant = new
+        new.controller.world = new.lockstep._plant = new
         return new
 
     def key(self) -> Any:
         """The state, with times by their order and by the half seconds since."""
-        step, match = self.lockstep, self.controller._matching
-        early = match._early
+        step = self.lockstep
         times = [
             *(sent for queue in QUEUES for _, sent in self.queues[queue]),
-            *(match._sent, match._sent_last, early[1] if early else 0, step._began),
-            *(round(t * SECOND) for t in (step._publish_time, step._repeat_time)),
-            round(step._arrival_time * SECOND),
+            *(step._began, round(step._changed_at * SECOND)),
         ]
         order = sorted(set(times))
         return (
             tuple((min(OLDEST, (self.now - t) // TICK), order.index(t)) for t in times),
             tuple(tuple(content for content, _ in self.queues[queue]) for queue in QUEUES),
-            (self.sample, self.held, self.resetting, self.generation, self.budget),
-            (self.estimator, self.observer, self.controller.sample, self.controller.command),
-            (match.friction, match.missed, match._expected, match._stepped, match._repetitions),
-            (early and early[0], match._any_state, match._uncertain, match._previous_uncertain),
-            (step._waiting, step._unanswered, step._repeated, step._late_possible, step._command),
-            (step._known_publishers, step._seen, match.refused_in_a_row, self.violation),
+            (self.sample, self.held, self.resetting, self.message, self.budget, self.violation),
+            (self.estimator, self.observer, self.controller.key()),
+            (step._is_waiting, step._is_repeated, step._command, step._seen),
         )
 
 
@@ -276,12 +266,8 @@ class NoClock:
 
 @contextmanager
 def own_clock() -> Iterator[None]:
-    """``LockStep`` with the world's clock, and publishers that change when a node is restarted."""
+    """``LockStep`` with the world's clock."""
     CLOCK.world = None
     names = {"monotonic": CLOCK.monotonic, "time_ns": CLOCK.time_ns, "SimulatedClock": NoClock}
-    with (
-        patch.multiple(lockstep, **names),
-        patch.object(LockStep, "_publishers", lambda step: frozenset({step._plant.generation})),
-        patch.object(LockStep, "_warn", lambda step: None),
-    ):
+    with patch.multiple(lockstep, **names), patch.object(LockStep, "_warn", lambda step: None):
         yield

@@ -1,32 +1,21 @@
-"""Every way that lock-step, publishers and arming can go, within bounds: docs/safety.md."""
-
-from typing import Any
-from unittest.mock import patch
+"""Every way that lock-step and arming can go, within bounds: docs/safety.md."""
 
 import pytest
-from proofs import arming_world, lockstep_world, publisher_world
+from proofs import arming_world, lockstep_world
 from proofs.arming_world import Budget, Rig
 from proofs.explorer import Explored, explore, mutated
 from proofs.lockstep_world import Bounds, World
-from proofs.publisher_world import Publishers
 
-from furuta_control.estimate_matching import EstimateMatching
+from furuta_control.controller_node import ControllerNode
 from furuta_hw.guard import Guard
-from furuta_ros import one_publisher
-from furuta_ros.one_publisher import OnePublisher
 from furuta_sim.emulator.firmware import Firmware
 from furuta_sim.lockstep import LockStep
 
 
 def lockstep(bounds: Bounds) -> Explored:
     with lockstep_world.own_clock():
-        return explore(World(bounds), lockstep_world.steps, lambda w: w.violation, World.key)
-
-
-def publishers() -> Explored:
-    with patch.object(one_publisher, "MARGIN", publisher_world.MARGIN):
         return explore(
-            Publishers(), publisher_world.steps, lambda state: state.violation, Publishers.key
+            World(bounds), lockstep_world.steps, lambda w: w.violation, World.key, ends=True
         )
 
 
@@ -45,6 +34,7 @@ def publishers() -> Explored:
                 Bounds(3, losses=1, restarts=1),
                 Bounds(4, restarts=2),
                 Bounds(3, losses=1, early=1, resets=1),
+                Bounds(4, losses=3, restarts=2, early=1, resets=1),
             )
         ),
     ],
@@ -57,52 +47,22 @@ def test_every_command_answers_its_own_sample(bounds: Bounds) -> None:
     assert not explored.violation, explored
 
 
-LATE = "self._late_possible and 0 < self._plant.message_age.sent < self._began"
-OLD = "return sent < self._sent - (0 if uncertain else REPETITION_TIME)"
 MUTANTS: list[tuple[type, str, str, Bounds]] = [
-    (LockStep, f"if {LATE}:", "if False:", Bounds(3, resets=1)),
-    (LockStep, "if self._unanswered == 0:", "if True:", Bounds(2, early=1)),
-    (LockStep, "if not self._waiting:", "if False:", Bounds(2, early=1)),
-    (EstimateMatching, OLD, "return False", Bounds(3, losses=1)),
-    (EstimateMatching, OLD, "return uncertain and sent < self._sent", Bounds(3, losses=1)),
-    (EstimateMatching, "if anew or self._previous_uncertain", "if anew", Bounds(3, 1, 1)),
-    (EstimateMatching, "if sent < self._sent_last + REPETITION_TIME:", "if True:", Bounds(3, 1, 1)),
+    (LockStep, "if 0 < self._plant.sent < self._began:", "if False:", Bounds(3, resets=1)),
+    (LockStep, "elif self._is_repeated:", "elif False:", Bounds(3, losses=1, early=1)),
+    (LockStep, "unchanged >= SETTLE_TIME", "True", Bounds(3, losses=1, early=1)),
+    (ControllerNode, "and not self._is_answered:", ":", Bounds(3, losses=1)),
+    (ControllerNode, "if self._is_answered:", "if False:", Bounds(2, losses=1)),
+    (ControllerNode, "self._is_estimated or self._is_anew or ", "False and ", Bounds(2)),
 ]
 
 
 @pytest.mark.parametrize(("kind", "old", "new", "bounds"), MUTANTS)
 def test_a_fault_of_the_lockstep_is_found(kind: type, old: str, new: str, bounds: Bounds) -> None:
     """Faults that the code had, put back, and a rule taken out of it."""
-    with mutated(kind, old, new), lockstep_world.own_clock():
-        explored = explore(World(bounds), lockstep_world.steps, lambda w: w.violation, World.key)
+    with mutated(kind, old, new):
+        explored = lockstep(bounds)
     print(explored.states, explored.violation)
-    assert explored.violation
-
-
-def test_no_other_publisher_is_accepted() -> None:
-    """While the first one is there, however their numbers run and whatever is lost."""
-    explored = publishers()
-    print(explored.states, "states,", explored.transitions, "transitions")
-    assert not explored.violation, explored
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("and abs(number - self._next) <= MARGIN", "and False"),
-        ("if were_several or len(self._listed) > 1:", "if False:"),
-        ("if self._now() - self._several_until < SETTLING_TIME:", "if False:"),
-    ],
-)
-def test_a_fault_of_the_publishers_rule_is_found(old: str, new: str) -> None:
-    """Among them that anybody is accepted after a refusal."""
-    with (
-        patch.object(one_publisher, "MARGIN", publisher_world.MARGIN),
-        mutated(OnePublisher, old, new),
-    ):
-        explored: Any = explore(
-            Publishers(), publisher_world.steps, lambda state: state.violation, Publishers.key
-        )
     assert explored.violation
 
 

@@ -8,11 +8,10 @@ from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float64
 
-from furuta_ros.one_publisher import OnePublisher
 from soak.mutators import Change
 
 # What the middleware says about a message.
-NO_INFO = {"publication_sequence_number": None, "source_timestamp": 0}
+NO_INFO = {"source_timestamp": 0}
 
 
 class Subject:
@@ -20,11 +19,7 @@ class Subject:
 
     def __init__(self, make: Callable[[], Any]) -> None:
         self.published: list[tuple[float, ...]] = []
-        # There is no middleware that numbers the messages of a publisher.
-        with (
-            patch.object(OnePublisher, "accepts", lambda self, number: True),
-            patch("furuta_ros.loop_publisher.sender", self._sender),
-        ):
+        with patch("furuta_ros.loop_publisher.sender", self._sender):
             self.node = make()
         self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
 

@@ -2,13 +2,9 @@
 
 import sys
 from collections.abc import Sequence
-from math import pi
 
 import numpy as np
-from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import Parameter
-from rclpy.task import Future
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 
 from furuta_control.control import (
@@ -21,197 +17,144 @@ from furuta_control.control import (
     forget_integrals,
     reset,
 )
-from furuta_control.estimate_matching import Answer, EstimateMatching
-from furuta_control.estimation import covers_circle
 from furuta_control.modes import swing_up
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
+from furuta_model.state import LARGEST_VALUE, SIGNALS
 from furuta_model.vibration import is_sustained
-from furuta_ros.discovery import clock_advice
-from furuta_ros.messages import read_joints, read_value
+from furuta_ros.loop_publisher import LoopPublisher
+from furuta_ros.messages import read_joint_state, read_value
+from furuta_ros.node import FurutaNode
 from furuta_ros.reduction_status import ReductionStatus, vibration_reason
-from furuta_ros.sample_node import SampleNode
 from furuta_ros.spinning import run_node
-from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import (
-    ACTIVE_MODE,
-    ARMED,
-    COMMAND,
-    FRICTION_ESTIMATE,
-    JOINT_STATES,
-    LATCHED,
-    QOS,
-)
-from furuta_ros.wire import ANEW, REPEATED, new_float64, take_joint_state
+from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
+from furuta_ros.topics import ACTIVE_MODE, ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES, LATCHED
+from furuta_ros.wire import value_bytes
 
 # Time between two warnings that estimates are late [s], the first one at once.
 SUMMARY_PERIOD = 30.0
-# Parameters of the estimator: which pendulum angles it sees.
-SEEN = ["method", "sensors.potentiometer_range", "sensors.ideal"]
 
 
-class ControllerNode(SampleNode[ControllerParameters]):
+class ControllerNode(FurutaNode[ControllerParameters]):
     """Stabilises the pendulum.
 
-    Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one command
-    per state, as soon as both the state and its friction estimate have arrived, in either order.
+    Subscribes to ``joint_states`` and ``friction_estimate``, publishes ``command``: one for each
+    state, when its friction estimate comes. Estimates carry no stamp, so a state has an estimate if
+    one comes before the next state. Once a state has had none, the next one does not wait: it is
+    answered at once with the last estimate, or with F̂ = 0 V if that is older than
+    ``friction_timeout``. When estimates come again, states wait for them again. In simulated time
+    every state waits.
 
-    :class:`EstimateMatching` tells which estimate belongs to which state. A state whose estimate is
-    late is answered with the newest one, or with F̂ = 0 V if that is older than
-    ``friction_timeout``, and again when the estimate arrives before the next state. A state is
-    stepped once; if it is repeated (same stamp), its command is published again.
-
-    A state that has become too old is not answered.
-
-    While ``armed`` says that a rig does not apply the commands, nothing is integrated.
+    A state that is repeated (same stamp) makes no new step: once it has been answered, the last
+    command is published again. While ``armed`` says that a rig does not apply the commands, nothing
+    is integrated.
 
     Publishes ``active_mode``, what the controller does: ``off`` until the first state, then
     whenever it changes. A late subscriber gets the last messages.
+
+    Attributes:
+        missed_estimates: Number of states that were answered without their estimates.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
+        super().__init__("controller", ControllerParameters, overrides)
         self._memory = new_memory(ControllerMemory)
-        self._memory_before = self._memory.copy()  # a step without its estimate
-        self._matching = EstimateMatching(QOS.depth)
-        self._friction_stamp = -1  # of the state when the newest estimate arrived
-        self._applied = True  # whether commands are applied
-        self._mode = ""
-        super().__init__("controller", ControllerParameters, new_float64(), overrides)
-        self._estimator = self.create_client(GetParameters, "estimator/get_parameters")
-        self.watch_parameters(self.parameters_changed)
+        self._x, self._stamp, self._command = np.zeros(SIGNALS), NEVER, 0.0
+        self._friction, self._friction_stamp = 0.0, NEVER  # of the state before the estimate
+        self._is_estimated = True  # whether an estimate has come since the last state
+        self._is_anew = self._is_answered = False
+        self._is_applied = True  # whether a rig applies the commands
+        self.missed_estimates = 0
         self._active_mode = swing_up.OFF
+        self.design_by(self._design)
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
-        self._reduction = ReductionStatus(self, self._reason)
-        self.take_samples(JOINT_STATES, COMMAND)
-        self.subscribe_to(FRICTION_ESTIMATE, self._on_friction, raw=True)
+        self._publisher = LoopPublisher(self, COMMAND)
+        self._reduction = ReductionStatus(self, self._reduction_reason)
+        self.subscribe_to(JOINT_STATES, self.on_state)
+        self.subscribe_to(FRICTION_ESTIMATE, self.on_friction)
         self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
 
-    def parameters_changed(self, parameters: ControllerParameters) -> None:
+    def _design(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""
-        self._design = block(design_controller(parameters))
-        self.compute_with(_take, self._memory)
-        self._control = for_types_of(
-            _control, self._memory, self.received, 0.0, self._design, self.answer
-        )
-        begins = parameters.mode == swing_up.MODE.name != self._mode
-        if begins and self._estimator.service_is_ready():
-            asked = self._estimator.call_async(GetParameters.Request(names=SEEN))
-            asked.add_done_callback(self._check_estimator)
-        self._mode = parameters.mode
+        self._controller = block(design_controller(parameters))
+        self._step = for_types_of(_step, self._memory, self._x, 0.0, self._controller, True, True)
+        self._timeout = parameters.friction_timeout * NANOSECONDS
 
-    def _check_estimator(self, answer: Future) -> None:
-        """Warn if the estimator does not follow the pendulum where it swings up."""
-        given = answer.result().values
-        if len(given) < len(SEEN):  # an estimator of one's own
+    def on_state(self, data: bytes) -> None:
+        """Wait for the state's estimate, or answer at once if the last state has had none."""
+        stamp = read_joint_state(data, self._x, LARGEST_VALUE)
+        if stamp == self._stamp:
+            if self._is_answered:
+                self._publish()
             return
-        method, sensor, ideal = given
-        if not covers_circle(method.string_value):
-            remedy = f"estimator.method is {method.string_value}; set it to whole_circle"
-        elif not ideal.bool_value and sensor.double_value < pi:
-            remedy = f"the pendulum sensor ends at {sensor.double_value:g} rad; use one of a turn"
-        else:
-            return
-        self.get_logger().warning(f"mode swing_up has no effect: {remedy}")
+        self._is_anew, self._stamp = starts_anew(stamp - self._stamp), stamp
+        waits = self._is_estimated or self._is_anew or self.time_is_simulated()
+        self._is_estimated = False
+        self._is_answered = False
+        if not waits:
+            self._answer_without_estimate()
 
-    @property
-    def missed_estimates(self) -> int:
-        """Number of states that were answered without their estimates."""
-        return self._matching.missed
+    def on_friction(self, data: bytes) -> None:
+        """Answer the state with its estimate."""
+        self._friction, self._friction_stamp = read_value(data), self._stamp
+        self._is_estimated = True
+        if self._stamp != NEVER and not self._is_answered:
+            self._answer(self._friction)
 
-    def read(self, message: JointState, x: np.ndarray) -> None:
-        """Read the state."""
-        read_joints(message, x)
+    def _answer_without_estimate(self) -> None:
+        self.missed_estimates += 1
+        missed = f"no friction estimate in time ({self.missed_estimates} so far)"
+        self.warn("late estimates", missed, SUMMARY_PERIOD)
+        is_fresh = self._stamp - self._friction_stamp <= self._timeout
+        self._answer(self._friction if is_fresh else 0.0)
 
-    def taken(self, sample: int) -> None:
-        """Answer the state if its friction estimate is there, or if it is late."""
-        sent = self.message_age.sent
-        if sample == REPEATED:
-            self._do(self._matching.repetition(sent))
-        else:
-            self._do(self._matching.state(sent, sample == ANEW))
-
-    def _on_friction(self, data: bytes) -> None:
-        answer = self._matching.estimate(read_value(data), self.message_age.sent)
-        if self._matching.refused_in_a_row == 0:
-            self._friction_stamp = self.stamp
-        elif self._matching.suspicious:
-            self.warn(
-                "early estimates",
-                "ignored friction estimates that were sent before the state they should answer"
-                f"{clock_advice()}",
-            )
-        self._do(answer)
-
-    def _on_armed(self, message: Bool) -> None:
-        self._applied = message.data
-
-    def _do(self, answer: Answer) -> None:
-        if answer is Answer.STEP:
-            self._compute(self._matching.friction)
-        elif answer is Answer.STEP_WITHOUT:
-            self._memory_before[:] = self._memory
-            self._compute_without_estimate()
-        elif answer is Answer.CORRECT:
-            self._memory[:] = self._memory_before
-            self._compute(self._matching.friction)
-        elif answer is Answer.AGAIN:
-            self.publish_answer()
-
-    def _compute_without_estimate(self) -> None:
-        self.warn(
-            "late estimates",
-            f"no friction estimate in time ({self.missed_estimates} so far)",
-            SUMMARY_PERIOD,
-        )
-        age = self.stamp - self._friction_stamp
-        timeout = self.parameters.friction_timeout * NANOSECONDS
-        fresh = self._friction_stamp >= 0 and age <= timeout
-        self._compute(self._matching.friction if fresh else 0.0)
-
-    def _compute(self, friction: float) -> None:
-        if not self._applied:
-            forget_integrals(self._memory[0])
-        mode, reduced = self._control(
-            self._memory, self.received, friction, self._design, self.answer
+    def _answer(self, friction: float) -> None:
+        """Compute the command for the state and publish it."""
+        self._is_answered = True
+        self._command, mode, is_reduced = self._step(
+            self._memory, self._x, friction, self._controller, self._is_anew, self._is_applied
         )
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()
-        self.publish_answer()
-        if reduced:
+        self._publish()
+        if is_reduced:
             self._reduction.report()
 
-    def _reason(self) -> str:
+    def _publish(self) -> None:
+        self._publisher.publish(value_bytes(self._command), self._stamp)
+
+    def _publish_mode(self) -> None:
+        self._mode_publisher.publish(String(data=ACTIVE_MODES[self._active_mode]))
+
+    def _on_armed(self, message: Bool) -> None:
+        self._is_applied = message.data
+
+    def _reduction_reason(self) -> str:
         part = float(self._memory["balance"]["super_twisting"]["vibration"]["part"][0])
         return vibration_reason("super-twisting", part)
 
-    def _publish_mode(self) -> None:
-        """Publish what the controller does."""
-        self._mode_publisher.publish(String(data=ACTIVE_MODES[self._active_mode]))
-
 
 @compiled
-def _take(
-    data: bytes, previous: int, x: np.ndarray, answer: np.ndarray, memory: np.ndarray
-) -> tuple[int, int, int]:
-    """Read a state; :func:`_control` computes with it."""
-    sample, stamp = take_joint_state(data, previous, True, x)
-    if sample == ANEW:
+def _step(
+    memory: np.ndarray,
+    x: np.ndarray,
+    friction: float,
+    controller: np.ndarray,
+    is_anew: bool,
+    is_applied: bool,
+) -> tuple[float, int, bool]:
+    """The command u [V], what the controller does, and whether a vibration has reduced it."""
+    if is_anew:
         reset(memory[0])
-    return sample, stamp, 0
-
-
-@compiled
-def _control(
-    memory: np.ndarray, x: np.ndarray, friction: float, design: np.ndarray, answer: np.ndarray
-) -> tuple[int, bool]:
-    """Write the command u [V]; return the index of the active mode, and whether u vibrates."""
+    if not is_applied:
+        forget_integrals(memory[0])
     vibration = memory[0].balance.super_twisting.vibration
     swings = vibration.swings
-    answer[0].value = control(memory[0], x, friction, design[0])
-    reduced = vibration.swings > swings and is_sustained(vibration)
-    return active_mode(memory[0], design[0]), reduced
+    u = control(memory[0], x, friction, controller[0])
+    is_reduced = vibration.swings > swings and is_sustained(vibration)
+    return u, active_mode(memory[0], controller[0]), is_reduced
 
 
 def main() -> None:

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
 
 from furuta_graph.parameter_client import ParameterClient
 from furuta_model.parameters import build, declared, values
-from furuta_model.state import SIGNALS
-from furuta_ros.messages import read_joints
+from furuta_model.state import LARGEST_VALUE, SIGNALS
+from furuta_ros.messages import read_joint_state
 from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
@@ -33,12 +32,12 @@ class EstimateBuffer:
     """State estimates that have arrived and are not yet read."""
 
     def __init__(self, node: Node) -> None:
-        self.waiting: deque[JointState] = deque(maxlen=BUFFER_SIZE)
+        self.waiting: deque[bytes] = deque(maxlen=BUFFER_SIZE)
         node.create_subscription(
-            JOINT_STATES.type, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE)
+            JOINT_STATES.type, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE), raw=True
         )
 
-    def _receive(self, message: JointState) -> None:
+    def _receive(self, message: bytes) -> None:
         self.waiting.append(message)
 
 
@@ -78,10 +77,10 @@ class TuningClient:
         samples = max(1, round(seconds / self.estimator.sample_time))
         estimates = np.empty((samples, SIGNALS))
         for row in estimates:
-            read_joints(self._next(), row)
+            read_joint_state(self._next(), row, LARGEST_VALUE)
         return estimates
 
-    def _next(self) -> JointState:
+    def _next(self) -> bytes:
         deadline = monotonic() + TIMEOUT
         while not self._waiting:
             if self._stop():

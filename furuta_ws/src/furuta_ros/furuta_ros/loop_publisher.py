@@ -33,26 +33,23 @@ class LoopPublisher:
         self._publisher = node.create_publisher(topic.type, topic.name, QOS)
         self._send = sender(self._publisher)
         self._copy = node.create_publisher(copy.type, copy.name, QOS)
-        self._last = -PERIOD
-        self._observed = False
+        self._last = self._looked_up = -PERIOD
+        self._is_wanted = False
 
     def publish(self, data: bytes, stamp: int) -> None:
         """Publish the message of the sample at ``stamp`` [ns]."""
         self._send(data)
         if not 0 <= stamp - self._last < PERIOD:
-            self._publish_copy(data, stamp)
+            self._last = stamp
+            if self._copy.get_subscription_count() > 0:
+                self._copy.publish(data)
 
-    def publish_if_observed(self, data: bytes, stamp: int) -> None:
-        """The same for a topic outside the loop: not without a subscriber."""
-        due = not 0 <= stamp - self._last < PERIOD
-        if due:
-            self._observed = self._publisher.get_subscription_count() > 0
-        if self._observed:
-            self._send(data)
-        if due:
-            self._publish_copy(data, stamp)
-
-    def _publish_copy(self, data: bytes, stamp: int) -> None:
-        self._last = stamp
-        if self._copy.get_subscription_count() > 0:
-            self._copy.publish(data)
+    def is_wanted(self, stamp: int) -> bool:
+        """Whether somebody subscribes to either, looked up once in ``PERIOD`` of the samples."""
+        if not 0 <= stamp - self._looked_up < PERIOD:
+            self._looked_up = stamp
+            self._is_wanted = (
+                self._publisher.get_subscription_count() > 0
+                or self._copy.get_subscription_count() > 0
+            )
+        return self._is_wanted

@@ -1,15 +1,14 @@
-"""Base class of the graph's nodes: declared parameters and validated subscriptions."""
+"""What is ROS in a node of the graph: parameters, subscriptions, publishers, warnings."""
 
 from collections.abc import Callable, Sequence
-from functools import partial, wraps
-from time import monotonic
+from functools import wraps
+from time import monotonic, time_ns
 from traceback import extract_tb
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -17,31 +16,30 @@ from rclpy.timer import Timer
 from furuta_model.compiled import load_machinery
 from furuta_ros.discovery import clock_advice
 from furuta_ros.errors import UserError, first_line
-from furuta_ros.loop_topics import publishers_of
-from furuta_ros.message_age import MAX_AGE, MessageAge
 from furuta_ros.messages import RefusedError
-from furuta_ros.one_publisher import OnePublisher
 from furuta_ros.parameter_service import FurutaParameterService
 from furuta_ros.parameters import NodeParameters
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import CLOCK, QOS, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 
-# Shortest time between two warnings of one kind [s].
-WARNING_PERIOD = 1.0
-# The same of what a fallen pendulum causes again and again.
-RARELY = 10.0
+# Shortest time between two warnings of one kind [s], and of what causes them again and again.
+WARNING_PERIOD, RARELY = 1.0, 10.0
 # Time between two checks for second publishers [s].
 CHECK_PERIOD = 1.0
+# Age beyond which a message is ignored in real time [s]: a process that stood still would answer
+# the messages of that time by where the rig was.
+MAX_AGE = 0.05
+_OLDEST = round(MAX_AGE * NANOSECONDS)
 
 
 class FurutaNode(Node, Generic[Group]):
-    """A node with a declared group of parameters and validated subscriptions.
+    """A node with a declared group of parameters, and subscriptions that survive any message.
 
     Attributes:
-        refused: Number of invalid messages.
-        accepted_publishers: By topic name, which publisher's messages are accepted.
-        message_age: Of the message that the node answers.
+        refused: Number of invalid messages; ``expired``: of those that were too old.
+        sent: When the message that the node handles was sent [ns since 1970], 0 if not known.
         parameter_service: What changes the parameters on request.
         runs_compiled_code: Whether to load what compiled code needs before others see the node.
         one_per_graph: Whether a second such node must not start, whatever its name.
@@ -59,66 +57,62 @@ class FurutaNode(Node, Generic[Group]):
             )
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries
             raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
-        self.refused = 0
+        self.refused = self.expired = self.sent = 0
+        self._inputs: list[Topic] = []
         self._warned_at: dict[str, float] = {}
-        self.accepted_publishers: dict[str, OnePublisher] = {}
-        self.message_age = MessageAge(self._time_is_simulated)
         self._declared = NodeParameters(self, group)
         self.parameter_service = FurutaParameterService(self)
+        self.steady_timer(CHECK_PERIOD, self._check_publishers)
 
     @property
     def parameters(self) -> Group:
         """The current parameters."""
         return self._declared.current
 
-    def watch_parameters(self, apply: Callable[[Group], None]) -> None:
-        """Call ``apply`` with the parameters now, and again after every change.
-
-        A node's constructor calls it once the attributes that ``apply`` needs are there.
-        """
-        self._declared.on_change(apply)
-        apply(self.parameters)
+    def design_by(self, design: Callable[[Group], None]) -> None:
+        """Call ``design`` with the parameters now, and again after every change."""
+        self._declared.on_change(design)
+        design(self.parameters)
 
     def start_up(self) -> str:
         """Do what is left when the node is about to spin; returns why it is not ready, if so."""
         return ""
 
-    def publish_on(self, topic: Topic) -> Publisher:
-        """A publisher on a topic of the graph."""
-        return self.create_publisher(topic.type, topic.name, QOS)
+    def subscribe_to(self, topic: Topic, receive: Callable[[bytes], None]) -> None:
+        """Call ``receive`` with each serialised message of a topic of the graph.
 
-    def subscribe_to(self, topic: Topic, receive: Callable[[Any], None], raw: bool = False) -> None:
-        """Call ``receive`` with each message from the one publisher of the topic.
-
-        With ``raw`` it gets the serialised message, in bytes. A message that is too old or that
-        ``receive`` refuses is counted and logged.
+        A message that is too old in real time, or that ``receive`` refuses, is counted and logged.
         """
-        one = OnePublisher(
-            topic.name, partial(publishers_of, self, topic), self.get_logger().warning
-        )
-        self.accepted_publishers[topic.name] = one
+        self._inputs.append(topic)
 
-        accepts, age = one.accepts, self.message_age
-
-        @wraps(_message_and_info)
+        @wraps(_data_and_info)
         def checked(*taken: Any) -> None:
             # The events executor of some builds passes both as one tuple.
-            message, info = taken if len(taken) == 2 else taken[0]
-            if not accepts(info["publication_sequence_number"]):
-                return
-            if not age.received(info["source_timestamp"]):
-                self._report_age(topic)
-                return
+            data, info = taken if len(taken) == 2 else taken[0]
+            self.sent = sent = info["source_timestamp"]
             try:
-                receive(message)
+                if sent and time_ns() - sent > _OLDEST and not self.time_is_simulated():
+                    self._ignore(topic)
+                else:
+                    receive(data)
             except RefusedError as refusal:
                 self.refused += 1
                 self.warn(f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}")
             except Exception as error:
                 self._report_failure(topic.name, error)
 
-        super().create_subscription(topic.type, topic.name, checked, QOS, raw=raw)
-        self.steady_timer(CHECK_PERIOD, one.check)
+        super().create_subscription(topic.type, topic.name, checked, QOS, raw=True)
+
+    def second_publishers(self, topics: Sequence[Topic]) -> str:
+        """Who publishes a topic besides its publisher; empty if nobody does."""
+        for topic in topics:
+            name = self.resolve_topic_name(topic.name)
+            if self.count_publishers(name) > 1:
+                ends = self.get_publishers_info_by_topic(name)
+                nodes = sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in ends)
+                killed = "" if len(set(nodes)) == len(nodes) else KILLED
+                return f"{len(nodes)} nodes publish {topic.name}: {' and '.join(nodes)}{killed}"
+        return ""
 
     # All other callbacks come through one of these three, also those of rclpy itself.
 
@@ -126,25 +120,22 @@ class FurutaNode(Node, Generic[Group]):
         self, msg_type: Any, topic: str, callback: Any, *others: Any, **named: Any
     ) -> Subscription:
         """As in ROS; an exception in the callback does not end the node."""
-        return super().create_subscription(
-            msg_type, topic, self.guarded(topic, callback), *others, **named
-        )
+        callback = self.guarded(topic, callback)
+        return super().create_subscription(msg_type, topic, callback, *others, **named)
 
     def create_service(
         self, srv_type: Any, srv_name: str, callback: Any, *others: Any, **named: Any
     ) -> Service:
         """As in ROS; after an exception in the callback the response is an empty one."""
-        return super().create_service(
-            srv_type, srv_name, self.guarded(srv_name, callback), *others, **named
-        )
+        callback = self.guarded(srv_name, callback)
+        return super().create_service(srv_type, srv_name, callback, *others, **named)
 
     def create_timer(
         self, timer_period_sec: float, callback: Any, *others: Any, **named: Any
     ) -> Timer:
         """As in ROS; an exception in the callback does not end the node."""
-        return super().create_timer(
-            timer_period_sec, self.guarded("a timer", callback), *others, **named
-        )
+        callback = self.guarded("a timer", callback)
+        return super().create_timer(timer_period_sec, callback, *others, **named)
 
     def guarded(self, source: str, callback: Callable[..., Any]) -> Callable[..., Any]:
         """The callback, but an exception is logged with its line instead of ending the node."""
@@ -158,12 +149,6 @@ class FurutaNode(Node, Generic[Group]):
                 return given[-1] if given else None  # the response of a service
 
         return call
-
-    def _report_failure(self, source: str, error: Exception) -> None:
-        *_, (file, line, name, _) = extract_tb(error.__traceback__)
-        reason = f"{type(error).__name__}: {error}"
-        text = f"{source}: {name} failed ({file}, line {line}): {reason}"
-        self.warn(f"failed {source}", text, severity="error")
 
     def steady_timer(self, period: float, call: Callable[[], object]) -> Timer:
         """Call a function every ``period`` [s], whatever happens to the system's time."""
@@ -184,17 +169,33 @@ class FurutaNode(Node, Generic[Group]):
             getattr(self.get_logger(), severity)(text)
         return due
 
-    def _time_is_simulated(self) -> bool:
-        """Whether the plant of this graph publishes simulated time."""
+    def time_is_simulated(self) -> bool:
+        """Whether the plant of this graph publishes simulated time: it waits for each answer."""
         return self.count_publishers(self.resolve_topic_name(CLOCK.name)) > 0
 
-    def _report_age(self, topic: Topic) -> None:
+    def _ignore(self, topic: Topic) -> None:
+        self.expired += 1
+        age = (time_ns() - self.sent) / NANOSECONDS
         self.warn(
             f"ignored {topic.name}",
-            f"ignored a message on {topic.name} that was sent {self.message_age.age:.3g} s ago, "
-            f"at most {MAX_AGE:g} s ({self.message_age.expired} so far){clock_advice()}",
+            f"ignored a message on {topic.name} that was sent {age:.3g} s ago, at most "
+            f"{MAX_AGE:g} s ({self.expired} so far){clock_advice()}",
         )
 
+    def _check_publishers(self) -> None:
+        if several := self.second_publishers(self._inputs):
+            self.warn("publishers", several, RARELY)
 
-def _message_and_info(message: Any, info: dict[str, Any]) -> None:
+    def _report_failure(self, source: str, error: Exception) -> None:
+        *_, (file, line, name, _) = extract_tb(error.__traceback__)
+        reason = f"{type(error).__name__}: {error}"
+        text = f"{source}: {name} failed ({file}, line {line}): {reason}"
+        self.warn(f"failed {source}", text, severity="error")
+
+
+# Two publishers of the same node's name.
+KILLED = " (a killed node stays listed for up to 20 s)"
+
+
+def _data_and_info(data: bytes, info: dict[str, Any]) -> None:
     """Whose signature a callback has tells rclpy to pass it the message info."""

@@ -2,12 +2,12 @@
 
 from typing import Any, Final
 
-from furuta_model.compiled import inlined
-
 NANOSECONDS: Final = 1_000_000_000
 # Time between two samples [ns] from which the later one begins anew: longer than any sample time
 # and any pause of a loaded machine that the loop rides out.
 NEW_START_AFTER: Final = 150_000_000
+# No sample has this stamp [ns].
+NEVER: Final = -(2**62)
 
 
 def stamp_nanoseconds(message: Any) -> int:
@@ -16,10 +16,9 @@ def stamp_nanoseconds(message: Any) -> int:
     return int(stamp.sec * NANOSECONDS + stamp.nanosec)
 
 
-@inlined
-def starts_anew(previous: int, stamp: int) -> bool:
-    """Whether the sample of ``stamp`` does not continue that of ``previous`` [ns].
+def starts_anew(interval: int) -> bool:
+    """Whether the sample that comes an ``interval`` [ns] after another one does not continue it.
 
     So it is after a reset of the rig, and when another plant or a replay takes over.
     """
-    return not 0 <= stamp - previous <= NEW_START_AFTER
+    return not 0 <= interval <= NEW_START_AFTER

@@ -7,19 +7,18 @@ import numpy as np
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from furuta_model.block import block, new_memory
+from furuta_model.block import block
 from furuta_model.compiled import compiled, for_types_of
-from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher, sender
 from furuta_ros.messages import read_value
+from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
-from furuta_ros.wire import new_joint_state, write_joint_state
+from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, QOS
+from furuta_ros.wire import joint_state_bytes
 from furuta_sim.lockstep import LockStep
-from furuta_sim.paced_node import PacedNode
-from furuta_sim.parameters import PlantNodeParameters, PlantParameters
+from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
     Noise,
@@ -35,7 +34,7 @@ from furuta_sim.realtime import RealTime
 RESET_TIME = 0.2
 
 
-class PlantNode(PacedNode):
+class PlantNode(FurutaNode[PlantNodeParameters]):
     """Simulates the rig.
 
     Publishes ``measurement`` (NaN without a sensor; effort of the arm: the torque applied since
@@ -44,45 +43,44 @@ class PlantNode(PacedNode):
     again after the service ``~/reset``. A reset takes ``RESET_TIME``, in which nothing is measured:
     from the gap the other nodes see that the motion does not continue. :class:`RealTime` or
     :class:`LockStep` starts the samples.
+
+    Attributes:
+        sample: Number of the current sample.
+        period: Sample time [ns].
+        start: Time stamp of sample 0 [ns].
+        held: Whether the rig is held in its initial state.
     """
 
-    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        self._measurement = np.zeros(SIGNALS)
-        self._messages = new_joint_state(), new_joint_state()  # measurement and true state
-        self._torque = 0.0
-        self._resetting = False
-        self._rig, self._memory = PlantParameters(), new_memory(PlantMemory)
-        super().__init__("plant", overrides)
-        self.watch_parameters(self.parameters_changed)
-        self._noise = Noise(self.parameters.plant.seed)
-        self._memory = initial_plant(self.parameters.plant)
-        self._send_measurement = sender(self.publish_on(MEASUREMENT))
-        self._truth_publisher = LoopPublisher(self, GROUND_TRUTH)
-        self.create_service(Trigger, "~/reset", self._reset)
-        lockstep = self.parameters.clock == "lockstep"
-        self.parameter_service.limited = not lockstep  # run_until may be set for every step
-        self.pacing = (LockStep if lockstep else RealTime)(self)
-        self.subscribe_to(COMMAND, self._on_command, raw=True)
+    one_per_graph = True
 
-    def parameters_changed(self, parameters: PlantNodeParameters) -> None:
+    def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
+        super().__init__("plant", PlantNodeParameters, overrides)
+        self._rig = self.parameters.plant
+        self.sample = self.start = 0
+        self.period = round(self._rig.sample_time * NANOSECONDS)
+        self.held, self._is_resetting = True, False
+        self._memory, self._noise = initial_plant(self._rig), Noise(self._rig.seed)
+        self._measurement, self._torque, self._message = np.zeros(SIGNALS), 0.0, b""
+        self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
+        self._truth = LoopPublisher(self, GROUND_TRUTH)
+        self.create_service(Trigger, "~/reset", self._reset)
+        is_lockstep = self.parameters.clock == "lockstep"
+        self.parameter_service.limited = not is_lockstep  # run_until may be set for every step
+        self.pacing = (LockStep if is_lockstep else RealTime)(self)
+        self.design_by(self._design)
+        self.subscribe_to(COMMAND, self.on_command)
+
+    def _design(self, parameters: PlantNodeParameters) -> None:
         """Apply the new parameters between two samples."""
         if parameters.plant.pushes != self._rig.pushes:
             self._memory["pushed_from"] = self._memory["moved"]
         self._rig = parameters.plant
-        self._block = block(design_plant(self._rig))
-        self._read = for_types_of(
-            _read,
-            self._memory,
-            np.zeros(NOISE_CHANNELS),
-            self._block,
-            self._measurement,
-            self._torque,
-            0,
-            *self._messages,
-        )
-        self._move = for_types_of(_move, self._memory, 0.0, self._block)
-        self.paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
-        self.on_change()
+        self._plant = block(design_plant(self._rig))
+        no_noise = np.zeros(NOISE_CHANNELS)
+        self._read = for_types_of(_read, self._memory, no_noise, self._plant, self._measurement)
+        self._move = for_types_of(_move, self._memory, 0.0, self._plant)
+        self._paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
+        self.pacing.resume()
 
     @property
     def x(self) -> np.ndarray:
@@ -90,43 +88,51 @@ class PlantNode(PacedNode):
         state: np.ndarray = self._memory["x"][0]
         return state
 
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self.sample * self.period / NANOSECONDS
+
+    @property
+    def stamp(self) -> int:
+        """Time stamp of this sample [ns]."""
+        return self.start + self.sample * self.period
+
+    @property
+    def paused(self) -> bool:
+        """Whether ``run_until`` is reached."""
+        return self.sample >= self._paused_from
+
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
-        measurement, truth = self._messages
-        stamp, noise = self.stamp, self._noise()
-        self._read(
-            self._memory,
-            noise,
-            self._block,
-            self._measurement,
-            self._torque,
-            stamp,
-            measurement,
-            truth,
-        )
-        self._resetting = False
-        self._truth_publisher.publish_if_observed(truth.tobytes(), stamp)
-        self.repeat_measurement()
+        stamp = self.stamp
+        friction = self._read(self._memory, self._noise(), self._plant, self._measurement)
+        self._is_resetting = False
+        if self._truth.is_wanted(stamp):
+            self._truth.publish(joint_state_bytes(stamp, self.x, friction), stamp)
+        self._message = joint_state_bytes(stamp, self._measurement, self._torque)
+        self._send(self._message)
 
     def repeat_measurement(self) -> None:
-        """Publish the measurement of this sample, first or again."""
-        self._send_measurement(self._messages[0].tobytes())
+        """Publish the measurement of this sample again."""
+        self._send(self._message)
 
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
         if not self.held:
-            self._torque = self._move(self._memory, command, self._block)
+            self._torque = self._move(self._memory, command, self._plant)
         self.sample += 1
 
-    def _on_command(self, data: bytes) -> None:
+    def on_command(self, data: bytes) -> None:
+        """Take a command [V]."""
         command = read_value(data)
         # A command during a reset belongs to a measurement from before it.
-        self.held = self._resetting
+        self.held = self._is_resetting
         self.pacing.on_command(command)
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._memory = initial_plant(self._rig)
-        self.held = self._resetting = True
+        self.held = self._is_resetting = True
         self._torque = 0.0
         self.sample += round(RESET_TIME * NANOSECONDS / self.period)
         response.success = True
@@ -136,20 +142,11 @@ class PlantNode(PacedNode):
 
 @compiled
 def _read(
-    memory: np.ndarray,
-    noise: np.ndarray,
-    plant: np.ndarray,
-    measurement: np.ndarray,
-    torque: float,
-    stamp: int,
-    measurement_message: np.ndarray,
-    truth_message: np.ndarray,
-) -> None:
-    """Read the sensors and write the messages of this sample."""
+    memory: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray
+) -> float:
+    """Read the sensors; return the true friction [V]."""
     read(memory[0], noise, plant[0], measurement)
-    friction = true_friction(memory[0], plant[0])
-    write_joint_state(measurement_message[0], stamp, measurement, torque)
-    write_joint_state(truth_message[0], stamp, memory[0].x, friction)
+    return true_friction(memory[0], plant[0])
 
 
 @compiled

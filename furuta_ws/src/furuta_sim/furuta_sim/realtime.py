@@ -1,16 +1,20 @@
 """Real time: a timer starts samples at absolute deadlines of the steady clock."""
 
+from __future__ import annotations
+
 from time import monotonic_ns
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
 from furuta_ros.node import RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import TIMING
+from furuta_ros.topics import QOS, TIMING
 from furuta_sim.histogram import Histogram
-from furuta_sim.paced_node import PacedNode
+
+if TYPE_CHECKING:
+    from furuta_sim.plant_node import PlantNode
 
 # Width [µs] and number of the bins of the published histograms.
 BIN_WIDTH, BINS = 20, 250
@@ -37,7 +41,7 @@ class RealTime:
     then moved over all samples that are due, as a real rig would have moved.
     """
 
-    def __init__(self, plant: PacedNode) -> None:
+    def __init__(self, plant: PlantNode) -> None:
         reject_simulated_time(plant, REAL_TIME)
         self._plant = plant
         self._command = 0.0
@@ -46,7 +50,7 @@ class RealTime:
         self.timing_counts = TimingCounts()
         self.latency, self.lateness = Histogram(), Histogram()
         self._publish_time = 0
-        self._timing = plant.publish_on(TIMING)
+        self._timing = plant.create_publisher(TIMING.type, TIMING.name, QOS)
         # Stamps are in ROS time, deadlines in steady time: adjusting the clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()
@@ -59,6 +63,9 @@ class RealTime:
         if self._publish_time and not self._answered:
             self.latency.add(now - self._publish_time)
         self._command, self._command_time, self._answered = command, now, True
+
+    def resume(self) -> None:
+        """Nothing to do when ``run_until`` is raised: the timer goes on."""
 
     def _tick(self) -> None:
         plant = self._plant

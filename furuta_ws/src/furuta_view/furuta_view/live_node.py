@@ -18,14 +18,13 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, QoSReliabilityPolicy
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import JointState
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_model.state import RIGID_STATES, SIGNALS
+from furuta_model.state import LARGEST_VALUE, RIGID_STATES, SIGNALS
 from furuta_ros import topic_names
-from furuta_ros.messages import RefusedError, deserialized, read_joints, value_of
+from furuta_ros.messages import RefusedError, deserialized, read_joint_state, value_of
 from furuta_ros.reduction_status import NAME_END
-from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
     COMMAND,
     DIAGNOSTICS,
@@ -119,11 +118,9 @@ class LiveNode(Node):
         if 0 <= stamp - self._last_stamp < PERIOD:
             return
         try:
-            message = deserialized(serialized, JointState)
-            read_joints(message, self._x)
+            self._last_stamp = read_joint_state(serialized, self._x, LARGEST_VALUE)
         except RefusedError:
             return
-        self._last_stamp = stamp_nanoseconds(message)
         sample = np.full(COLUMNS, nan)
         sample[TIME] = self._last_stamp / NANOSECONDS
         sample[PHI : PHI + RIGID_STATES] = self._x[:RIGID_STATES]

@@ -21,7 +21,7 @@ from std_srvs.srv import SetBool
 from furuta_graph.processes import executable
 from furuta_hw.rigs.rig import Rig
 from furuta_ros.context import ros_context
-from furuta_ros.message_age import MAX_AGE
+from furuta_ros.node import MAX_AGE
 from furuta_ros.topics import COMMAND, QOS
 from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.emulator.monitor import ask

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from math import isfinite, nan, pi
 from pathlib import Path
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
@@ -25,6 +26,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import describe_discovery, reaches_network
+from furuta_ros.loop_publisher import sender
 from furuta_ros.messages import RefusedError, value_of
 from furuta_ros.node import FurutaNode
 from furuta_ros.simulated_clock import reject_simulated_time
@@ -35,13 +37,17 @@ from furuta_ros.topics import (
     COMMAND,
     DIAGNOSTICS,
     FRICTION_ESTIMATE,
+    JOINT_STATES,
     LATCHED,
     MEASUREMENT,
+    QOS,
 )
-from furuta_ros.wire import new_joint_state
+from furuta_ros.wire import joint_state_bytes
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
+PUBLISHERS_PERIOD = 0.1  # [s] between two checks for second publishers
 DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
+LOOP = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
 START_DELAY = 0.001  # [s] of spinning after which autostart takes effect
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
@@ -75,14 +81,13 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._sample_clock = SampleClock(self._period)
         self._restarts = 0
         self._timers_when_configured: list[Timer] = []
-        self._message = new_joint_state()
-        self._publisher = self.publish_on(MEASUREMENT)
+        self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
         self._armed = Bool()
         self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
         self._diagnostics = self.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
-        self.subscribe_to(COMMAND, self._on_command, raw=True)
-        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate, raw=True)
+        self.subscribe_to(COMMAND, self._on_command)
+        self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
         # Transitions call methods that a subclass may override, so not from the constructor.
         self._start_timer: Timer | None = self.steady_timer(START_DELAY, self.start_up)
@@ -127,6 +132,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
+            self.steady_timer(PUBLISHERS_PERIOD, self._stop_on_second_publisher),
             self.steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
@@ -167,7 +173,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
                 f"other machines can send commands: discovery is {describe_discovery()}; set "
                 "the parameter network_commands to allow it"
             )
-        reason = self.guarded_rig.arm()
+        reason = self.second_publishers(LOOP) or self.guarded_rig.arm()
         if not reason:
             self._report_armed()
             self.get_logger().info("armed")
@@ -216,12 +222,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def _publish(self, sample: RigSample) -> None:
         self.samples += 1
         now = self.get_clock().now().nanoseconds
-        message, stamp = self._message, self._sample_clock.stamp(sample.number, now)
-        message["sec"], message["nanosec"] = divmod(stamp, NANOSECONDS)
-        message["position"] = sample.arm_angle, sample.pendulum_angle
-        message["velocity"] = sample.arm_speed, nan
-        message["effort"] = sample.voltage, 0.0
-        self._publisher.publish(message.tobytes())
+        stamp = self._sample_clock.stamp(sample.number, now)
+        x = np.array((sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan))
+        self._send(joint_state_bytes(stamp, x, sample.voltage))
 
     def _on_command(self, data: bytes) -> None:
         command = value_of(data)
@@ -248,6 +251,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._receive()
         if self.guarded_rig is not None:
             self.guarded_rig.check()
+
+    def _stop_on_second_publisher(self) -> None:
+        """Two controllers would take turns."""
+        several = self.second_publishers(LOOP) if self.guard.armed else ""
+        if several and self.guarded_rig is not None:
+            self.guarded_rig.stop(several)
 
     def _report_armed(self) -> None:
         """Publish whether the rig applies commands, if that has changed."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_model.state import EFFORT, PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA, THETA_DOT
+from furuta_model.state import EFFORT, RIGID_STATES, SIGNALS
 from furuta_recordings.bags.bag import Bag, Topic, last_part
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topic_names import (
@@ -19,7 +19,7 @@ from furuta_ros.topic_names import (
     JOINT_STATES,
     MEASUREMENT,
 )
-from furuta_ros.wire import UNUSUAL, take_joint_state
+from furuta_ros.wire import unpack_joint_state
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 # Topics of the graph with and without a stamp, and their types; a bag with other types is of
@@ -30,8 +30,6 @@ TYPES = {
     **dict.fromkeys(STAMPED, JOINT_STATE_TYPE),
     **dict.fromkeys(NUMBERS, "std_msgs/msg/Float64"),
 }
-# No message has this stamp [ns].
-NO_STAMP = -(2**62)
 
 
 class RecordedLoop(NamedTuple):
@@ -101,7 +99,6 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     arrivals = array("q")
     # Stamps or times of arrival [ns], and what the messages hold.
     series = {name: (array("q"), array("d")) for name in (*STAMPED, *NUMBERS)}
-    x = np.zeros(SIGNALS)
     with Bag(path) as bag:
         topics = graph_topics(path, bag)
         for topic, time, data in bag.messages_in_memory(topics):
@@ -111,10 +108,7 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
                 times.append(time)
                 values.append(bag.deserialize(data, topic.msgtype).data)
                 continue
-            kind, stamp = take_joint_state(data, NO_STAMP, False, x)
-            if kind == UNUSUAL:
-                message = bag.deserialize(data, topic.msgtype)
-                stamp, x[:] = stamp_nanoseconds(message), _signals(message)
+            stamp, *x = unpack_joint_state(data) or _signals(bag.deserialize(data, topic.msgtype))
             if name == MEASUREMENT and stamp in rows:
                 continue
             if name == MEASUREMENT:
@@ -130,13 +124,11 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     return RecordedLoop(stamps, np.array(arrivals), measurement, estimate, truth, numbers)
 
 
-def _signals(message: Any) -> list[float]:
-    """Angles, speeds and the arm's effort in the graph's joint states; NaN without an effort."""
-    x = [0.0] * SIGNALS
-    x[PHI], x[THETA] = message.position
-    x[PHI_DOT], x[THETA_DOT] = message.velocity
-    x[EFFORT] = message.effort[0] if len(message.effort) else np.nan
-    return x
+def _signals(message: Any) -> tuple[int, float, float, float, float, float]:
+    """Stamp [ns], φ, φ̇, θ, θ̇ and the arm's effort in the graph's joint states, or NaN."""
+    (phi, theta), (phi_dot, theta_dot) = message.position, message.velocity
+    effort = message.effort[0] if len(message.effort) else np.nan
+    return stamp_nanoseconds(message), phi, phi_dot, theta, theta_dot, effort
 
 
 def _by_row(rows: dict[int, int], stamps: array[int], values: array[float]) -> np.ndarray:
