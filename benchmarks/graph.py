@@ -16,9 +16,9 @@ from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.settings import Settings, default_settings
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import spin_until
-from furuta_sim.settings.settings import Settings, default_settings
 
 ROUNDS = 7
 ROUND_SECONDS = 1.5

@@ -19,6 +19,7 @@ from furuta.studies.comparison.candidates import parse_candidates
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
 from furuta_friction.compensation import COMPENSATIONS
+from furuta_graph.settings.settings import loop, rig_settings
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
@@ -32,7 +33,6 @@ from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
 from furuta_sim.lanes.batch import batch
-from furuta_sim.settings.settings import loop, rig_settings
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # What is known of every rig before the recording: sensors, drive, timing, limits.

@@ -13,7 +13,7 @@ from ros_domain import take_domain
 if TYPE_CHECKING:
     from testbench import Bench
 
-    from furuta_sim.settings.settings import Settings
+    from furuta_graph.settings.settings import Settings
 
 SOURCES = Path(__file__).resolve().parent / "src"
 
@@ -83,7 +83,7 @@ def other_rig(tmp_path: Path) -> Path:
     """A rig file with another model, other limits and another sample time than the paper's."""
     import yaml
 
-    from furuta_sim.settings.rigs import rig_directory
+    from furuta_hw.rigs.known_rigs import rig_directory
 
     content = yaml.safe_load((rig_directory() / "qube_servo_2.yaml").read_text())
     content["line"]["sample_time"] = 0.002
@@ -116,6 +116,6 @@ def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_parts: None) -> Pat
 @pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
-    from furuta_sim.settings.settings import default_settings
+    from furuta_graph.settings.settings import default_settings
 
     return default_settings()

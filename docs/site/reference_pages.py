@@ -16,6 +16,7 @@ import click
 import furuta
 from furuta.figures.labels import SYMBOLS
 from furuta_bringup.main import furuta as command_line
+from furuta_graph.settings.nodes import NODES
 from furuta_hw.rigs.physical import PhysicalParameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import LinearCoefficients
@@ -23,7 +24,6 @@ from furuta_hw.rigs.uncertainty import ABSOLUTE, RELATIVE
 from furuta_model.parameters import About, Declared, ParameterError, declared
 from furuta_recordings.series_columns import column_table
 from furuta_ros.topics import EVERY_TOPIC, THROTTLED_TOPICS, Topic
-from furuta_sim.settings.nodes import NODES
 
 DOCS = Path(__file__).resolve().parents[1]
 GENERATED = "Generated from the code by `docs/site/reference_pages.py`."

@@ -12,8 +12,8 @@ import furuta
 from furuta.figures.figure import style_time_series
 from furuta.figures.run import draw_run
 from furuta.studies.swing_up_starts import swing_up_settings
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import PHI, THETA
-from furuta_sim.settings.settings import load_settings, loop
 
 FRAMES_PER_SECOND = 20
 DPI = 72

@@ -21,11 +21,11 @@ from furuta.studies.comparison.tuning import (
     TuningBudget,
     tune_candidate,
 )
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import default_settings, load_settings, loop
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import default_settings, load_settings, loop
 from furuta_sim.simulation.closed_loop import outcome
 
 SETTINGS = default_settings()

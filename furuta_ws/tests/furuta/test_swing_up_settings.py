@@ -7,9 +7,9 @@ import pytest
 
 from furuta.studies.swing_up_knocks import Knocks, count_knocks
 from furuta.studies.swing_up_starts import swing_up_settings
+from furuta_graph.settings.settings import load_settings, loop
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.parameters import ParameterError
-from furuta_sim.settings.rigs import find_rig
-from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Record
 
 

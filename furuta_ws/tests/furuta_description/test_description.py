@@ -11,9 +11,9 @@ import yaml
 from urdf_parser_py.urdf import URDF
 
 from furuta_description.robot_description import display_nodes, robot_description, share
+from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_model.parameters import ParameterError
 from furuta_ros import topic_names
-from furuta_sim.settings.rigs import find_rig, rig_directory
 
 RIGS = sorted(file.stem for file in rig_directory().glob("*.yaml"))
 TOPICS = {

@@ -5,9 +5,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import default_settings, parameters_of
 from furuta_model.parameters import build, values
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import default_settings, parameters_of
 from furuta_view import charts
 from furuta_view.fall_notice import has_fallen
 from furuta_view.guided_scenes import (

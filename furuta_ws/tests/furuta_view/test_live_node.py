@@ -8,10 +8,10 @@ from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, JOINT_STATES, THROTTLED_TOPICS
-from furuta_sim.settings.settings import Settings
 from furuta_view.live_node import LiveNode
 from furuta_view.samples import ESTIMATE, FRICTION, PHI, THETA_DOT, TIME
 

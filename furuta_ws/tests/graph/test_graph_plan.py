@@ -6,9 +6,9 @@ import pytest
 
 from furuta_graph.graph_plan import GraphOptions, plan_graph
 from furuta_graph.processes import executable
+from furuta_graph.settings.nodes import NODES, check_graph
+from furuta_graph.settings.settings import load_settings, parameters_of
 from furuta_model.parameters import ParameterError
-from furuta_sim.settings.nodes import NODES, check_graph
-from furuta_sim.settings.settings import load_settings, parameters_of
 
 OTHERS = ["estimator", "friction_observer", "controller"]
 

@@ -17,11 +17,11 @@ from sensor_msgs.msg import JointState
 from testbench import Bench
 
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import Settings
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros import parameter_service
 from furuta_ros.topics import JOINT_STATES, Topic
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import Settings
 from furuta_view.live_node import LiveNode
 
 # Of each kind, on each node.

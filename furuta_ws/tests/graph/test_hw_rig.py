@@ -8,19 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from furuta_graph.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.bridge.sample_clock import SLEW, SampleClock
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
 from furuta_hw.rigs.calibration import PendulumSensor, SpeedSensor
 from furuta_hw.rigs.channels import converter, encoder, wrapped
+from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_hw.rigs.physical import PhysicalParameters, normalise
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_model.parts.converter import convert
 from furuta_model.pendulum import accelerations
-from furuta_sim.settings.rigs import find_rig, rig_directory
-from furuta_sim.settings.settings import load_settings, loop, rig_settings
 from furuta_sim.simulation.closed_loop import outcome
 
 PHYSICAL = PhysicalParameters(

@@ -18,14 +18,14 @@ from std_msgs.msg import String
 from furuta.studies.swing_up_starts import swing_up_settings
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.settings import Settings, default_settings, load_settings, loop
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.accepted_parts import accept_parts
 from furuta_model.parameters import values
 from furuta_model.state import THETA
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import ACTIVE_MODE, TOPICS
-from furuta_sim.settings.rigs import find_rig
-from furuta_sim.settings.settings import Settings, default_settings, load_settings, loop
 from furuta_sim.simulation.closed_loop import Record, simulate
 
 RANDOM_LOOPS = 20 if os.environ.get("FURUTA_LANES") else 2

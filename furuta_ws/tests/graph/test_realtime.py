@@ -9,9 +9,9 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import UInt64MultiArray
 
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.settings import Settings
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import QOS, TIMING
-from furuta_sim.settings.settings import Settings
 
 pytestmark = pytest.mark.realtime
 

@@ -7,8 +7,8 @@ from std_srvs.srv import Trigger
 
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.settings.settings import load_settings
 from furuta_ros.spinning import spin_until
-from furuta_sim.settings.settings import load_settings
 
 
 def largest_angle(graph: SimulatedGraph, seconds: float) -> float:

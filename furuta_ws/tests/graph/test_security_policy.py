@@ -6,10 +6,10 @@ from collections.abc import Callable
 import pytest
 from testbench import Bench
 
+from furuta_graph.settings.nodes import HARDWARE_BRIDGE, NODES
+from furuta_hw.rigs.known_rigs import config_directory
 from furuta_ros import topic_names
 from furuta_ros.topics import THROTTLED_TOPICS, TIMING, TOPICS
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, NODES
-from furuta_sim.settings.rigs import config_directory
 
 POLICY = config_directory() / "security" / "policy.xml"
 # Used only with use_sim_time, or offered by a plant in lock-step.

@@ -10,11 +10,11 @@ from testbench import Bench
 from furuta_control.controller_node import ControllerNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.settings.nodes import NODES
+from furuta_hw.rigs.known_rigs import config_directory
 from furuta_model.parameters import ParameterError, declared
 from furuta_ros.context import ros_context
 from furuta_sim.plant_node import PlantNode
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.rigs import config_directory
 
 
 def start(node: Any, file: Path, namespace: str = "") -> Any:

@@ -9,8 +9,8 @@ from furuta.studies.tuning.tuning import tune, tune_simulated
 from furuta_bringup.demo_run import in_lockstep
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.settings.settings import Settings, load_settings, loop
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient
-from furuta_sim.settings.settings import Settings, load_settings, loop
 
 
 def silent(message: str, seconds: float) -> None:

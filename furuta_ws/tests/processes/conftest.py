@@ -17,9 +17,9 @@ import pytest
 
 from furuta_bringup import main
 from furuta_graph.processes import executable
+from furuta_graph.settings.nodes import NODES
 from furuta_model.compilation_notice import NOTICE
 from furuta_sim.emulator.monitor import ask
-from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 240.0
 WIDTH = "200"  # of the terminal [characters]

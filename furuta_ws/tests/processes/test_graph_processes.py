@@ -13,10 +13,10 @@ from paused_graph import PausedGraph
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
+from furuta_graph.settings.nodes import graph_nodes
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
-from furuta_sim.settings.nodes import graph_nodes
-from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 
 SAMPLES = 1500

@@ -10,7 +10,7 @@ import pytest
 from bridge_bench import PERMISSIVE_RIG
 from rosbags.highlevel import AnyReader
 
-from furuta_sim.settings.settings import read_file
+from furuta_graph.settings.settings import read_file
 
 # Limits that a delay of the machine does not reach; the tachometer measures slow motion only.
 PATIENT_RIG = """

@@ -13,8 +13,8 @@ import pytest
 from processes.conftest import wait_until_ready
 
 from furuta_graph.processes import executable
+from furuta_graph.settings.nodes import NODES
 from furuta_ros.process_start import own_arguments
-from furuta_sim.settings.nodes import NODES
 
 TIMEOUT = 120.0
 FURUTA = ("furuta_bringup", "furuta")

@@ -12,7 +12,7 @@ from paused_graph import PausedGraph
 from testbench import Bench
 
 from furuta_graph.graph_plan import GraphOptions, plan_graph
-from furuta_sim.settings.settings import load_settings, loop
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -18,9 +18,9 @@ from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_model.state import THETA
 from furuta_ros.topics import ACTIVE_MODE, LATCHED
-from furuta_sim.settings.rigs import find_rig, rig_directory
 
 pytestmark = pytest.mark.timeout(900)
 

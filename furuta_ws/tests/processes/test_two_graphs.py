@@ -13,9 +13,9 @@ import pytest
 from std_srvs.srv import Trigger
 
 from furuta_graph.composed_graph import SimulatedGraph
+from furuta_graph.settings.settings import load_settings
 from furuta_model.state import PHI
 from furuta_ros.spinning import spin_until
-from furuta_sim.settings.settings import load_settings
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ import flood
 import numpy as np
 
 from furuta_graph.processes import executable
+from furuta_graph.settings.nodes import NODES
 from furuta_ros.process_start import INTERRUPTED
-from furuta_sim.settings.nodes import NODES
 from soak.oracles import unexplained_end, wrong_second_graph
 from soak.record import Record
 

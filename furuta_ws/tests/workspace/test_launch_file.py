@@ -9,8 +9,8 @@ import yaml
 from launch_stand_ins import Node, launch_arguments, launched_nodes
 from sources import ROOT
 
+from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 
 SEED = "plant: {ros__parameters: {seed: 1}}"
 

@@ -25,6 +25,7 @@ from gymnasium.vector.utils import batch_space
 
 from furuta.loops import make_loop
 from furuta.studies.comparison.rigs import JUDGING, TUNING, RandomRigs
+from furuta_graph.settings.settings import default_settings
 from furuta_model.block import block
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
@@ -32,7 +33,6 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, design_plant, initial_plant, move, read
-from furuta_sim.settings.settings import default_settings
 
 VOLTAGE = 10.0  # of the action 1 [V]
 FALL_ANGLE = 0.7  # [rad]

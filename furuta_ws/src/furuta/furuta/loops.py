@@ -25,7 +25,7 @@ def rig_names() -> list[str]:
     Returns:
         The names, as :func:`load_rig` takes them.
     """
-    from furuta_sim.settings.rigs import SUFFIX, rig_directory
+    from furuta_hw.rigs.known_rigs import SUFFIX, rig_directory
 
     return sorted(file.stem for file in rig_directory().glob(f"*{SUFFIX}"))
 
@@ -42,7 +42,7 @@ def load_rig(name: str | Path) -> Rig:
     Raises:
         ParameterError: There is no such rig, or its file has an error.
     """
-    from furuta_sim.settings.rigs import find_rig
+    from furuta_hw.rigs.known_rigs import find_rig
 
     return find_rig(str(name))
 
@@ -68,7 +68,7 @@ def make_loop(
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or a file has an error.
     """
-    from furuta_sim.settings import settings
+    from furuta_graph.settings import settings
 
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)

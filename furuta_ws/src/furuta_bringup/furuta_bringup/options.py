@@ -10,13 +10,13 @@ import click
 
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
+from furuta_graph.settings.parameter_names import parameters_named
+from furuta_hw.rigs.known_rigs import rig_file
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace
-from furuta_sim.settings.parameter_names import parameters_named
-from furuta_sim.settings.rigs import rig_file
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

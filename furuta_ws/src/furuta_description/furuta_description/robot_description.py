@@ -5,9 +5,9 @@ from typing import Any
 
 import xacro
 
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_ros.installed_files import share_directory
 from furuta_ros.topic_names import full_namespace
-from furuta_sim.settings.rigs import find_rig
 
 PACKAGE = "furuta_description"
 DEFAULT_RIG = "paper"

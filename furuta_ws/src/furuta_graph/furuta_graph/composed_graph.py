@@ -9,6 +9,14 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from furuta_graph.settings.nodes import (
+    HARDWARE_BRIDGE,
+    PLANT,
+    NodeDescription,
+    check_graph,
+    graph_nodes,
+)
+from furuta_graph.settings.settings import Settings
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
@@ -16,14 +24,6 @@ from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
 from furuta_ros.spinning import executor_of, prepare_to_spin, spin_until
 from furuta_sim.plant_node import PlantNode
-from furuta_sim.settings.nodes import (
-    HARDWARE_BRIDGE,
-    PLANT,
-    NodeDescription,
-    check_graph,
-    graph_nodes,
-)
-from furuta_sim.settings.settings import Settings
 
 # Longest wait for the nodes of this process to discover each other [s].
 DISCOVERY_TIMEOUT = 30.0

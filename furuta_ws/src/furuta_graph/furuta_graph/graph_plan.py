@@ -7,18 +7,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from furuta_hw.rigs.rig import Rig
-from furuta_model.parameters import ParameterError, build, values
-from furuta_ros.topic_names import full_namespace
-from furuta_sim.settings.nodes import (
+from furuta_graph.settings.nodes import (
     ESTIMATOR,
     HARDWARE_BRIDGE,
     PLANT,
     NodeDescription,
     graph_nodes,
 )
-from furuta_sim.settings.rigs import find_rig, rig_file
-from furuta_sim.settings.settings import (
+from furuta_graph.settings.settings import (
     Settings,
     collect_settings,
     default_settings,
@@ -27,6 +23,10 @@ from furuta_sim.settings.settings import (
     parameters_of,
     rig_settings,
 )
+from furuta_hw.rigs.known_rigs import find_rig, rig_file
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import ParameterError, build, values
+from furuta_ros.topic_names import full_namespace
 
 
 class GraphOptions(NamedTuple):

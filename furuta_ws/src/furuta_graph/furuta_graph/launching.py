@@ -6,13 +6,13 @@ from typing import Any
 
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import NodeProcess, node_processes
+from furuta_graph.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
+from furuta_graph.settings.parameter_files import settings_file
+from furuta_graph.settings.settings import collect_settings
+from furuta_hw.rigs.known_rigs import config_directory
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.writer import check_new_bag
-from furuta_sim.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
-from furuta_sim.settings.parameter_files import settings_file
-from furuta_sim.settings.rigs import config_directory
-from furuta_sim.settings.settings import collect_settings
 
 LOG_LEVELS = ("debug", "info", "warn", "error", "fatal")
 TRUTH = {"true": True, "false": False}

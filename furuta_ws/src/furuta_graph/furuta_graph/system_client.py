@@ -9,9 +9,9 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_ros.services import ATTEMPTS, ServiceCaller, ServiceError
 from furuta_ros.topics import DIAGNOSTICS
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0

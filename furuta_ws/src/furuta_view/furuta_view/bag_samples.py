@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import parameters_of, read_file
 from furuta_model.parameters import ParameterError, build, values
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
@@ -22,8 +24,6 @@ from furuta_ros.topic_names import (
     JOINTS,
     MEASUREMENT,
 )
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import parameters_of, read_file
 from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
 
 _LOG = logging.getLogger(__name__)

@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from furuta_sim.settings.nodes import CONTROLLER, PLANT
+from furuta_graph.settings.nodes import CONTROLLER, PLANT
 from furuta_view.exact_cycle import Values
 from furuta_view.page_layout import ALARM
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from furuta_graph.settings.nodes import CONTROLLER, FRICTION_OBSERVER
+from furuta_graph.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
 from furuta_ros.yaml_files import parse_yaml
-from furuta_sim.settings.nodes import CONTROLLER, FRICTION_OBSERVER
-from furuta_sim.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
 
 FILE = "guided_scenes.yaml"
 # Values by node and parameter name.

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from furuta_description.robot_description import robot_description
+from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import (
     cycle_size,

@@ -13,9 +13,9 @@ import numpy as np
 from rclpy.parameter import Parameter
 
 from furuta_friction.compensation import COMPENSATIONS
+from furuta_graph.settings.nodes import graph_nodes
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_ros.context import ros_context
-from furuta_sim.settings.nodes import graph_nodes
-from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 from soak.mutators import pick
 from soak.node_process import NodeProcess, end, flood_commands, second_graph

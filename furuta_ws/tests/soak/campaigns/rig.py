@@ -19,6 +19,13 @@ from lifecycle_msgs.srv import ChangeState
 from std_srvs.srv import SetBool
 
 from furuta_graph.processes import executable
+from furuta_graph.settings.nodes import (
+    CONTROLLER,
+    ESTIMATOR,
+    FRICTION_OBSERVER,
+    HARDWARE_BRIDGE,
+    graph_nodes,
+)
 from furuta_hw.rigs.rig import Rig
 from furuta_ros.context import ros_context
 from furuta_ros.node import MAX_AGE
@@ -26,13 +33,6 @@ from furuta_ros.topics import COMMAND, QOS
 from furuta_sim.emulator.emulated_rig import plant_of
 from furuta_sim.emulator.monitor import ask
 from furuta_sim.plant import design_plant
-from furuta_sim.settings.nodes import (
-    CONTROLLER,
-    ESTIMATOR,
-    FRICTION_OBSERVER,
-    HARDWARE_BRIDGE,
-    graph_nodes,
-)
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end, flood_commands
 from soak.observer import Observer

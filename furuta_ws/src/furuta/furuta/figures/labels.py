@@ -1,7 +1,7 @@
 """Symbols of the parameters, as the axes of figures and the documentation show them."""
 
 from furuta.studies.analysis_options import GAINS
-from furuta_sim.settings.parameter_names import parameters_named
+from furuta_graph.settings.parameter_names import parameters_named
 
 # By the last part of a parameter's name; a parameter without a symbol keeps its name.
 SYMBOLS = {

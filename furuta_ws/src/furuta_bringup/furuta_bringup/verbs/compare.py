@@ -26,10 +26,10 @@ from furuta_bringup.options import (
 )
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
+from furuta_graph.settings.settings import load_settings, loop
+from furuta_hw.rigs.known_rigs import find_uncertain_rig, rig_file
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
-from furuta_sim.settings.rigs import find_uncertain_rig, rig_file
-from furuta_sim.settings.settings import load_settings, loop
 
 # Options without effect on the named rigs.
 RANDOM_ONLY = ("--rigs", "--disturb", "--seed", "--tune-budget")

@@ -18,10 +18,10 @@ from furuta_bringup.file_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_ros.context import ros_context
 from furuta_ros.whole_files import whole_file
-from furuta_sim.settings.settings import load_settings, loop
 
 PLAN = TuningPlan()
 TITLE = "limit cycle, peak to peak, last three quarters of each phase"

@@ -10,11 +10,11 @@ from furuta.export.values import DOUBLE, FLOAT
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, model_options
 from furuta_bringup.printing import show
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_ros.whole_files import whole_file
 from furuta_ros.yaml_files import read_yaml
-from furuta_sim.settings.settings import load_settings, loop
 
 
 @click.group(cls=HelpfulGroup)

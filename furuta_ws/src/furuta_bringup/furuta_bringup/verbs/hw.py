@@ -13,10 +13,10 @@ from furuta_bringup.printing import show
 from furuta_bringup.verbs.hw_commissioning import check, friction, read, signs, zero
 from furuta_graph.processes import executable
 from furuta_graph.system_client import TRANSITIONS, BridgeClient
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.linear import linearize
 from furuta_ros.context import joined_graph
 from furuta_ros.spinning import executor_of
-from furuta_sim.settings.rigs import find_rig
 
 
 @click.group(cls=HelpfulGroup)

@@ -23,9 +23,9 @@ from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import code_statistics, find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import RigError
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_ros.errors import UserError
 from furuta_ros.process_start import interrupt_raised
-from furuta_sim.settings.rigs import find_rig
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -12,6 +12,7 @@ from furuta_bringup.file_types import FIGURE, PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import escaped, print_json, show
+from furuta_hw.rigs.known_rigs import find_rig
 from furuta_identification.fitting.coupling import find_coupling
 from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
 from furuta_identification.identify import free_swing_of_files, identify_files
@@ -21,7 +22,6 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.readers.mapping import NO_COMMAND
 from furuta_ros.errors import UserError
-from furuta_sim.settings.rigs import find_rig
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
 

@@ -19,10 +19,10 @@ from furuta_bringup.options import (
     option,
 )
 from furuta_bringup.printing import show
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import LARGEST_VALUE
 from furuta_recordings.table_files import SUFFIXES, write_columns, write_npz
 from furuta_ros.whole_files import whole_file
-from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Simulation
 from furuta_sim.simulation.oscillation import fell, measure_oscillation
 

@@ -16,9 +16,9 @@ from furuta_bringup.file_types import OutputFile
 from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
+from furuta_graph.settings.settings import load_settings
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
-from furuta_sim.settings.settings import load_settings
 
 DEFAULT_COUNT = 10
 

@@ -13,8 +13,8 @@ from furuta.studies.swing_up_starts import (
 )
 from furuta_bringup.options import SEED, json_option, option, parameter_options
 from furuta_bringup.printing import show
-from furuta_sim.settings.rigs import find_rig
-from furuta_sim.settings.settings import load_settings, loop
+from furuta_graph.settings.settings import load_settings, loop
+from furuta_hw.rigs.known_rigs import find_rig
 
 DEFAULT_RIG = "paper_full_turn"
 

@@ -20,13 +20,13 @@ from furuta_bringup.options import (
 )
 from furuta_bringup.printing import print_json, show
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
 from furuta_ros.context import joined_graph
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import StopSignal, executor_of
 from furuta_ros.whole_files import whole_file
-from furuta_sim.settings.settings import load_settings, loop
 
 # Each of the other compensations takes a trial of 12 s more.
 DEFAULT = TuningPlan(seconds=240.0, rivals=True)

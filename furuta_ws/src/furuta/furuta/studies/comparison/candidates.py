@@ -8,12 +8,12 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from furuta_friction.compensation import COMPENSATIONS
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.parameter_names import Match, parameters_named
+from furuta_graph.settings.recommended import RECOMMENDED, recommended_values
+from furuta_graph.settings.settings import Settings, default_settings, load_settings, merge_settings
 from furuta_model.parameters import Declared, ParameterError, build, values
 from furuta_ros.yaml_files import parse_yaml
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.parameter_names import Match, parameters_named
-from furuta_sim.settings.recommended import RECOMMENDED, recommended_values
-from furuta_sim.settings.settings import Settings, default_settings, load_settings, merge_settings
 
 # Factor by which tuning may change a parameter of a standard candidate, either way.
 SPAN = 4.0

@@ -15,14 +15,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import Settings, loop
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import build, values
 from furuta_model.parts.coupling import SIDES
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import Settings, loop
 
 # Relative errors of the friction parameters and of each coefficient of the pendulum.
 FRICTION_ERROR, MODEL_ERROR = 0.3, 0.1

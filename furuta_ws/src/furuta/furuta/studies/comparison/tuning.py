@@ -14,10 +14,10 @@ from furuta.studies.comparison.candidates import Candidate, Range, current_value
 from furuta.studies.comparison.comparison import residual
 from furuta.studies.comparison.rigs import SimulatedRig
 from furuta.studies.trust_region import SEARCH, search
+from furuta_graph.settings.settings import Settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.settings.settings import Settings, loop
 
 # Number of random rigs to tune on.
 TUNING_RIGS = 10

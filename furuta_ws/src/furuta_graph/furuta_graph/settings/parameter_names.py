@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
+from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import Declared, ParameterError, declared, suggestion
-from furuta_sim.settings.nodes import NODES
 
 EVERY_NODE = "/**"
 

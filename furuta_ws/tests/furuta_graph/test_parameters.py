@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from furuta_control.control import ControllerParameters
+from furuta_graph.settings.nodes import NODES
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import (
     INLINE,
@@ -18,7 +19,6 @@ from furuta_model.parameters import (
     values,
 )
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.settings.nodes import NODES
 
 ALL = [(node, each) for node, about in NODES.items() for each in declared(about.parameters)]
 NUMBERS = [(node, each) for node, each in ALL if each.kind in (float, int)]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from furuta_friction.compensation import COMPENSATIONS
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_sim.lanes.batch import batch
-from furuta_sim.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Simulation
 
 ENCODER_COUNT = 2 * pi / 250

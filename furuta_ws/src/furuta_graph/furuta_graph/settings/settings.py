@@ -6,15 +6,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from furuta_graph.settings.nodes import NODES, check_graph
+from furuta_graph.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
+from furuta_graph.settings.recommended import is_recommended, recommended_values
+from furuta_graph.settings.rig_parameters import rig_parameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, shortened
 from furuta_ros.ros_parameters import by_full_name, is_of_ros
 from furuta_ros.yaml_files import parse_yaml, read_yaml
-from furuta_sim.settings.nodes import NODES, check_graph
-from furuta_sim.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
-from furuta_sim.settings.recommended import is_recommended, recommended_values
-from furuta_sim.settings.rigs import rig_parameters
 from furuta_sim.simulation.closed_loop import Loop
 
 # Most unknown names of a section that are reported; each is compared with all known ones.

@@ -6,10 +6,10 @@ from typing import Annotated, Any, NamedTuple
 import pytest
 import yaml
 
+from furuta_graph.settings.nodes import NODES, NodeDescription
+from furuta_graph.settings.parameter_files import parameter_file
+from furuta_graph.settings.settings import default_settings, load_settings, loop, read_file
 from furuta_model.parameters import About, ParameterError, declared
-from furuta_sim.settings.nodes import NODES, NodeDescription
-from furuta_sim.settings.parameter_files import parameter_file
-from furuta_sim.settings.settings import default_settings, load_settings, loop, read_file
 
 
 @pytest.fixture

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import yaml
 
+from furuta_graph.settings.nodes import NODES
+from furuta_graph.settings.settings import Settings
 from furuta_model.parameters import Declared, build, declared, values
-from furuta_sim.settings.nodes import NODES
-from furuta_sim.settings.settings import Settings
 
 
 def settings_file(settings: Settings) -> str:

@@ -1,0 +1,48 @@
+"""Rigs by name or file."""
+
+from pathlib import Path
+
+from furuta_hw.rigs.rig import Rig
+from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
+from furuta_hw.rigs.uncertainty import Uncertainty
+from furuta_model.parameters import ParameterError, suggestion
+from furuta_ros.installed_files import share_directory
+
+SUFFIX = ".yaml"
+
+
+def config_directory() -> Path:
+    """Where the configuration that comes with the workspace is installed."""
+    return share_directory("furuta_bringup") / "config"
+
+
+def rig_directory() -> Path:
+    """Where the rigs that come with the workspace are installed."""
+    return config_directory() / "rigs"
+
+
+def rig_file(name: str) -> Path:
+    """The file of a rig, by its path or by the name of one that comes with the workspace.
+
+    What has a slash or ends in .yaml or .yml is a path, whether there is a file or not.
+    """
+    path = Path(name)
+    if "/" in name or path.suffix in (SUFFIX, ".yml") or path.exists():
+        return path.absolute()
+    known = {file.stem: file for file in sorted(rig_directory().glob(f"*{SUFFIX}"))}
+    if name not in known:
+        raise ParameterError(
+            f"no rig {name}; rigs are {', '.join(known)}, or name a file that ends in {SUFFIX}"
+            + suggestion(name, known)
+        )
+    return known[name]
+
+
+def find_rig(name: str) -> Rig:
+    """The rig of that name or file."""
+    return load_rig(rig_file(name))
+
+
+def find_uncertain_rig(name: str) -> tuple[Rig, Uncertainty]:
+    """The rig of that name or file, and the uncertainty of its values."""
+    return load_uncertain_rig(rig_file(name))
