@@ -25,7 +25,7 @@ from page_translation import Page, selected, translated
 import furuta
 from furuta.export.text import filled_text
 from furuta.limit_cycles.periodic_orbit import trace
-from furuta_sim.emulator.firmware_compiler import run_compiler
+from furuta_hw.emulator.firmware_compiler import run_compiler
 
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "docs" / "site" / "page"

@@ -15,8 +15,8 @@ from unicorn.arm_const import (
     UC_CPU_ARM_CORTEX_M4,
 )
 
-from furuta_sim.emulator.compiled_firmware import LOG_FACTOR
-from furuta_sim.emulator.firmware_compiler import compile_firmware, emulated_sources
+from furuta_hw.emulator.compiled_firmware import LOG_FACTOR
+from furuta_hw.emulator.firmware_compiler import compile_firmware, emulated_sources
 
 # Processor name of the compiler, and model of the emulator. The RP2040 has the first.
 PROCESSORS = {"cortex_m0plus": UC_CPU_ARM_CORTEX_M0, "cortex_m4": UC_CPU_ARM_CORTEX_M4}

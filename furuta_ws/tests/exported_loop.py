@@ -13,11 +13,11 @@ import numpy as np
 from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT, Precision
 from furuta_control import control as controller
+from furuta_hw.emulator.firmware_compiler import run_compiler
 from furuta_hw.rigs.rig import Rig
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, SIGNALS, THETA, THETA_DOT
-from furuta_sim.emulator.firmware_compiler import run_compiler
 from furuta_sim.plant import NOISE_CHANNELS, Plant, design_plant, initial_plant, move, read
 from furuta_sim.simulation import control_system
 from furuta_sim.simulation.closed_loop import Loop

@@ -4,9 +4,7 @@ from random import Random
 from typing import NamedTuple
 from zlib import crc32
 
-from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import encode, stuff
-from furuta_sim.emulator.compiled_firmware import (
+from furuta_hw.emulator.compiled_firmware import (
     ANY_TIMING,
     POWER_ON,
     RECEIVE,
@@ -14,7 +12,9 @@ from furuta_sim.emulator.compiled_firmware import (
     State,
     parse_log,
 )
-from furuta_sim.emulator.firmware import Firmware
+from furuta_hw.emulator.firmware import Firmware
+from furuta_hw.protocol import frames
+from furuta_hw.protocol.frames import encode, stuff
 
 # Sample numbers near these are where arithmetic on 32 bits could go wrong.
 WRAP_AROUNDS = (0, 2**31, 2**32)

@@ -17,7 +17,7 @@ from sources import ROOT
 import furuta
 from furuta.export.functions import Translation
 from furuta.export.values import DOUBLE, FLOAT, REAL, ExportError, Number, Precision
-from furuta_sim.emulator.firmware_compiler import run_compiler
+from furuta_hw.emulator.firmware_compiler import run_compiler
 from furuta_sim.simulation.closed_loop import Loop
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")

@@ -14,12 +14,12 @@ from exported_loop import CompiledLoop, write_loop
 import furuta
 from furuta.export.values import DOUBLE, FLOAT
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.emulator.compiled_firmware import CompiledFirmware
+from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, FrameReader, SensorsFrame, encode
 from furuta_hw.rigs.rig import Rig
 from furuta_model.state import PHI, THETA
-from furuta_sim.emulator.compiled_firmware import CompiledFirmware
-from furuta_sim.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_sim.parameters import InitialState
 from furuta_sim.simulation.closed_loop import Loop
 

@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from furuta_graph.settings.settings import load_settings, loop, rig_settings
+from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.coupling import Coupling
-from furuta_sim.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import design_plant, initial_plant, move
 from furuta_sim.simulation.closed_loop import outcome

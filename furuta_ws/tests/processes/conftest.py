@@ -18,8 +18,8 @@ import pytest
 from furuta_bringup import main
 from furuta_graph.processes import executable
 from furuta_graph.settings.nodes import NODES
+from furuta_hw.emulator.monitor import ask
 from furuta_model.compilation_notice import NOTICE
-from furuta_sim.emulator.monitor import ask
 
 TIMEOUT = 240.0
 WIDTH = "200"  # of the terminal [characters]
@@ -102,7 +102,7 @@ class EmulatedRig:
     def __init__(self, processes: Processes, directory: Path, *arguments: str | Path) -> None:
         self.port, self._monitor = directory / "port", directory / "monitor"
         self.process = processes.start(
-            executable("furuta_sim", "rig_emulator"),
+            executable("furuta_hw", "rig_emulator"),
             *("--link", self.port, "--monitor", self._monitor, *arguments),
         )
         self._status_time = -inf

@@ -26,7 +26,7 @@ STAGES = ("", "_ctypes", "_multiarray_umath", "llvmlite")
 INTERRUPTED = {
     "plant": (("furuta_sim", "plant"), (*STAGES, "rclpy_pybind11")),
     "bridge": (("furuta_hw", "hardware_bridge"), (*STAGES, "rclpy_pybind11")),
-    "emulator": (("furuta_sim", "rig_emulator"), STAGES[:-1]),
+    "emulator": (("furuta_hw", "rig_emulator"), STAGES[:-1]),
     "run": ((*FURUTA, "run"), (*STAGES, "rclpy_pybind11")),
     "simulate": ((*FURUTA, "simulate", "--seconds", "100000"), STAGES),
     "param": ((*FURUTA, "param", "get", "nobody", "seed"), ("", "rclpy_pybind11")),
@@ -105,7 +105,7 @@ def test_interrupt_during_the_start(processes: Any, name: str, stage: str) -> No
 def test_every_executable_starts_with_interrupts_blocked() -> None:
     """Python would answer SIGINT with a traceback before the first line of the executable runs."""
     names = [*((each.package, each.executable) for each in NODES.values()), FURUTA]
-    names.append(("furuta_sim", "rig_emulator"))
+    names.append(("furuta_hw", "rig_emulator"))
     for name in names:
         first_line = executable(*name).read_text().splitlines()[0]
         assert first_line.startswith("#!/usr/bin/env -S --block-signal=INT ")
@@ -145,7 +145,7 @@ def test_a_failed_node_is_named(processes: Any) -> None:
     [
         (("furuta_sim", "plant"), "plant takes only ROS arguments, after --ros-args; given"),
         (
-            ("furuta_sim", "rig_emulator"),
+            ("furuta_hw", "rig_emulator"),
             "unrecognized arguments: --bogus (see rig_emulator",
         ),
         ((*FURUTA, "bag", "info"), "(see furuta bag info --help)"),

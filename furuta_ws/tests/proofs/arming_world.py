@@ -15,11 +15,11 @@ from proofs.explorer import shallow
 from furuta_hw.bridge import guarded_rig
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.guard import Guard
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG
 from furuta_hw.rigs.rig import SafetyLimits
-from furuta_sim.emulator.firmware import Firmware
 
 WATCHDOG_SAMPLES = 3
 PERIOD = 0.01  # [s]

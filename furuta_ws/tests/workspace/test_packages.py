@@ -24,16 +24,17 @@ from furuta_model.parameters import declared
 LAYERS = [
     {"furuta_model"},
     {"furuta_ros"},
-    {"furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"},
-    {"furuta_sim", "furuta_identification"},
-    {"furuta_description", "furuta_graph"},
+    {"furuta_control", "furuta_friction", "furuta_recordings"},
+    {"furuta_sim"},
+    {"furuta_hw"},
+    {"furuta_description", "furuta_graph", "furuta_identification"},
     {"furuta"},
     {"furuta_view"},
     {"furuta_bringup"},
 ]
 EXECUTABLES = [
     *((node.package, node.executable) for node in NODES.values()),
-    ("furuta_sim", "rig_emulator"),
+    ("furuta_hw", "rig_emulator"),
     ("furuta_recordings", "recorder"),
     ("furuta_bringup", "furuta"),
 ]

@@ -6,8 +6,3 @@ from furuta_ros.process_start import run_entry
 def plant() -> None:
     """Entry point of the executable ``plant``."""
     run_entry("furuta_sim.plant_node:main")
-
-
-def rig_emulator() -> None:
-    """Entry point of the executable ``rig_emulator``."""
-    run_entry("furuta_sim.emulator.rig_emulator:main")

@@ -26,12 +26,12 @@ from furuta_graph.settings.nodes import (
     HARDWARE_BRIDGE,
     graph_nodes,
 )
+from furuta_hw.emulator.emulated_rig import plant_of
+from furuta_hw.emulator.monitor import ask
 from furuta_hw.rigs.rig import Rig
 from furuta_ros.context import ros_context
 from furuta_ros.node import MAX_AGE
 from furuta_ros.topics import COMMAND, QOS
-from furuta_sim.emulator.emulated_rig import plant_of
-from furuta_sim.emulator.monitor import ask
 from furuta_sim.plant import design_plant
 from soak.mutators import pick, random_float
 from soak.node_process import NodeProcess, end, flood_commands
@@ -108,7 +108,7 @@ class RigGraph:
         self._monitor = directory / "monitor"
         self._emulator = subprocess.Popen(
             [
-                *(str(executable("furuta_sim", "rig_emulator")), "--link", str(directory / "port")),
+                *(str(executable("furuta_hw", "rig_emulator")), "--link", str(directory / "port")),
                 *("--monitor", str(self._monitor)),
             ],
             stdout=subprocess.PIPE,

@@ -92,5 +92,5 @@ def show_rig(name: str, as_json: bool) -> None:
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def emulate(arguments: tuple[str, ...]) -> None:
     """Run an emulated rig on a pseudo-terminal; --help lists its options."""
-    path = executable("furuta_sim", "rig_emulator")
+    path = executable("furuta_hw", "rig_emulator")
     os.execv(path, [str(path), *arguments])

@@ -1,8 +1,7 @@
 """Ports that carry bytes to and from a rig: a serial port, or an emulated rig in this process."""
 
 import os
-from importlib import import_module
-from typing import Protocol, cast
+from typing import Protocol
 
 import serial
 
@@ -10,10 +9,8 @@ from furuta_hw.connection.rig_driver import READ_TIMEOUT
 from furuta_hw.errors import LineError
 from furuta_hw.rigs.rig import Rig
 
-# The port name that stands for an emulated rig in this process. Its module is loaded by name
-# because the simulation is above this package.
+# The port name that stands for an emulated rig in this process.
 MOCK = "mock"
-MOCK_MODULE = "furuta_sim.emulator.emulated_rig"
 
 
 class Port(Protocol):
@@ -63,7 +60,10 @@ class SerialPort:
 def open_port(name: str, rig: Rig) -> Port:
     """Open the serial port of that name, or the mock. Raises :class:`LineError`."""
     if name == MOCK:
-        return cast("Port", import_module(MOCK_MODULE).MockPort(rig))
+        # A real rig needs no simulation, so it is imported only here.
+        from furuta_hw.emulator.emulated_rig import MockPort  # noqa: PLC0415
+
+        return MockPort(rig)
     if not name:
         raise LineError("no port given; name the serial port, or mock")
     return SerialPort(name, rig.line.baud)

@@ -16,13 +16,13 @@ from furuta_hw.commissioning.signs import find_signs
 from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.errors import RigError
 from furuta_hw.protocol.frames import FrameReader, SensorsFrame
 from furuta_hw.rigs.calibration import ArmEncoder, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_sim.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_sim.parameters import InitialState
 
 HANGING = InitialState(theta=pi)

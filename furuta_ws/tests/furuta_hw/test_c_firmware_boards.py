@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from furuta_sim.emulator.firmware_compiler import (
+from furuta_hw.emulator.firmware_compiler import (
     ALONE,
     WARNINGS,
     compile_firmware,

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from furuta_hw.connection.rig_connection import RETRY_PERIOD
+from furuta_hw.emulator.emulated_rig import EmulatedRig, initial_state_of
+from furuta_hw.emulator.faults import with_faults
 from furuta_ros.whole_files import whole_file
-from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of
-from furuta_sim.emulator.faults import with_faults
 
 # A delay above this [ns] means that the process was suspended: the rig's time stood still too.
 SUSPENDED = 1_000_000_000

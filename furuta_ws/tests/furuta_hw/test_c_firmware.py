@@ -8,12 +8,12 @@ from random import Random
 import pytest
 from firmware_schedules import Schedule, assert_same, random_schedule
 
+from furuta_hw.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
+from furuta_hw.emulator.emulated_rig import EmulatedRig
+from furuta_hw.emulator.faults import Faults
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, WATCHDOG, FrameReader, encode
 from furuta_hw.rigs.rig import Rig
-from furuta_sim.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
-from furuta_sim.emulator.emulated_rig import EmulatedRig
-from furuta_sim.emulator.faults import Faults
 
 Replays = dict[str, Callable[[bytes], bytes]]
 

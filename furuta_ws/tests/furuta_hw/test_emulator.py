@@ -2,11 +2,11 @@
 
 import pytest
 
+from furuta_hw.emulator.emulated_rig import EmulatedRig
+from furuta_hw.emulator.running_rig import RunningRig
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
-from furuta_sim.emulator.emulated_rig import EmulatedRig
-from furuta_sim.emulator.running_rig import RunningRig
 
 
 def test_the_pendulum_is_held_where_the_monitor_asks() -> None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import pytest
 from firmware_schedules import Schedule
 
+from furuta_hw.emulator.compiled_firmware import RECEIVE, SAMPLE, State, parse_log
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import encode
-from furuta_sim.emulator.compiled_firmware import RECEIVE, SAMPLE, State, parse_log
 
 if TYPE_CHECKING:
     from cortex_m import CortexM

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from furuta_sim.emulator.compiled_firmware import load_replay
+from furuta_hw.emulator.compiled_firmware import load_replay
 
 if TYPE_CHECKING:
     from cortex_m import CortexM

@@ -2,9 +2,9 @@
 
 import pytest
 
+from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, FrameReader, encode
-from furuta_sim.emulator.firmware import Firmware
 
 SESSION = 77
 WATCHDOG_SAMPLES = 5

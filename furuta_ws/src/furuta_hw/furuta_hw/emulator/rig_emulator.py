@@ -16,17 +16,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
+from furuta_hw.emulator.compiled_firmware import CompiledFirmware
+from furuta_hw.emulator.emulated_rig import EmulatedRig, initial_state_of, plant_of
+from furuta_hw.emulator.faults import Faults, with_faults
+from furuta_hw.emulator.firmware import Firmware
+from furuta_hw.emulator.monitor import serve
+from furuta_hw.emulator.running_rig import RunningRig
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
 from furuta_ros.yaml_files import parse_yaml
-from furuta_sim.emulator.compiled_firmware import CompiledFirmware
-from furuta_sim.emulator.emulated_rig import EmulatedRig, initial_state_of, plant_of
-from furuta_sim.emulator.faults import Faults, with_faults
-from furuta_sim.emulator.firmware import Firmware
-from furuta_sim.emulator.monitor import serve
-from furuta_sim.emulator.running_rig import RunningRig
 
 # Priority in the real-time scheduler. Any value precedes processes without real-time priority.
 PRIORITY = 10

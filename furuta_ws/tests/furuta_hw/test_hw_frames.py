@@ -11,6 +11,7 @@ from cobs import cobs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import (
     FrameError,
@@ -21,7 +22,6 @@ from furuta_hw.protocol.frames import (
     stuff,
     unstuff,
 )
-from furuta_sim.emulator.firmware import Firmware
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "hardware.md"
 FRAMES = [

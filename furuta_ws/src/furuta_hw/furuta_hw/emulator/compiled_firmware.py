@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from furuta_sim.emulator.firmware import Firmware
-from furuta_sim.emulator.firmware_compiler import (
+from furuta_hw.emulator.firmware import Firmware
+from furuta_hw.emulator.firmware_compiler import (
     compile_firmware,
     emulated_sources,
     on_board_options,

@@ -10,11 +10,11 @@ import pytest
 from elf import Elf
 from firmware_schedules import Schedule
 
-from furuta_hw.protocol import frames
-from furuta_sim.emulator.firmware_compiler import (
+from furuta_hw.emulator.firmware_compiler import (
     compile_firmware,
     core_sources,
 )
+from furuta_hw.protocol import frames
 
 if TYPE_CHECKING:
     from cortex_m import CortexM
