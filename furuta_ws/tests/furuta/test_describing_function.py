@@ -6,8 +6,8 @@ import reference
 from scipy.integrate import quad, solve_ivp
 from scipy.special import ive
 
+from furuta.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta.describing_functions.describing_function import bias, describing_function
-from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import LAWS, FrictionLaw, steady_friction
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from furuta.passivity import RealPart, error_loop, passivity, strictly_positive_real
+from furuta.transfer import FIGURE_4
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI
-from furuta_model.transfer import FIGURE_4
 
 P, FRICTION = FurutaPendulum(), Friction()
 PLACED = tuple(-place_poles(P, DesiredPoles()))

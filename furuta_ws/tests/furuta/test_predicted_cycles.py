@@ -7,11 +7,11 @@ from scipy.special import ive
 from furuta.describing_functions.describing_function import residual, static_describing_function
 from furuta.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta.describing_functions.predicted_cycles import Prediction, predict_cycles
+from furuta.transfer import FIGURE_4, Transfer, transfer
 from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.transfer import FIGURE_4, Transfer, transfer
 
 COULOMB, LUGRE = map(LAWS.index, ("coulomb", "lugre"))
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.transfer import checked_feedback, transfer
 from furuta_hw.rigs.rig import Rig
 from furuta_model.accepted_parts import part_name
 from furuta_model.friction.law import Law
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import checked_feedback, transfer
 from furuta_sim.simulation.closed_loop import Loop
 
 # A function of the user's own, or a law made of some.

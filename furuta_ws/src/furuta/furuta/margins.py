@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.transfer import checked_feedback
 from furuta_control.control import ControllerParameters
 from furuta_model.linear import linearize
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.transfer import checked_feedback
 
 POINTS = 20_000  # of the grid over ω for the disk margin
 SPAN = 1e3  # of that grid beyond the slowest and fastest pole

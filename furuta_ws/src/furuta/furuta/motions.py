@@ -18,9 +18,9 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.limit_cycles.predicted_joint import predict_joint
 from furuta.loops import Part, ideal_loop, with_parts
+from furuta.transfer import transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import transfer
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Outcome, Record
 

@@ -33,10 +33,10 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.transfer import transfer
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.transfer import transfer
 
 # Re G counts as positive above this fraction of its magnitude; smaller values are rounding errors.
 POSITIVE = 1e-9

@@ -11,10 +11,10 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
+from furuta.transfer import transfer
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings.settings import default_settings
 from furuta_model.friction.parameters import Friction
-from furuta_model.transfer import transfer
 from furuta_ros.context import ros_context
 from furuta_sim.lanes.lanes import compile_stages
 from furuta_sim.simulation.closed_loop import Loop, simulate

@@ -9,11 +9,11 @@ from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import trace
+from furuta.transfer import transfer
 from furuta_graph.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
 from furuta_model.friction.laws import analysed_law
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.transfer import transfer
 
 # What the motion depends on; other parameters need no new computation.
 RELEVANT = ("model.", "friction.", "omega", "zeta", "gain", "alpha", "sigma", "stribeck", "viscous")

@@ -8,7 +8,7 @@ coulomb     :math:`N = 4α_0/(πA) + σ_2`
 stiction    the same: a sinusoid is at v = 0 only for an instant, so stiction has no effect
 stribeck    :math:`N = (4/πA)(α_0 + α_1D(a)/a) + σ_2,\ a = A/v_s`, D Dawson's integral
 lugre       :math:`N = (σ_0 + jωσ_1)Z_1/A + σ_2`, Z₁ the bristle's fundamental
-            (:mod:`furuta_model.friction.bristle_cycle`)
+            (:mod:`furuta.describing_functions.bristle_cycle`)
 ==========  ===============================================================================
 
 With asymmetric levels, (1 ± a), friction also has a mean: :func:`bias`. For the first three laws
@@ -24,10 +24,10 @@ from math import pi
 
 import numpy as np
 
-from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
+from furuta.describing_functions.bristle_cycle import STEPS, bristle_fundamental
+from furuta.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import Transfer
 
 # Relative step of the central differences; their relative error is 1e-10.
 STEP = 1e-5

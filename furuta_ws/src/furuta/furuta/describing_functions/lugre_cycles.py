@@ -21,12 +21,12 @@ from math import exp, log, pi
 
 import numpy as np
 
+from furuta.describing_functions.bristle_cycle import STEPS, bristle_fundamental
 from furuta.describing_functions.describing_function import residual, residual_slopes
+from furuta.transfer import Transfer
 from furuta_model.compiled import compiled
-from furuta_model.friction.bristle_cycle import STEPS, bristle_fundamental
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.friction.parameters import Friction
-from furuta_model.transfer import Transfer
 
 Zero = tuple[float, float]
 Range = tuple[float, float]

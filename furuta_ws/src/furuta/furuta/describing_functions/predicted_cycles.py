@@ -25,8 +25,8 @@ from furuta.describing_functions.describing_function import (
     static_describing_function,
 )
 from furuta.describing_functions.lugre_cycles import search
+from furuta.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
-from furuta_model.transfer import Transfer
 
 
 class PredictedCycle(NamedTuple):

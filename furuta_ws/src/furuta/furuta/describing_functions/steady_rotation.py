@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.transfer import checked_feedback, transfer
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.transfer import checked_feedback, transfer
 
 
 class Rotation(NamedTuple):

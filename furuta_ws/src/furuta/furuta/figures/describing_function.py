@@ -10,8 +10,8 @@ from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.figures.figure import FAINT_GRID, annotate, saved_figure, style_axis
 from furuta.figures.nyquist import feedback_title, nyquist_curve
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.transfer import Transfer, transfer
 from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw
-from furuta_model.transfer import Transfer, transfer
 
 # Amplitudes are drawn from 1/SPAN to SPAN of the predicted one. ZOOM is the extent of the axes over
 # |G| at the predicted frequency.

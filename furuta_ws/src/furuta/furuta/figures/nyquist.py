@@ -7,7 +7,7 @@ import numpy as np
 
 from furuta.figures.figure import FAINT_GRID, annotate, legend_outside, saved_figure, style_axis
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta_model.transfer import Transfer, transfer
+from furuta.transfer import Transfer, transfer
 
 # Decades of ω shown below and above the loop's frequencies, and points of the curve.
 DECADES = 4.0

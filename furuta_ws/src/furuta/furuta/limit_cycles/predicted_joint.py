@@ -13,7 +13,7 @@ import numpy as np
 from furuta.describing_functions.predicted_cycles import PredictedCycle, Prediction, predict_cycles
 from furuta.limit_cycles.joint import Joint, Units
 from furuta.limit_cycles.linear_loop import LinearLoop
-from furuta_model.transfer import Transfer
+from furuta.transfer import Transfer
 
 REAL = 1e-7  # relative imaginary part of a computed root that is real
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import ideal_loop
+from furuta.transfer import checked_feedback
 from furuta_graph.settings.parameter_names import parameters_named
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import checked_feedback
 
 # Gains of u = l·x, which have names here although they are no parameters of a node.
 GAINS = ("l1", "l2", "l3", "l4")

@@ -7,7 +7,7 @@ from furuta.describing_functions.predicted_cycles import Prediction
 from furuta.describing_functions.steady_rotation import steady_rotations
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.margins import pairs
-from furuta_model.transfer import transfer
+from furuta.transfer import transfer
 
 
 def nyquist_report(cases: Mapping[str, IdealLoop]) -> dict[str, Any]:

@@ -14,13 +14,13 @@ from furuta.loops import require_stabilising
 from furuta.studies.analysis_options import AnalysisOptions, parse_range
 from furuta.studies.feedback_map import map_feedbacks
 from furuta.studies.linear_loop import prediction_report
+from furuta.transfer import transfer
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import feedback_option, json_option, law_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import transfer
 
 # Values of a parameter of a map, if their number is not given.
 DEFAULT_COUNT = 20

@@ -10,12 +10,12 @@ from furuta.margins import linear_report
 from furuta.passivity import observer_passivity
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.linear_loop import nyquist_report
+from furuta.transfer import FIGURE_4
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.options import feedback_option, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_model.transfer import FIGURE_4
 from furuta_sim.simulation.closed_loop import Loop
 
 # Name of the loop with the controller's or the given feedback, beside those of Fig. 4.

@@ -12,6 +12,7 @@ from furuta_hw.rigs.rig import Rig, RigLine
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
 from furuta_identification.model import Model
+from furuta_identification.result.pole_choice import quadratic_poles
 from furuta_identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
@@ -19,7 +20,6 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.tilt import Tilt
 from furuta_model.parts.torque_waves import TorqueWaves
-from furuta_model.pole_choice import quadratic_poles
 from furuta_model.sensors import Sensors
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.recording import Recording

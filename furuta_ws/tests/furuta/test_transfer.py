@@ -4,16 +4,16 @@ import control
 import numpy as np
 import pytest
 
-from furuta_model.linear import DesiredPoles, linearize, place_poles
-from furuta_model.parameters import ParameterError
-from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI_DOT
-from furuta_model.transfer import (
+from furuta.transfer import (
     FIGURE_4,
     Transfer,
     real_quadratic_roots,
     transfer,
 )
+from furuta_model.linear import DesiredPoles, linearize, place_poles
+from furuta_model.parameters import ParameterError
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT
 
 P = FurutaPendulum()
 OTHER = FurutaPendulum(0.7, 0.9, 0.5, 1.3)

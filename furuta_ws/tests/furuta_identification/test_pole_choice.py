@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from furuta_identification.result.pole_choice import quadratic_poles
 from furuta_model.linear import linearize, place_poles
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.pole_choice import quadratic_poles
 
 SMALL = FurutaPendulum(0.006, 0.0024, 0.0019, 0.21)
 
