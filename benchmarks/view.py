@@ -28,13 +28,13 @@ from rclpy.node import Node
 
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.processes import executable
+from furuta_graph.scheduling import Scheduling, apply_scheduling
 from furuta_graph.settings.settings import default_settings
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import BagTopic, offered_qos
 from furuta_recordings.bags.writer import BagWriter
 from furuta_ros.context import ros_context
-from furuta_ros.scheduling import Scheduling, apply_scheduling
 from furuta_ros.spinning import executor_of, spin_until
 from furuta_ros.topics import QOS
 

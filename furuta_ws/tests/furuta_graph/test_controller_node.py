@@ -12,10 +12,10 @@ from testbench import Bench, joint_state
 from furuta_control.control import POLE_PLACEMENT
 from furuta_control.controller_node import ControllerNode
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.services import ServiceError
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
-from furuta_ros.services import ServiceError
 from furuta_ros.topics import (
     ACTIVE_MODE,
     ARMED,

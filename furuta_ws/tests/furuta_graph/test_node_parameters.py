@@ -9,9 +9,9 @@ from testbench import Bench
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError, declared
-from furuta_ros.services import ServiceError
 
 
 @pytest.mark.parametrize("name", NODES)

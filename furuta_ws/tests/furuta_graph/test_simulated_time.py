@@ -14,6 +14,7 @@ from std_msgs.msg import Float64
 from testbench import Bench
 
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.services import ServiceError
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.recovery import recover
@@ -21,7 +22,6 @@ from furuta_recordings.recorder_node import RecorderNode
 from furuta_recordings.replay_node import ReplayNode, ReplayOptions
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
-from furuta_ros.services import ServiceError
 from furuta_ros.topics import CLOCK, COMMAND, MEASUREMENT, TOPICS
 from furuta_sim.plant_node import PlantNode
 

@@ -11,8 +11,8 @@ from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
+from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import HARDWARE_BRIDGE
-from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SpinningThread
 from furuta_view.graph_link import GraphLink
 from furuta_view.page_layout import Layout

@@ -14,12 +14,12 @@ from testbench import Bench
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.launching import launched_nodes
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_recordings.replay_node import message_class
 from furuta_ros.context import ros_context
-from furuta_ros.services import ServiceError
 from furuta_view.bag_samples import BagSamples
 
 # Node, parameter, and the default, of each parameter that can name code.

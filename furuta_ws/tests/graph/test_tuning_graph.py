@@ -7,10 +7,10 @@ from rclpy.node import Node
 from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan, TuningResult
 from furuta.studies.tuning.tuning import tune, tune_simulated
 from furuta_bringup.demo_run import in_lockstep
+from furuta_bringup.tuning_client import EstimateBuffer, TuningClient
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings.settings import Settings, load_settings, loop
-from furuta_graph.tuning_client import EstimateBuffer, TuningClient
 
 
 def silent(message: str, seconds: float) -> None:

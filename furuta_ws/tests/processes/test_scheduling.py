@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from furuta_ros.scheduling import may_have_priority
+from furuta_graph.scheduling import may_have_priority
 
 pytestmark = pytest.mark.realtime
 

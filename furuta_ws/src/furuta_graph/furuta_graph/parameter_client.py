@@ -12,8 +12,8 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 
+from furuta_graph.services import ServiceCaller, ServiceError
 from furuta_model.parameters import suggestion
-from furuta_ros.services import ServiceCaller, ServiceError
 
 
 class ParameterClient:

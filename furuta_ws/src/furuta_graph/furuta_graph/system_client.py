@@ -9,8 +9,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from furuta_graph.services import ATTEMPTS, ServiceCaller, ServiceError
 from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
-from furuta_ros.services import ATTEMPTS, ServiceCaller, ServiceError
 from furuta_ros.topics import DIAGNOSTICS
 
 # Longest wait for the bridge [s].

@@ -5,9 +5,9 @@ from rclpy.node import Node
 
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import show
+from furuta_graph.services import ServiceCaller
 from furuta_graph.system_client import reset_plant
 from furuta_ros.context import joined_graph
-from furuta_ros.services import ServiceCaller
 from furuta_ros.spinning import executor_of
 
 

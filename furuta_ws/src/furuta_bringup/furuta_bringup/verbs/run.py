@@ -12,12 +12,12 @@ from furuta_bringup.options import namespace_option, option, parameter_options, 
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
+from furuta_graph.scheduling import Scheduling
 from furuta_graph.settings.nodes import NODES
 from furuta_graph.settings.parameter_files import settings_file
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.writer import check_new_bag
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
-from furuta_ros.scheduling import Scheduling
 from furuta_ros.spinning import StopSignal
 
 

@@ -19,9 +19,9 @@ from furuta_bringup.options import (
     option,
 )
 from furuta_bringup.printing import print_json, show
+from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings.settings import load_settings, loop
-from furuta_graph.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
 from furuta_model.parameters import ParameterError
 from furuta_ros.context import joined_graph
 from furuta_ros.errors import UserError

@@ -8,8 +8,8 @@ import click
 
 from furuta_bringup.file_types import PATH
 from furuta_bringup.options import namespace_option, option, own_parts_option
+from furuta_graph.scheduling import may_have_priority
 from furuta_model.accepted_parts import accepted_parts
-from furuta_ros.scheduling import may_have_priority
 
 # How far the page stands back for the loop when both want a core.
 NICENESS = 10

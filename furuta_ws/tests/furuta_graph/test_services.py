@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from rclpy.task import Future
 
-from furuta_ros.services import ServiceCaller, ServiceError
+from furuta_graph.services import ServiceCaller, ServiceError
 
 
 class SlowNode:

@@ -10,11 +10,11 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import LARGEST_VALUE, SIGNALS
 from furuta_ros.messages import read_joint_state
-from furuta_ros.services import ServiceError
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
 
