@@ -27,9 +27,8 @@ from furuta_identification.identify import identify
 from furuta_identification.options import Options
 from furuta_identification.result.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
+from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.tilt import Tilt
-from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
 from furuta_sim.lanes.batch import batch

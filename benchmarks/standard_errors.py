@@ -30,9 +30,9 @@ from furuta_identification.identify import identify
 from furuta_identification.options import Options
 from furuta_identification.regression.equations import has_one_level
 from furuta_identification.result.report import summary, verdict
+from furuta_model.converter import drive
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_model.parts.converter import drive
 from furuta_model.parts.coupling import SIDES, Coupling
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors

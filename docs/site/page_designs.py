@@ -136,7 +136,7 @@ CONTROL_KNOBS = (
 )
 # The knobs that set the numbers whose names begin so.
 KNOBS = {
-    ("plant_friction", "plant_substeps", "plant_coupling"): FRICTION_KNOBS,
+    ("plant_friction", "plant_substeps", "plant_parts_coupling"): FRICTION_KNOBS,
     ("plant_sensors", "control_estimator"): SENSOR_KNOBS,
     ("control_observer", "control_controller"): CONTROL_KNOBS,
 }

@@ -5,8 +5,8 @@ import numpy as np
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters

@@ -7,6 +7,7 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
+from furuta_model.converter import Actuator
 from furuta_model.friction.law import Law
 from furuta_model.friction.laws import (
     ALL,
@@ -23,7 +24,6 @@ from furuta_model.friction.laws import (
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parameters import ParameterError
-from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantFriction, PlantParameters

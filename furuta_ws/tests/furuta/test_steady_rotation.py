@@ -9,9 +9,9 @@ from furuta.describing_functions.steady_rotation import steady_rotations
 from furuta.transfer import FIGURE_4
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw, steady_friction
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors

@@ -10,8 +10,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import Uncertainty, changed_rig
 from furuta_model.parameters import ParameterError
-from furuta_model.parts.tilt import Tilt
-from furuta_model.parts.torque_waves import TorqueWaves
+from furuta_model.parts.disturbances import Tilt, TorqueWaves
 
 RIG = Rig()._replace(
     tilt=Tilt(0.02, -0.01), waves=TorqueWaves((1.0, 14.0), (0.01, 0.02), (0.0, -0.03))

@@ -10,12 +10,12 @@ from furuta_identification.identify import identify
 from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.result.report import standard_errors, summary
+from furuta_model.converter import drive
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import drive
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Sensors, measure
 from furuta_recordings.recording import Recording
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import NOISE_CHANNELS, measure
+from furuta_sim.plant import NOISE_CHANNELS
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 PAPER = {"a23": -11.0, "a43": 33.0, "b21": 45.0, "b41": -29.0}

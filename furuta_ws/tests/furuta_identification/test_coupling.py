@@ -15,7 +15,7 @@ from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.result.identified_rig import identified_rig
 from furuta_identification.result.report import summary
-from furuta_model.parts.converter import drive
+from furuta_model.converter import drive
 from furuta_model.parts.coupling import Coupling
 from furuta_recordings.recording import Recording
 from furuta_sim.parameters import PlantParameters

@@ -8,8 +8,8 @@ from scipy.signal import cont2discrete
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import Actuator
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, Record, Simulation, simulate

@@ -12,9 +12,9 @@ from event_reference import EventLoop
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import LAWS
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import Actuator
 from furuta_model.sensors import Sensors
 from furuta_model.state import PHI
 from furuta_sim.parameters import PlantFriction, PlantParameters

@@ -5,13 +5,13 @@ import pytest
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
-from furuta_model.parts.converter import Actuator
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.plant_memory import PlantMemory
-from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
+from furuta_model.parts.varied_friction import keep_springs, springs_force, springs_friction
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import design_plant, initial_plant, move
 

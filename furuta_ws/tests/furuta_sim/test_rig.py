@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import reference
 
-from furuta_model.parts.converter import Actuator, convert, drive
+from furuta_model.converter import Actuator, convert, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import PlantParameters, Sensors
 from furuta_sim.plant import Noise, design_plant, initial_plant, measure, move

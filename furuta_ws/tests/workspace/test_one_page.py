@@ -21,7 +21,7 @@ from sources import ROOT
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_model.parts.pushes import Pushes
+from furuta_model.parts.disturbances import Pushes
 from furuta_model.state import APPLIED_TORQUE, SIGNALS
 from furuta_sim.plant import initial_plant, move, read, true_friction
 from furuta_sim.simulation.closed_loop import LoopMemory, new_memory

@@ -1,14 +1,22 @@
-"""Parameters of the rig's sensors: the true ones of the plant, the nominal ones of the estimator.
+"""The rig's sensors: their parameters, true ones of the plant and nominal ones of the estimator.
 
 The defaults are those of the paper's rig (Section 4). Values that the paper does not give are
 assumed: the tachometer has the range of a ±10 V converter at 1 V s/rad, and each analogue channel
 has noise with a standard deviation of one code, as specified for 12-bit boards of the time.
 """
 
-from math import pi
+from math import nan, pi
 from typing import Annotated, NamedTuple
 
+import numpy as np
+
+from furuta_model.compiled import inlined
+from furuta_model.converter import convert
 from furuta_model.parameters import About
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+
+# Turns per radian.
+PER_TURN = 1.0 / (2.0 * pi)
 
 
 class Sensors(NamedTuple):
@@ -63,3 +71,45 @@ def step_size(full_scale: float, bits: int) -> float:
 def end_of_range(full_scale: float, bits: int) -> float:
     """Size of a reading at which a converter of ±``full_scale`` clips: its highest code."""
     return full_scale - step_size(full_scale, bits)
+
+
+@inlined
+def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
+    """Read sound sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal.
+
+    The measurement of θ̇ is NaN, because the rig has no sensor for it.
+    """
+    measure_state(x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], noise, sensors, measurement)
+
+
+@inlined
+def measure_state(
+    phi: float,
+    v: float,
+    theta: float,
+    w: float,
+    noise: np.ndarray,
+    sensors: Sensors,
+    measurement: np.ndarray,
+) -> None:
+    """Read the state φ, φ̇, θ, θ̇; see :func:`measure`."""
+    if sensors.ideal:
+        measurement[PHI], measurement[PHI_DOT] = phi, v
+        measurement[THETA], measurement[THETA_DOT] = theta, w
+        return
+    if sensors.encoder_counts > 0:
+        count = 2.0 * pi / sensors.encoder_counts
+        phi = np.floor(phi * (sensors.encoder_counts * PER_TURN) + 0.5) * count
+    measurement[PHI] = phi
+    measurement[PHI_DOT] = convert(
+        v + sensors.tachometer_noise * noise[0],
+        sensors.tachometer_range,
+        sensors.tachometer_bits,
+    )
+    theta -= 2.0 * pi * np.floor(theta * PER_TURN + 0.5)
+    measurement[THETA] = convert(
+        theta + sensors.potentiometer_noise * noise[1],
+        sensors.potentiometer_range,
+        sensors.potentiometer_bits,
+    )
+    measurement[THETA_DOT] = nan

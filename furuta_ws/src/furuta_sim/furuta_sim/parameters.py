@@ -6,20 +6,18 @@ The defaults are those of the paper's rig (Section 4).
 from math import pi
 from typing import Annotated, NamedTuple
 
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
 from furuta_model.parameters import INLINE, About, ParameterError
-from furuta_model.parts.converter import Actuator
 from furuta_model.parts.coupling import Coupling
+from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves
 from furuta_model.parts.drive import Drive
-from furuta_model.parts.friction_variation import FrictionVariation
 from furuta_model.parts.motion import Cogging, PendulumFriction
-from furuta_model.parts.pushes import Pushes
 from furuta_model.parts.sensor_faults import SensorFaults
-from furuta_model.parts.tilt import Tilt
-from furuta_model.parts.torque_waves import TorqueWaves
+from furuta_model.parts.varied_friction import FrictionVariation
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 

@@ -8,10 +8,11 @@ import numpy as np
 
 from furuta.export.text import filled
 from furuta.export.values import DOUBLE, Precision
-from furuta_model.parts.pushes import Pushes
+from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.sensor_faults import SensorFaults
+from furuta_model.sensors import measure
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import Noise, measure
+from furuta_sim.plant import Noise
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 
 SAMPLES = 500

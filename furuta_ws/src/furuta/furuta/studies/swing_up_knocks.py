@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.studies.swing_up_starts import UPRIGHT_ANGLE
-from furuta_model.parts.pushes import Pushes
+from furuta_model.parts.disturbances import Pushes
 from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 

@@ -11,10 +11,9 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import About, ParameterError
 from furuta_model.parts.coupling import Coupling
+from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.drive import Drive
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.tilt import Tilt
-from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 

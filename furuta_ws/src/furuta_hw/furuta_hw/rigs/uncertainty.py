@@ -19,7 +19,7 @@ import numpy as np
 
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, number_from_text, shortened
-from furuta_model.parts.torque_waves import TorqueWaves
+from furuta_model.parts.disturbances import TorqueWaves
 from furuta_model.pendulum import FurutaPendulum
 
 # Values whose standard error is relative, that of the logarithm.

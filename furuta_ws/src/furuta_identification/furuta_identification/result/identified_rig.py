@@ -17,9 +17,8 @@ from furuta_identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spr
 from furuta_identification.uncertainty.identifiability import undetermined
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
+from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.tilt import Tilt
-from furuta_model.parts.torque_waves import TorqueWaves
 from furuta_model.sensors import Sensors
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.recording import Recording

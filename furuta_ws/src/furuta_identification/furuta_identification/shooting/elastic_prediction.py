@@ -11,13 +11,11 @@ from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw
-from furuta_model.parts.coupling import Coupling, ElasticRig, design_coupling
-from furuta_model.parts.elastic_motion import advance_elastic
-from furuta_model.parts.friction_variation import FrictionVariation
+from furuta_model.parts.coupling import Coupling, ElasticRig, advance_elastic, design_coupling
+from furuta_model.parts.disturbances import Push, Tilt, with_tilt
 from furuta_model.parts.motion import Body, Cogging, PendulumFriction
 from furuta_model.parts.plant_memory import PlantMemory
-from furuta_model.parts.pushes import Push
-from furuta_model.parts.tilt import Tilt, with_tilt
+from furuta_model.parts.varied_friction import FrictionVariation
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording

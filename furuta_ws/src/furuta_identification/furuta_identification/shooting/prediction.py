@@ -16,10 +16,8 @@ from furuta_model.elementary import sin_cos, tanh
 from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
+from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque, with_tilt
 from furuta_model.parts.motion import PendulumFriction, mobilities
-from furuta_model.parts.pushes import Push, push_torques
-from furuta_model.parts.tilt import Tilt, with_tilt
-from furuta_model.parts.torque_waves import wave_torque
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording

@@ -22,8 +22,8 @@ import numpy as np
 
 from furuta_identification.shooting.prediction import RigModel
 from furuta_model.friction.parameters import Friction
+from furuta_model.parts.disturbances import Tilt
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.parts.tilt import Tilt
 from furuta_model.pendulum import FurutaPendulum
 
 # How far a logarithm may move from its starting value in one fit: a factor of 20.

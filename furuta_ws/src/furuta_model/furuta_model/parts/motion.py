@@ -22,11 +22,15 @@ from furuta_model.friction.laws import (
 )
 from furuta_model.integration import integrator
 from furuta_model.parameters import About
-from furuta_model.parts.friction_variation import FrictionVariation, varied
+from furuta_model.parts.disturbances import Push, push_torques, wave_torque
 from furuta_model.parts.plant_memory import PlantMemory
-from furuta_model.parts.pushes import Push, push_torques
-from furuta_model.parts.springs import keep_springs, springs_force, springs_friction
-from furuta_model.parts.torque_waves import wave_torque
+from furuta_model.parts.varied_friction import (
+    FrictionVariation,
+    keep_springs,
+    springs_force,
+    springs_friction,
+    varied,
+)
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA_DOT
 

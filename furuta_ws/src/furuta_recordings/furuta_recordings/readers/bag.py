@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
-from furuta_model.parts.converter import Actuator
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of

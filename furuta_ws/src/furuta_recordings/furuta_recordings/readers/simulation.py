@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
-from furuta_model.parts.converter import Actuator
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import read_columns

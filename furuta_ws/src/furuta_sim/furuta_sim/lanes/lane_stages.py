@@ -17,16 +17,16 @@ from furuta_control.estimation import EstimatorDesign, EstimatorMemory, estimate
 from furuta_friction.compensation import CompensationDesign, CompensationMemory
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
+from furuta_model.converter import Actuator, drive
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import FrictionLaw, friction_force
 from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
-from furuta_model.parts.converter import Actuator, drive
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Sensors, measure
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
 from furuta_sim.lanes import usual_sample
 from furuta_sim.lanes.lane_compiler import widest_vectors
-from furuta_sim.plant import NOISE_CHANNELS, measure
+from furuta_sim.plant import NOISE_CHANNELS
 from furuta_sim.simulation.closed_loop import Sums, measure_sample, note_fall
 from furuta_sim.simulation.oscillation import accumulate_midpoint
 

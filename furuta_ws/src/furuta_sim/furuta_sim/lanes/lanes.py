@@ -23,8 +23,8 @@ from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import COMPENSATIONS, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import FrictionLaw
-from furuta_model.parts.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
@@ -112,7 +112,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     if samples < FEWEST_SAMPLES:
         return None
     plant = design_plant(loop.plant)
-    if plant.parts.any or plant.faults.any:
+    if plant.parts.any or plant.parts.faults.any:
         return None
     moved = LanePlant(
         model=plant.model,

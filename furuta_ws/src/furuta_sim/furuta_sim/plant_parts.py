@@ -1,0 +1,140 @@
+"""The parts of a real rig that the plain plant lacks, all off by default.
+
+They act on drive, motion and friction, or on the sensors. The plain plant needs none of them
+(:mod:`furuta_sim.plant`).
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_model.compiled import compiled
+from furuta_model.friction.laws import FrictionLaw, find_law
+from furuta_model.parts.coupling import ElasticRig, advance_elastic, design_coupling, motor_friction
+from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at, with_tilt
+from furuta_model.parts.drive import Drive, mean_torque
+from furuta_model.parts.motion import (
+    Body,
+    Cogging,
+    PendulumFriction,
+    advance_with_parts,
+    varied_friction,
+)
+from furuta_model.parts.plant_memory import PlantMemory
+from furuta_model.parts.sensor_faults import (
+    FaultySensors,
+    apply_faults,
+    design_faults,
+    faulty_state,
+)
+from furuta_model.parts.varied_friction import FrictionVariation, vary_level
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors, measure_state
+from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_sim.parameters import PlantParameters
+
+
+class Parts(NamedTuple):
+    """The parts; ``any`` says whether one of them acts on drive, motion or friction."""
+
+    any: bool
+    springs: int
+    variation: FrictionVariation
+    drive: Drive
+    cogging: Cogging
+    pendulum_friction: PendulumFriction
+    tilt: Tilt
+    push_count: int
+    pushes: np.ndarray
+    waves: np.ndarray
+    coupling: ElasticRig
+    faults: FaultySensors
+
+
+def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
+    """The parts of a rig whose arm has the friction ``law``."""
+    variation, elastic = p.friction.variation, p.coupling.is_elastic
+    pushes, waves = _tables(p.pushes, p.waves, p.sample_time)
+    optional = (variation, p.drive, p.cogging, p.pendulum_friction, p.tilt)
+    on = elastic or any(part != type(part)() for part in optional)
+    return Parts(
+        any=on or find_law(p.friction.law).springs or p.pushes.number > 0 or len(waves) > 0,
+        springs=p.friction.springs,
+        variation=variation,
+        drive=p.drive,
+        cogging=p.cogging,
+        pendulum_friction=p.pendulum_friction,
+        tilt=p.tilt,
+        push_count=p.pushes.number,
+        pushes=pushes,
+        waves=waves,
+        coupling=design_coupling(p.coupling, p.model, law, p.sample_time),
+        faults=design_faults(p.sensor_faults, p.coupling.senses_motor, p.sample_time, p.seed),
+    )
+
+
+@lru_cache(maxsize=256)
+def _tables(
+    pushes: Pushes, waves: TorqueWaves, sample_time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pushes and waves as arrays, which the rigs of a study mostly have in common."""
+    return pushes.profile(sample_time), waves.table
+
+
+@compiled
+def read_with_faults(
+    memory: PlantMemory,
+    noise: np.ndarray,
+    sensors: Sensors,
+    faults: FaultySensors,
+    measurement: np.ndarray,
+) -> None:
+    """Read faulty sensors; see :func:`furuta_sim.plant.read`."""
+    phi, v = faulty_state(memory, PHI, faults), faulty_state(memory, PHI_DOT, faults)
+    theta, w = faulty_state(memory, THETA, faults), faulty_state(memory, THETA_DOT, faults)
+    measure_state(phi, v, theta, w, noise, sensors, measurement)
+    apply_faults(memory, measurement, faults)
+
+
+@compiled
+def move_with_parts(
+    memory: PlantMemory,
+    voltage: float,
+    dt: float,
+    substeps: int,
+    model: FurutaPendulum,
+    law: FrictionLaw,
+    parts: Parts,
+) -> None:
+    """Move the rig over ``dt`` [s] at constant ``voltage`` [V] of the drive."""
+    friction = friction_with_parts(memory, law, parts)
+    torque = mean_torque(memory, voltage, dt, parts.drive)
+    vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
+    sample = memory.moved - memory.pushed_from
+    push = with_tilt(push_at(sample, parts.pushes, parts.push_count), parts.tilt)
+    body = Body(
+        model=model,
+        variation=parts.variation,
+        cogging=parts.cogging,
+        pendulum_friction=parts.pendulum_friction,
+        springs=parts.springs,
+        push=push,
+        waves=parts.waves,
+        memory=memory,
+    )
+    if parts.coupling.on:
+        advance_elastic(memory.x, torque, dt, body, parts.coupling)
+    else:
+        advance_with_parts(memory.x, torque, dt, substeps, body, law)
+    memory.moved += 1
+
+
+@compiled
+def friction_with_parts(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> float:
+    """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
+    coupling, springs, variation = parts.coupling, parts.springs, parts.variation
+    if not coupling.on:
+        return varied_friction(memory, law, springs, variation)
+    arm = varied_friction(memory, coupling.arm_friction, springs, variation)
+    return arm + motor_friction(memory, springs, variation, coupling)
