@@ -103,20 +103,6 @@ def pipe_as_data(path: Path) -> Path:
 # -- YAML --------------------------------------------------------------------------------------
 
 
-def billion_laughs(levels: int = 12) -> str:
-    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
-    for k in range(1, levels):
-        lines.append(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]")
-    return "\n".join(lines) + "\n"
-
-
-YAML = {
-    "billion_laughs": billion_laughs(),
-    "itself": "a: &a [*a]\n",
-    "number": "plant: {ros__parameters: {seed: " + ":".join(["1"] * 100_000) + "}}\n",
-}
-
-
 def metadata_of(text: str) -> Callable[[Path], Path]:
     def make(path: Path) -> Path:
         (sound_bag(path) / "metadata.yaml").write_text(text)

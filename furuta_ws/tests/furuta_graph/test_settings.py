@@ -84,7 +84,10 @@ def test_later_wins(file: Any) -> None:
         ("", "must map node names to ros__parameters"),
         ("plant:\n\tx: 1\n", "is not YAML: .* in line 2"),
         ("motor:\n  ros__parameters: {x: 1}\n", "no node motor; nodes are plant, estimator"),
-        ("plant: {alpha: 1}\n", "plant has no ros__parameters"),
+        ("plant: {alpha: 1}\n", "plant/alpha has no ros__parameters"),
+        ("plant: {}\n", "plant has no ros__parameters"),
+        ("plant: {ros__parameters: 1}\n", "ros__parameters of plant has no names"),
+        ("plant: {ros__parameters: {}, seed: 1}\n", "plant/seed has no ros__parameters"),
         (
             "plant:\n  ros__parameters: {friction: {alfa0: 1}}\n",
             r"plant has no parameter friction\.alfa0; did you mean alpha0",

@@ -147,6 +147,11 @@ def test_sections_with_the_namespace(tmp_path: Path, capfd: Any, text: str) -> N
     assert "WARN" not in capfd.readouterr().err
 
 
+def test_a_file_of_comments(tmp_path: Path) -> None:
+    """A file whose parameters are all commented out leaves the defaults."""
+    assert start(PlantNode, write(tmp_path, "# plant: {}\n")) == NODES["plant"].parameters()
+
+
 def test_a_file_for_other_nodes(tmp_path: Path, capfd: Any) -> None:
     """A file without a section for the node is reported: the name may be misspelt."""
     file = write(tmp_path, "plent: {ros__parameters: {seed: 5}}")

@@ -18,7 +18,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_ros.regular_files import open_regular
+from furuta_ros.yaml_files import open_regular
 
 # Longest line [characters], and most cells of a table: 8 bytes each in memory.
 LONGEST_LINE = 2**20

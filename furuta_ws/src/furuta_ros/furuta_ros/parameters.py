@@ -24,7 +24,7 @@ from furuta_model.accepted_parts import (
 )
 from furuta_model.parameters import Declared, ParameterError, build, declared, shortened
 from furuta_ros.context import ros_arguments
-from furuta_ros.parameter_sections import check_names, read_sections
+from furuta_ros.parameter_files import check_names, sections_given
 from furuta_ros.yaml_files import parse_yaml
 
 Group = TypeVar("Group", bound=NamedTuple)
@@ -83,7 +83,7 @@ class NodeParameters(Generic[Group]):
     def _warn_about_names(self) -> None:
         full_name = self._node.get_fully_qualified_name()
         given = self._node._parameter_overrides
-        for warning in check_names(full_name, self._names, given, read_sections(ros_arguments())):
+        for warning in check_names(full_name, self._names, given, sections_given(ros_arguments())):
             self._node.get_logger().warning(warning)
 
     def _declare(self, declaration: Declared) -> None:

@@ -13,7 +13,7 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.services import ServiceCaller
 from furuta_graph.settings.nodes import PLANT
 from furuta_graph.system_client import BridgeClient, reset_plant
-from furuta_ros.ros_parameters import is_of_ros
+from furuta_ros.parameter_files import is_of_ros
 from furuta_ros.spinning import SpinningThread
 from furuta_view.jobs import Jobs
 from furuta_view.parameter_types import Described

@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.parameter import parameter_value_to_python
 
 from furuta_graph.services import ServiceError
-from furuta_ros.ros_parameters import is_of_ros
+from furuta_ros.parameter_files import is_of_ros
 from furuta_view.graph_link import GraphLink
 from furuta_view.parameter_panel import Control, NodeFolder
 

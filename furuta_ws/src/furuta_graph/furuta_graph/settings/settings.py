@@ -12,8 +12,8 @@ from furuta_graph.settings.recommended import is_recommended, recommended_values
 from furuta_graph.settings.rig_parameters import rig_parameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
-from furuta_model.parameters import ParameterError, build, shortened
-from furuta_ros.ros_parameters import by_full_name, is_of_ros
+from furuta_model.parameters import ParameterError, build
+from furuta_ros.parameter_files import is_of_ros, sections
 from furuta_ros.yaml_files import parse_yaml, read_yaml
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -116,31 +116,18 @@ def _loop(made: Mapping[str, Any]) -> Loop:
 def read_file(file: Path) -> Settings:
     """Settings from a ROS parameter file, or from a rig file."""
     content = read_yaml(file, "parameter file")
-    if not isinstance(content, Mapping):
-        raise ParameterError(f"parameter file {file} must map node names to ros__parameters")
-    if is_rig_file(content):
+    if isinstance(content, Mapping) and is_rig_file(content):
         rig, _ = rig_from_content(content, file)
         return rig_settings(rig)
     settings = default_settings()
-    for key, section in content.items():
-        node = _node_name(key, file)
-        _set_all(settings, node, _parameters(section, key, file), file)
+    for section in sections(content, file):
+        _set_all(settings, _node_name(section.key, file), section.parameters, file)
     return settings
 
 
-def _parameters(section: Any, key: Any, file: Path) -> dict[str, Any]:
-    """The parameters of a section by full name."""
-    if not isinstance(section, Mapping) or not isinstance(section.get("ros__parameters"), Mapping):
-        raise ParameterError(f"{file}: {key} has no ros__parameters")
-    beside = [key for key in section if key != "ros__parameters"]
-    if beside:
-        raise ParameterError(f"{file}: {key} has ros__parameters and also {shortened(beside)}")
-    return dict(by_full_name(section["ros__parameters"]))
-
-
-def _node_name(key: Any, file: Path) -> str:
+def _node_name(key: str, file: Path) -> str:
     """The node that a section of a file is for; a namespace before its name does not matter."""
-    last = str(key).rpartition("/")[2]
+    last = key.rpartition("/")[2]
     name = EVERY_NODE if last in ("*", "**") else last
     if name != EVERY_NODE and name not in NODES:
         raise ParameterError(f"{file}: no node {key}; nodes are {', '.join(NODES)}")

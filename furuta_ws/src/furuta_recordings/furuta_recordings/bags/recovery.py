@@ -16,8 +16,7 @@ from furuta_recordings.bags.limits import LARGEST_CHUNK, MOST_TOPICS, decompress
 from furuta_recordings.bags.message_types import JAZZY, definition_of, type_hash, typestore_of
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic
 from furuta_recordings.bags.writer import BagWriter
-from furuta_ros.regular_files import read_text
-from furuta_ros.yaml_files import LARGEST_FILE, parse_yaml
+from furuta_ros.yaml_files import parse_yaml, read_text
 
 _SUFFIXES = (".mcap", ".db3")
 # Most problems that a recovery lists.
@@ -99,7 +98,7 @@ class _Recovery:
         """The parameter file of the damaged bag, if it has one."""
         try:
             file = parameter_file_of(self._bag)
-            text = "" if file is None else read_text(file, "parameter file", LARGEST_FILE)
+            text = "" if file is None else read_text(file, "parameter file")
         except ParameterError as error:
             self._note(f"left out {PARAMETERS_FILE}: {error}")
             return {}
