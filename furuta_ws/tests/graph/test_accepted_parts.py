@@ -11,8 +11,8 @@ from own_parts import EVIL
 from std_msgs.msg import Float64
 from testbench import Bench
 
+from furuta_bringup.launching import launched_nodes
 from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.launching import launched_nodes
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import NODES

@@ -14,9 +14,9 @@ from ament_index_python.packages import get_package_share_directory
 from ament_index_python.resources import get_resources
 from sources import PACKAGES, ROOT, SOURCES, imports, modules
 
+from furuta_bringup.parameter_files import parameter_file
 from furuta_graph.processes import executable
 from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.parameter_files import parameter_file
 from furuta_graph.settings.settings import read_file
 from furuta_model.parameters import declared
 

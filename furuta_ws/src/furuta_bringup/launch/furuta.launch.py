@@ -10,8 +10,8 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from furuta_bringup.launching import LOG_LEVELS, check_choice, launched_nodes
 from furuta_description.robot_description import display_nodes
-from furuta_graph.launching import LOG_LEVELS, check_choice, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
 # Arguments with their defaults and descriptions.

@@ -11,10 +11,10 @@ from rclpy.node import Node
 
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, namespace_option
+from furuta_bringup.parameter_files import parameter_file
 from furuta_bringup.printing import print_json
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.parameter_files import parameter_file
 from furuta_model.parameters import ParameterError, number_from_text, shortened
 from furuta_ros.context import joined_graph
 from furuta_ros.spinning import executor_of

@@ -9,12 +9,12 @@ import click
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
+from furuta_bringup.parameter_files import settings_file
 from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_graph.processes import run_processes
 from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_graph.scheduling import Scheduling
 from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.parameter_files import settings_file
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.writer import check_new_bag
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
