@@ -9,7 +9,7 @@ import hashlib
 import inspect
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path
@@ -69,27 +69,6 @@ def _by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
         return rest(kind - 1, *arguments)
 
     return inlined(dispatch, cached=False)
-
-
-def by_type(implementations: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
-    """Return a function that calls one of several compiled functions, chosen by an argument.
-
-    The type of the last argument, a named tuple, chooses; in compiled code once, on compilation.
-    """
-
-    def choose(*arguments: Any) -> Any:
-        return implementations[type(arguments[-1])](*arguments)
-
-    def implementation(*arguments: Any) -> Any:
-        chosen = implementations[arguments[-1].instance_class]
-        return lambda *arguments: chosen(*arguments)  # noqa: PLW0108 - numba needs its code
-
-    config: Any = numba.config
-    if not config.DISABLE_JIT:
-        numba.extending.overload(choose, strict=False)(implementation)
-    digests = (getattr(chosen, "furuta_digest", "") for chosen in implementations.values())
-    vars(choose)["furuta_digest"] = "".join(digests)
-    return choose
 
 
 def inlined(function: Function, **options: Any) -> Function:

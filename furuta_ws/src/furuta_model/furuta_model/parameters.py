@@ -215,20 +215,6 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     return built
 
 
-def build_from_known(group: type[Group], given: Mapping[str, Any], kind: str) -> Group:
-    """Make a group as :func:`build` does, but reject names that it does not have.
-
-    ``kind`` is the word for one of its names, such as ``fault``.
-    """
-    known = [each.name for each in declared(group)]
-    unknown = next((name for name in given if name not in known), None)
-    if unknown is not None:
-        raise ParameterError(
-            f"no {kind} {unknown}; {kind}s are {', '.join(known)}{suggestion(unknown, known)}"
-        )
-    return build(group, given)
-
-
 def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
     """All values of a group by full name: the inverse of :func:`build`."""
     result: dict[str, Any] = {}

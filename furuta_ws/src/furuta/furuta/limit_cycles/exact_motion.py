@@ -8,7 +8,7 @@ close it comes, however close that is.
 
 import numpy as np
 
-from furuta.limit_cycles.friction_loop import FrictionLoop, next_mode
+from furuta.limit_cycles.friction_loop import FrictionLoop, by_type, next_mode
 from furuta.limit_cycles.linear_flow import follow_exactly
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
@@ -21,7 +21,7 @@ from furuta.limit_cycles.smooth_motion import (
     NEAR_REST,
     integrate,
 )
-from furuta_model.compiled import by_type, compiled
+from furuta_model.compiled import compiled
 from furuta_model.friction.laws import has_bristle, has_constant_level
 from furuta_model.state import BRISTLE, PHI
 

@@ -18,12 +18,17 @@ from which force and deflection are counted. What differs between loops is a fun
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numba
+import numba.extending
 import numpy as np
 
 from furuta.limit_cycles import linear_loop, pendulum_loop
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta_model.compiled import by_type, compiled
+from furuta_model.compiled import compiled
 from furuta_model.friction.bristle import deflection_rate
 from furuta_model.friction.laws import breakaway_level, has_bristle, sliding_level
 from furuta_model.friction.lugre import highest_level
@@ -33,6 +38,27 @@ FrictionLoop = IdealLoop | LinearLoop
 BRISTLE = -1  # its place in the state
 
 _LOOPS = {IdealLoop: pendulum_loop, LinearLoop: linear_loop}
+
+
+def by_type(implementations: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
+    """Return a function that calls one of several compiled functions, chosen by an argument.
+
+    The type of the last argument, a named tuple, chooses; in compiled code once, on compilation.
+    """
+
+    def choose(*arguments: Any) -> Any:
+        return implementations[type(arguments[-1])](*arguments)
+
+    def implementation(*arguments: Any) -> Any:
+        chosen = implementations[arguments[-1].instance_class]
+        return lambda *arguments: chosen(*arguments)  # noqa: PLW0108 - numba needs its code
+
+    config: Any = numba.config
+    if not config.DISABLE_JIT:
+        numba.extending.overload(choose, strict=False)(implementation)
+    digests = (getattr(chosen, "furuta_digest", "") for chosen in implementations.values())
+    vars(choose)["furuta_digest"] = "".join(digests)
+    return choose
 
 
 def _of_each(name: str):  # type: ignore[no-untyped-def]

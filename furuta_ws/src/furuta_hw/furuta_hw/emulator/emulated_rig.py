@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from furuta_hw.emulator.faults import Faults, FaultyLine
+from furuta_hw.emulator.faults import Faults, FaultyLine, build_from_known
 from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.converter import Actuator
-from furuta_model.parameters import build_from_known
 from furuta_model.parts.sensor_faults import sensed_state
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters

@@ -1,11 +1,20 @@
 """Faults of an emulated rig, separately or combined."""
 
 from collections import deque
+from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from furuta_model.parameters import About, build_from_known, values
+from furuta_model.parameters import (
+    About,
+    Group,
+    ParameterError,
+    build,
+    declared,
+    suggestion,
+    values,
+)
 
 
 class Faults(NamedTuple):
@@ -24,6 +33,20 @@ class Faults(NamedTuple):
 def with_faults(faults: Faults, given: dict[str, Any]) -> Faults:
     """Change some faults; raises :class:`ParameterError` for a wrong name or value."""
     return build_from_known(Faults, values(faults) | given, "fault")
+
+
+def build_from_known(group: type[Group], given: Mapping[str, Any], kind: str) -> Group:
+    """Make a group as :func:`build` does, but reject names that it does not have.
+
+    ``kind`` is the word for one of its names, such as ``fault``.
+    """
+    known = [each.name for each in declared(group)]
+    unknown = next((name for name in given if name not in known), None)
+    if unknown is not None:
+        raise ParameterError(
+            f"no {kind} {unknown}; {kind}s are {', '.join(known)}{suggestion(unknown, known)}"
+        )
+    return build(group, given)
 
 
 class FaultyLine:
