@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
-from furuta_ros.bounded_end import bounded_end
+from furuta_ros.process_end import bounded_end
 
 BOTH_SIGNALS = """
 import os, signal
-from furuta_ros.stop_signal import StopSignal
+from furuta_ros.process_end import StopSignal
 
 both = (signal.SIGINT, signal.SIGTERM)
 stop = StopSignal()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from furuta_sim.histogram import LAST_BIN, Histogram
+from furuta_sim.realtime import LAST_BIN, Histogram
 
 
 def test_percentiles_are_those_of_the_durations() -> None:

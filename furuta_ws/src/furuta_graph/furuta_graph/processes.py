@@ -13,10 +13,9 @@ from furuta_graph.graph_plan import Graph
 from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
-from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
+from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import fail
-from furuta_ros.stop_signal import StopSignal
 
 # Time between two checks of the processes and of what to record [s].
 CHECK_PERIOD = 0.02

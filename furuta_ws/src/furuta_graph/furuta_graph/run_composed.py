@@ -11,11 +11,10 @@ from furuta_graph.graph_plan import Graph
 from furuta_graph.scheduling import Scheduling, apply_scheduling
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
-from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
+from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import spin_until
-from furuta_ros.stop_signal import StopSignal
 from furuta_sim.plant_node import PlantNode
 from furuta_sim.realtime import RealTime
 

@@ -16,13 +16,12 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from furuta_model.parameters import ParameterError, shortened
-from furuta_ros.bounded_end import bounded_end
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
+from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.process_start import own_arguments
-from furuta_ros.stop_signal import StopSignal
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.

@@ -2,25 +2,70 @@
 
 from __future__ import annotations
 
+from array import array
 from time import monotonic_ns
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
 from furuta_ros.node import RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import QOS, TIMING
-from furuta_sim.histogram import Histogram
 
 if TYPE_CHECKING:
     from furuta_sim.plant_node import PlantNode
 
-# Width [µs] and number of the bins of the published histograms.
+# Histograms count in bins of 1 µs. The last one [µs] also counts all longer durations.
+LAST_BIN = 20_000
+MICROSECOND = 1000  # [ns]
+PERCENTILES = (50.0, 90.0, 99.0, 99.9)
+# Width [µs] and number of the bins of the published ones.
 BIN_WIDTH, BINS = 20, 250
-# Time between two publications of the histograms [s].
+# Time between two publications [s].
 TIMING_PERIOD = 1.0
 REAL_TIME = "with clock realtime, stamps are the system's time; use clock lockstep to simulate time"
+
+
+class Histogram:
+    """Counts durations, in constant memory."""
+
+    def __init__(self) -> None:
+        self._counts = array("Q", bytes(8 * (LAST_BIN + 1)))
+        # The same memory as an array. Counting one duration is faster without numpy.
+        self.counts = np.frombuffer(self._counts, dtype=np.uint64)
+        self.largest = 0  # [ns]
+
+    def add(self, duration: int) -> None:
+        """Count a duration [ns]; a negative one counts as 0."""
+        self.largest = max(self.largest, duration)
+        self._counts[min(max(duration, 0) // MICROSECOND, LAST_BIN)] += 1
+
+    @property
+    def total(self) -> int:
+        """Number of durations counted."""
+        return int(self.counts.sum())
+
+    def percentile(self, percent: float) -> float:
+        """The duration [s] that ``percent`` of the durations did not exceed; NaN without any."""
+        if not self.total:
+            return float("nan")
+        rank = max(1, int(np.ceil(percent / 100.0 * self.total)))
+        bin_ = int(np.searchsorted(np.cumsum(self.counts), rank))
+        return self.largest * 1e-9 if bin_ == LAST_BIN else (bin_ + 1) * 1e-6
+
+    def coarse(self, width: int, bins: int) -> array[int]:
+        """Counts in ``bins`` bins of ``width`` [µs]; the last one also counts longer durations."""
+        return array("Q", np.add.reduceat(self.counts, np.arange(0, width * bins, width)).tobytes())
+
+    def summary(self) -> str:
+        """The percentiles as text."""
+        parts = [
+            f"{percent:g} % within {self.percentile(percent) * 1e6:.0f} µs"
+            for percent in PERCENTILES
+        ]
+        return ", ".join([*parts, f"at most {self.largest * 1e-3:.0f} µs"])
 
 
 class TimingCounts(NamedTuple):

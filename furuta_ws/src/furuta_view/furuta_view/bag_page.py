@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta_description.robot_description import robot_description
 from furuta_recordings.table_files import SUFFIXES
-from furuta_ros.stop_signal import StopSignal
+from furuta_ros.process_end import StopSignal
 from furuta_view.bag_samples import BagSamples
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import encoder_counts, exact_cycle, model_of

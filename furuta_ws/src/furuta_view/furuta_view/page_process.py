@@ -1,7 +1,7 @@
 """Runs the page over a running graph: the process behind ``furuta view``."""
 
 from furuta_ros.context import ros_context, tell_graph
-from furuta_ros.stop_signal import StopSignal
+from furuta_ros.process_end import StopSignal
 from furuta_view.live_page import LivePage
 from furuta_view.server import PageServer
 

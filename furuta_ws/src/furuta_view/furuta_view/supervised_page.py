@@ -8,8 +8,8 @@ from time import sleep
 from furuta_graph.children import Children, wait_or_kill
 from furuta_graph.processes import CHECK_PERIOD, executable
 from furuta_graph.settings.nodes import PLANT
+from furuta_ros.process_end import StopSignal
 from furuta_ros.process_start import child_environment
-from furuta_ros.stop_signal import StopSignal
 from furuta_view.simulation_controls import FOREVER
 
 
