@@ -5,6 +5,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
+from furuta_ros.topic_names import JOINTS
 
 FEWEST_SAMPLES = 100
 # Part of the samples that may be before an earlier one.
@@ -37,7 +38,7 @@ def cleaned(recording: Recording, driven: bool = True) -> Recording:
 def _with_usable_samples(recording: Recording) -> Recording:
     """The samples that have both angles and a time after the one before."""
     time, measured = recording.time, recording.measured
-    for angle, joint in ((PHI, "arm"), (THETA, "pendulum")):
+    for angle, joint in zip((PHI, THETA), JOINTS, strict=True):
         if not np.any(np.isfinite(measured[:, angle])):
             raise ParameterError(f"{recording.name}: no angle of the {joint}")
     _refuse_unordered(recording)

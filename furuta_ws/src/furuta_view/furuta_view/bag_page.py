@@ -79,7 +79,7 @@ class BagPage:
         samples = self._bag.window(time, SECONDS)
         known = samples[np.isfinite(samples[:, PHI]) & np.isfinite(samples[:, THETA])]
         if len(known):
-            self._scene.move({"arm": float(known[-1, PHI]), "pendulum": float(known[-1, THETA])})
+            self._scene.move(known[-1])
         self._charts.draw(samples)
         rows = figures(samples, encoder_counts(self._parameters)).rows()
         self._layout.status.content = status_html(str(self._bag.path), rows)

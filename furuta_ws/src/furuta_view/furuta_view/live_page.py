@@ -28,7 +28,7 @@ from furuta_view.live_node import LiveNode
 from furuta_view.page_layout import ALARM, Layout, Note, status_html
 from furuta_view.parameters_on_page import ParametersOnPage
 from furuta_view.rig_controls import RigControls
-from furuta_view.samples import PHI, THETA, TIME
+from furuta_view.samples import THETA, TIME
 from furuta_view.scene import Scene
 from furuta_view.server import PageServer
 from furuta_view.simulation_controls import FOREVER, SimulationControls
@@ -99,8 +99,7 @@ class LivePage:
             self._link.search.submit("search", self._parameters.find_nodes)
         self._pace(time or 0.0)  # a plant that was left paused, and sends nothing, continues
         if time is not None and self._server.get_clients():
-            angles = {"arm": float(newest[-1, PHI]), "pendulum": float(newest[-1, THETA])}
-            self._scene.move(angles)
+            self._scene.move(newest[-1])
             if number % CHARTS_EVERY == 0:
                 self._charts.draw(newest)
         if number % STATUS_EVERY == 0:

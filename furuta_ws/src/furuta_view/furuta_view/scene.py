@@ -8,6 +8,9 @@ import viser
 from urdf_parser_py.urdf import URDF, Cylinder, Sphere
 from viser.transforms import SO3
 
+from furuta_ros.topic_names import JOINTS
+from furuta_view.samples import PHI, THETA
+
 ROOT = "/robot"
 GROUND = (226, 232, 240)
 DAYLIGHT = 1.5  # brightness of the sides away from the light
@@ -37,10 +40,11 @@ class Scene:
         robot = URDF.from_xml_string(description)
         self._root = self._server.scene.add_frame(ROOT, show_axes=False)
         self._add_link(robot, robot.get_root(), ROOT)
-        self._surroundings(float(robot.joint_map["arm"].origin.xyz[2]))
+        self._surroundings(float(robot.joint_map[JOINTS[0]].origin.xyz[2]))
 
-    def move(self, angles: dict[str, float]) -> None:
-        """Turn the joints to their angles [rad]."""
+    def move(self, sample: np.ndarray) -> None:
+        """Turn the joints to their angles [rad] in a sample (:mod:`furuta_view.samples`)."""
+        angles = dict(zip(JOINTS, (float(sample[PHI]), float(sample[THETA])), strict=True))
         with self._server.atomic():
             for name, frame in self._frames.items():
                 x, y, z = sin(angles[name] / 2) * self._axes[name]
