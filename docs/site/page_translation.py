@@ -13,7 +13,6 @@ from furuta.export.structures import initialisation, structures
 from furuta.export.text import filled_text
 from furuta.export.values import DOUBLE, REAL, Array, Known, Memory, Number
 from furuta.export.values import Group as Parts
-from furuta_friction.compensation import allow
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_sim.plant import move, read, true_friction
 from furuta_sim.simulation.control_system import ControlMemory, control_sample, reset
@@ -70,7 +69,7 @@ def translated(groups: list[Group]) -> Page:
             control_cases.append(_control_case(call, len(controls)))
             controls[selected(design, "control")] = len(controls)
     own = Memory(ControlMemory, "memory", "memory->")
-    forget, permit = _function(whole, reset, own), _function(whole, allow, own_observer())
+    forget = _function(whole, reset, own)
     whole.used_fields |= {(PlantMemory, "x"), (PlantMemory, "moved")}
     code = "\n\n".join(whole.code)
     code = "\n\n".join([*whole.helpers(code), code])
@@ -82,19 +81,11 @@ def translated(groups: list[Group]) -> Page:
         functions=code,
         initial=initialisation(whole, ControlMemory),
         reset=forget.name,
-        allow=permit.name,
         read=measure[0],
         controls="\n".join(control_cases),
         laws="\n".join(law_cases),
     )
     return Page(text, places, laws, controls)
-
-
-def own_observer() -> Memory:
-    """The memory of the friction observer, as a parameter."""
-    from furuta_friction.compensation import CompensationMemory  # noqa: PLC0415
-
-    return Memory(CompensationMemory, "memory", "memory->")
 
 
 def _function(whole: Translation, function: Any, *arguments: Any) -> CFunction:

@@ -43,5 +43,5 @@ def random_loop(
     control = ControllerParameters(
         integral_time=float(r.choice([0.0, 5.0])), super_twisting=float(r.choice([0.0, 2.0]))
     )
-    observer = ObserverParameters(compensation=compensation, guard_time=float(r.choice([0, 0.5])))
+    observer = ObserverParameters(compensation=compensation)
     return Loop(plant, EstimatorParameters(method, sensors=sensors), observer, control)

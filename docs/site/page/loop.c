@@ -14,7 +14,7 @@
 #define sqrt __builtin_sqrt
 #define EXPORT(name) __attribute__((export_name(#name), visibility("default"))) name
 
-static double design[@size@], noise[2], signals[16];
+static double design[@size@], noise[2], signals[14];
 
 @constants@
 
@@ -34,7 +34,7 @@ double *EXPORT(noise_address)(void) {
     return noise;
 }
 
-/* x (5), estimate (5), friction, its estimate, command, what the controller does, samples. */
+/* x (5), estimate (5), friction, its estimate, command, samples. */
 double *EXPORT(signals_address)(void) {
     return signals;
 }
@@ -54,11 +54,6 @@ void EXPORT(begin)(double theta, bool forget) {
     }
 }
 
-/* Allows a compensation that the guard has switched off. */
-void EXPORT(allow)(void) {
-    @allow@(&control_memory.observer);
-}
-
 /* One sample with a friction law and a control system, each by its number. */
 void EXPORT(sample)(int law, int control) {
     double measurement[5], friction_estimate = 0.0, command = 0.0, *estimate = signals + 5;
@@ -75,6 +70,5 @@ void EXPORT(sample)(int law, int control) {
     switch (law) {
 @laws@
     }
-    signals[13] = control_memory.observer.guard.tripped;
-    signals[14] = (double)plant_memory.moved;
+    signals[13] = (double)plant_memory.moved;
 }

@@ -12,7 +12,7 @@ class Loop {
     this.design = view(exports.design_address(), initial.length);
     this.design.set(initial);
     this.noise = view(exports.noise_address(), 2);
-    this.signals = view(exports.signals_address(), 16);
+    this.signals = view(exports.signals_address(), 14);
     this.rows = data.groups.map((group) => numbers(group.rows));
     this.knobs = Object.fromEntries(data.knobs.map((knob) => [knob.name, knob.initial]));
     this.turn({});
@@ -33,12 +33,11 @@ class Loop {
       if (g === 0) this.law = group.law[row];
       this.control = group.control[row];
     });
-    this.code.allow();
   }
 
   // A push that begins now, for so many samples: torques on arm and pendulum [V].
   push(samples, arm, pendulum) {
-    const now = this.signals[14];
+    const now = this.signals[13];
     this.design.set([now, now + samples, arm, pendulum, 0, 0], this.data.pushes);
   }
 
@@ -64,13 +63,13 @@ class Loop {
     }
   }
 
-  // The signals (n, 14) of samples with given noise (n, 2), for comparison.
+  // The signals (n, 13) of samples with given noise (n, 2), for comparison.
   replay(noise) {
-    const out = new Float64Array((noise.length / 2) * 14);
+    const out = new Float64Array((noise.length / 2) * 13);
     for (let k = 0; k < noise.length / 2; k++) {
       this.noise.set(noise.subarray(2 * k, 2 * k + 2));
       this.sample();
-      out.set(this.signals.subarray(0, 14), 14 * k);
+      out.set(this.signals.subarray(0, 13), 13 * k);
     }
     return out;
   }

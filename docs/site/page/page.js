@@ -25,7 +25,7 @@ function advance(samples) {
   for (; samples > 0; samples -= EVERY) {
     loop.run(EVERY);
     const s = loop.signals;
-    if (planned !== null && s[14] >= planned.at) {
+    if (planned !== null && s[13] >= planned.at) {
       loop.push(100, planned.arm, planned.pendulum);
       planned = null;
     }
@@ -147,12 +147,11 @@ function tell() {
   const known = cycle();
   const predicted = known && loop.knobs.compensation === "none"
     ? ` Predicted without compensation: exact cycle ${known.exact.toFixed(3)} rad, describing function ${known.predicted.toFixed(3)} rad.` : "";
-  $("state").textContent = `${(loop.signals[14] / RATE).toFixed(1)} s. Peak to peak in the last 5 s: arm ${arm.toFixed(3)} rad, `
+  $("state").textContent = `${(loop.signals[13] / RATE).toFixed(1)} s. Peak to peak in the last 5 s: arm ${arm.toFixed(3)} rad, `
     + `pendulum ${pendulum.toFixed(3)} rad.${predicted}`;
-  $("guard").hidden = !loop.signals[13];
   $("fallen").hidden = !hasFallen();
   if (measuring && hasFallen()) results[[scene, step]] = "fallen";
-  else if (measuring && loop.signals[14] > SETTLED) results[[scene, step]] = `${arm.toFixed(3)} rad`;
+  else if (measuring && loop.signals[13] > SETTLED) results[[scene, step]] = `${arm.toFixed(3)} rad`;
   document.querySelectorAll("[data-step]").forEach((cell) => { cell.textContent = results[[scene, cell.dataset.step]] || "…"; });
 }
 

@@ -14,12 +14,10 @@ from furuta_friction.compensation import (
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
-    allow,
     beyond_adaptation,
     design_compensator,
     estimate_friction,
     largest_estimate,
-    switched_off,
 )
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
@@ -67,7 +65,6 @@ def test_bounded_for_any_motion(kind: str) -> None:
             friction=lugre,
             observer_gain=gain,
             adaptation_gain=abs(gain),
-            guard_time=0.0,
             sample_time=dt,
         )[kind]
         memory = empty()
@@ -208,7 +205,7 @@ def test_estimate_is_continuous_at_a_reversal() -> None:
 @pytest.mark.parametrize("kind", ["disturbance_observer", "combined"])
 def test_observed_friction_is_compensated(kind: str) -> None:
     """F̂ becomes the observed friction whatever α₀ says; the parameters limit it to three levels."""
-    compensator = compensators(friction=Friction(viscous=0.5), guard_time=0.0)[kind]
+    compensator = compensators(friction=Friction(viscous=0.5))[kind]
     for v, observed, expected in (
         (0.3, 0.4, 0.4),
         (0.3, -0.1, -0.1),
@@ -236,39 +233,10 @@ def test_combined_learns_the_levels() -> None:
     assert memory["combined"].item()[:2] == pytest.approx((0.36, 0.24), rel=0.01)
 
 
-def test_the_guard_ends_a_compensation_worse_than_none() -> None:
-    """Two seconds after an arm without friction starts to be driven; not at half the true level."""
-    compensator = compensators()["coulomb"]
-    for observed, ends in ((0.0, True), (0.2, False), (0.11, False), (0.1, True), (nan, False)):
-        memory = new_memory(CompensationMemory)
-        speeds = 0.5 * np.sin(np.arange(0, 6, DT) * 5)
-        found = [
-            estimate_friction(memory[0], signals(v, observed=observed * np.sign(v)), compensator)
-            for v in speeds
-        ]
-        assert switched_off(memory) is ends
-        assert (found[-1] == 0.0) is ends
-        assert found[1900] != 0.0
-    allow(memory[0])
-    assert not switched_off(memory)
-
-
-@pytest.mark.parametrize(("v", "theta"), [(0.01, 0.0), (0.5, 1.0)])
-def test_the_guard_waits_for_a_motion_that_it_can_judge(v: float, theta: float) -> None:
-    """A nearly resting arm and a fallen pendulum say nothing about the compensation."""
-    compensator = compensators()["coulomb"]
-    memory = new_memory(CompensationMemory)
-    x = signals(v, observed=0.0)
-    x[2] = theta
-    for _ in range(10_000):
-        estimate_friction(memory[0], x, compensator)
-    assert not switched_off(memory)
-
-
 @pytest.mark.parametrize(("observed", "beyond"), [(0.02, True), (0.25, False), (0.9, True)])
 def test_adaptation_outside_its_model_is_known(observed: float, beyond: bool) -> None:
     """A friction below a third or above three times the told level."""
-    parameters = ObserverParameters("adaptive", guard_time=0.0)
+    parameters = ObserverParameters("adaptive")
     compensator, memory = design_compensator(parameters), new_memory(CompensationMemory)
     for _ in range(2000):
         estimate_friction(memory[0], signals(0.5, observed=observed), compensator)

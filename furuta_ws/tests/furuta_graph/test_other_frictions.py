@@ -5,7 +5,6 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_sim.lanes.batch import batch
 from furuta_sim.simulation.closed_loop import Simulation
@@ -98,18 +97,6 @@ def test_the_recommended_setting_does_not_chatter() -> None:
     assert chosen.command_step_v <= 2.0 * lugre.command_step_v
 
 
-@pytest.mark.parametrize("kind", ["combined", "disturbance_observer"])
-def test_a_vibration_is_reduced(kind: str) -> None:
-    """On a belt of 50 Hz these drive 0.5 V (rms) of noise; the guard leaves a twentieth."""
-    belt = ["coupling.frequency=50.0", f"compensation={kind}"]
-    noisy, guarded = (
-        next(batch([loop(load_settings([], [*belt, f"guard_time={time}"]))], 10.0))
-        for time in (0.0, 2.0)
-    )
-    assert noisy.command_high_frequency_v > 0.3
-    assert guarded.command_high_frequency_v < 0.05 * noisy.command_high_frequency_v
-
-
 @pytest.mark.parametrize("kind", ["disturbance_observer", "combined"])
 @pytest.mark.parametrize("name", FRICTIONS)
 def test_observed_friction_holds_without_super_twisting(name: str, kind: str) -> None:
@@ -124,16 +111,6 @@ def test_super_twisting_holds_a_pendulum_off_the_model() -> None:
     assert residuals(body, seeds=1)[0] == pytest.approx(0.71, abs=0.02)
     assert residuals(body, "compensation=lugre", seeds=1)[0] == np.inf
     assert np.max(residuals(body, *TWISTING)) <= ENCODER_COUNT
-
-
-@pytest.mark.parametrize("kind", [k for k in COMPENSATIONS if k != "none"])
-def test_no_compensation_drives_an_arm_without_friction(kind: str) -> None:
-    """The guard ends those that would; the arm then rests as without compensation."""
-    given = [*friction("none"), f"compensation={kind}"]
-    simulation = Simulation(loop(load_settings([], given)))
-    run = simulation.run(30.0)
-    assert simulation.switched_off is (kind in ("coulomb", "stiction", "lugre", "adaptive"))
-    assert np.ptp(run.state[20_000:, 0]) < 0.01
 
 
 @pytest.mark.parametrize("phi", [1.0, 3.0, -5.0])

@@ -65,20 +65,6 @@ def test_a_block_has_the_bits_of_single_runs(ideal: bool, compensation: str) -> 
     assert len(set(bits(found))) == 13
 
 
-def test_a_lane_tells_that_the_compensation_was_switched_off() -> None:
-    """As the single run does: on an arm without friction, and not on the paper's."""
-    loops = [
-        Loop(
-            PlantParameters(friction=PlantFriction(parameters=Friction(alpha0=a0, alpha1=a1))),
-            observer=ObserverParameters(compensation="lugre"),
-        )
-        for a0, a1 in ((0.0, 0.0), (Friction().alpha0, Friction().alpha1))
-    ]
-    found = in_lanes(loops, 30.0)
-    assert bits(found) == bits([outcome(loop, 30.0) for loop in loops])
-    assert [each.switched_off for each in found] == [True, False]
-
-
 def test_the_lane_and_its_neighbours_do_not_matter() -> None:
     """The same loop in every lane, and alone in a block, has one outcome."""
     loop = Loop(PlantParameters(seed=5), observer=ObserverParameters(compensation="lugre"))

@@ -53,7 +53,7 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     )  # fmt: skip
     assert status == 0, err
     assert json.loads(text) == {
-        "runs": 6, "resumed": 0, "fell": 0, "switched_off": 0, "impossible": 0, "file": str(out)
+        "runs": 6, "resumed": 0, "fell": 0, "impossible": 0, "file": str(out)
     }  # fmt: skip
     rows = table(out)
     simulated = json.loads(

@@ -29,7 +29,7 @@ from furuta_sim.simulation.control_system import control_sample
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
 
-RESULTS = 14
+RESULTS = 13
 # A push that lets the pendulum fall in some of the cases: first sample, samples, torques [V].
 PUSH = (300, 100, 0.5, 0.3)
 CASES: dict[str, dict[str, str]] = {
@@ -53,7 +53,7 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def python_results(knobs: dict[str, str], noise: np.ndarray) -> np.ndarray:
-    """State with bristle, estimate, friction, its estimate and command (n, 13)."""
+    """State with bristle, estimate, friction, its estimate and command (n, RESULTS)."""
     all_knobs = [knob for group in designs.KNOBS.values() for knob in group]
     chosen = [knob.values[knobs[knob.name]] for knob in all_knobs if knob.name in knobs]
     loop = designs.loop_of({name: value for each in chosen for name, value in each.items()})
@@ -64,7 +64,7 @@ def python_results(knobs: dict[str, str], noise: np.ndarray) -> np.ndarray:
     plant, control = designs.design_of(loop)
     memory = new_memory(LoopMemory)
     memory["plant"] = initial_plant(loop.plant)
-    results = np.empty((len(noise), 13))
+    results = np.empty((len(noise), RESULTS))
     _run(memory, noise, plant, block(control), results)
     return results
 
@@ -96,7 +96,7 @@ const data = JSON.parse(html.match(/<script id="data"[^>]*>([^]*?)<\\/script>/)[
 vm.runInThisContext(fs.readFileSync(process.argv[3], "utf8") + "; this.Loop = Loop");
 const loop = new Loop(data);
 loop.turn(JSON.parse(process.argv[4]));
-loop.signals[14] = %d; loop.push(%d, %r, %r);
+loop.signals[13] = %d; loop.push(%d, %r, %r);
 const noise = fs.readFileSync(process.argv[5]);
 const given = new Float64Array(noise.buffer, noise.byteOffset, noise.length / 8);
 fs.writeFileSync(process.argv[6], new Uint8Array(loop.replay(given).buffer));
@@ -141,12 +141,12 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     noise = np.random.default_rng(0).standard_normal((3000, 2))
     code = (
         "([knobs, push, noise]) => { const one = new Loop(DATA); one.turn(knobs);"
-        "one.signals[14] = push[0]; one.push(...push.slice(1)); one.signals[14] = 0;"
+        "one.signals[13] = push[0]; one.push(...push.slice(1)); one.signals[13] = 0;"
         "let text = ''; for (const byte of new Uint8Array(one.replay("
         "Float64Array.from(noise)).buffer)) text += String.fromCharCode(byte); return btoa(text); }"
     )
     given = page.evaluate(code, [CASES[case], PUSH, noise.ravel().tolist()])
-    results = np.frombuffer(base64.b64decode(given)).reshape(-1, RESULTS)[:, :13]
+    results = np.frombuffer(base64.b64decode(given)).reshape(-1, RESULTS)
     assert_same(results, python_results(CASES[case], noise))
 
 
@@ -192,5 +192,5 @@ def test_a_million_samples_in_node(case: str, page_file: Path, tmp_path: Path) -
     subprocess.run(
         [node, tmp_path / "run.js", page_file, script, knobs, tmp_path / "noise", out], check=True
     )
-    results = np.fromfile(out).reshape(-1, RESULTS)[:, :13]
+    results = np.fromfile(out).reshape(-1, RESULTS)
     assert_same(results, python_results(CASES[case], noise))

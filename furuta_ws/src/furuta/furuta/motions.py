@@ -63,8 +63,8 @@ def measure(
         parts: As for :func:`simulate`.
 
     Returns:
-        Peak to peak of arm and pendulum [rad], period [s], rms of command [V], whether the
-        pendulum fell, and whether the guard switched the compensation off.
+        Peak to peak of arm and pendulum [rad], period [s], rms of command [V], and whether the
+        pendulum fell.
 
     Raises:
         ParameterError: ``seconds`` or ``settled`` is outside its range, or a part cannot be

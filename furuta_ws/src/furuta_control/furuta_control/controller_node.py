@@ -18,10 +18,10 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.modes import swing_up
+from furuta_control.modes.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, SIGNALS
-from furuta_model.vibration import is_sustained
 from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import read_joint_state, read_value
 from furuta_ros.node import FurutaNode

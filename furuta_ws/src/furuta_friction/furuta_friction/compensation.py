@@ -13,7 +13,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction import guard
 from furuta_friction.compensator import Compensator
 from furuta_friction.compensators import (
     adaptive,
@@ -28,7 +27,6 @@ from furuta_friction.compensators import (
 from furuta_friction.compensators.adaptive import AdaptiveMemory
 from furuta_friction.compensators.combined import Combined, CombinedMemory, CombinedParameters
 from furuta_friction.compensators.own import OwnCompensation
-from furuta_friction.guard import Guard, GuardMemory, guarded
 from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -67,9 +65,6 @@ class ObserverParameters(NamedTuple):
         float, About("adaptive: rate at which a level adapts while the arm slides", "1/s", 0, 1e3)
     ] = 20.0
     combined: CombinedParameters = CombinedParameters()
-    guard_time: Annotated[
-        float, About("time after which a compensation worse than none ends, 0: never", "s", 0, 1e3)
-    ] = 2.0
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -85,21 +80,6 @@ class ObserverParameters(NamedTuple):
             return ALL[COMPENSATIONS.index(self.compensation)]
         return own_part(self.compensation, Compensator, "own")
 
-    @property
-    def is_guarded(self) -> bool:
-        """Whether a compensation that is worse than none is switched off."""
-        return self.guard_time > 0.0 and self.chosen is not none.COMPENSATOR
-
-    @property
-    def switch_off_reason(self) -> str:
-        """What to tell the user when the guard has switched the compensation off."""
-        return (
-            f"compensation {self.compensation} is switched off: for {self.guard_time:g} s it gave "
-            "the arm more than twice the power that friction takes, which is worse than none. "
-            "Either the estimate of the friction is too large, or it is too late: a delay or a "
-            "slow estimator does that too. Changing a parameter tries it again"
-        )
-
 
 class CompensationDesign(NamedTuple):
     """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL.
@@ -113,7 +93,6 @@ class CompensationDesign(NamedTuple):
     observer_gain: float
     adaptation_gain: float
     combined: Combined
-    guard: Guard
     sample_time: float
 
 
@@ -125,7 +104,6 @@ class CompensationMemory:
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
     combined: CombinedMemory = field(default_factory=CombinedMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
-    guard: GuardMemory = field(default_factory=GuardMemory)
 
 
 @lru_cache(maxsize=64)
@@ -139,12 +117,6 @@ def design_compensator(p: ObserverParameters) -> CompensationDesign:
         observer_gain=p.observer_gain,
         adaptation_gain=p.adaptation_gain,
         combined=combined.design(p.combined, p.sample_time),
-        guard=guard.design(
-            p.guard_time if p.is_guarded else 0.0,
-            inf if p.chosen.jumps else highest_level(p.friction),
-            p.chosen.needs_observed_friction,
-            p.sample_time,
-        ),
         sample_time=p.sample_time,
     )
 
@@ -155,18 +127,6 @@ def reset(memory: CompensationMemory) -> None:
     memory.bristle = 0.0
     memory.combined.rest = 0.0
     forget_own(memory.own)
-    allow(memory)
-
-
-@inlined
-def allow(memory: CompensationMemory) -> None:
-    """Allow a compensation that the guard has switched off: a parameter has been changed."""
-    guard.forget(memory.guard)
-
-
-def switched_off(memory: np.ndarray) -> bool:
-    """Whether the guard has switched the compensation off; ``memory`` is a block."""
-    return bool(memory["guard"]["tripped"][0])
 
 
 def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
@@ -186,7 +146,7 @@ def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: Compensation
         return 0.0
     if not _RUNS_OBSERVER[p.kind]:
         bristle_observer.estimate(memory, x, p)
-    return guarded(memory.guard, x, compensate(p.kind, memory, x, p), p.guard)
+    return compensate(p.kind, memory, x, p)
 
 
 @compiled

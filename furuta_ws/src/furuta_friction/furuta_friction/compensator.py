@@ -16,8 +16,7 @@ class Compensator(NamedTuple):
     design (:class:`furuta_friction.compensation.CompensationDesign`). The observed friction, the
     fifth number of the state estimate, is NaN if the estimator does not observe friction. With
     ``runs_observer`` the function moves the observer (9) itself; otherwise it runs idle beside it.
-    |F̂| is at most ``largest_factor`` times the highest level of the friction parameters. With
-    ``jumps`` it follows the sign of the speed, so at rest it jumps with the noise.
+    |F̂| is at most ``largest_factor`` times the highest level of the friction parameters.
     """
 
     name: str
@@ -26,4 +25,3 @@ class Compensator(NamedTuple):
     needs_observed_friction: bool = False
     runs_observer: bool = False
     largest_factor: float = 1.0
-    jumps: bool = False

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from furuta_graph.settings.nodes import CONTROLLER, FRICTION_OBSERVER
+from furuta_graph.settings.nodes import CONTROLLER
 from furuta_graph.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
 from furuta_ros.yaml_files import parse_yaml
 
@@ -46,7 +46,7 @@ def names_of(steps: list[Step]) -> list[str]:
     """Full names of all parameters that the steps change."""
     own = {name for step in steps for name in (*step.settings, *step.times)}
     recommended = {f"{CONTROLLER}.{name}" for name in CONTROLLER_NAMES}
-    return sorted(own | recommended | {f"{FRICTION_OBSERVER}.guard_time"})
+    return sorted(own | recommended)
 
 
 def values_of(names: list[str], values: Values) -> dict[str, Any] | None:

@@ -1,4 +1,4 @@
-"""The control system of a loop as C: estimator, friction observer, guard and controller.
+"""The control system of a loop as C: estimator, friction observer and controller.
 
 Three files: ``loop.h``, ``loop.c`` and ``loop_test.c``, which replays a simulated run. The C is
 translated from the functions that nodes and simulation run (:mod:`furuta.export.functions`), for

@@ -35,7 +35,7 @@ def command() -> None:
 def c(
     out: Path, single: bool, files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
 ) -> None:
-    """Write estimator, friction observer, guard and controller as C99.
+    """Write estimator, friction observer and controller as C99.
 
     The C is translated from the functions that the nodes run. In double it gives the same commands
     to the last bit. loop_test.c replays a simulated run and compares.

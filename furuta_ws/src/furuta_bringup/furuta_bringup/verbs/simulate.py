@@ -82,20 +82,17 @@ def command(
     began = perf_counter()
     record = simulation.run(seconds)
     wall = perf_counter() - began
-    if simulation.switched_off:
-        click.echo(f"note: {simulation.loop.observer.switch_off_reason}", err=True)
-    result = _result(record, simulation.switched_off, wall)
+    result = _result(record, wall)
     if out is not None:
         _save(record, out, simulation.loop.plant.actuator)
     show(result, as_json)
 
 
-def _result(record: Any, switched_off: bool, wall_seconds: float) -> dict[str, Any]:
+def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
     settled = record.state[len(record.command) // 2 :]
     return {
         **measure_oscillation(settled, record.sample_time)._asdict(),
         "fell": fell(record.state),
-        "switched_off": switched_off,
         "steps": len(record.command),
         "wall_seconds": wall_seconds,
     }

@@ -71,7 +71,7 @@ def command(
         journal.close()
     if counts["impossible"] == counts["runs"]:
         raise ParameterError(f"no run is possible: {reason}")
-    kinds = {kind: counts[kind] for kind in ("fell", "switched_off", "impossible")}
+    kinds = {kind: counts[kind] for kind in ("fell", "impossible")}
     show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
 
 
@@ -79,7 +79,7 @@ def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[d
     """The rows, which are counted by kind on their way."""
     for row in rows:
         counts["runs"] += 1
-        counts.update(kind for kind in ("fell", "switched_off") if row[kind])
+        counts["fell"] += row["fell"]
         if row["error"]:
             counts["impossible"] += 1
         yield row

@@ -12,7 +12,7 @@ A bandwidth k [1/s] limits the gain of s: within the layer |s| < 2.25 C/k² both
 :math:`v = -ks + w, \dot w = -0.49\,k^2 s`. The noise of the speed then causes no chatter. s also
 passes a low-pass filter with the rate 3k. Between motor and arm a belt turns the phase by half a
 turn, and without the filter the correction would drive its vibration. A vibration that is sustained
-nevertheless reduces k (:mod:`furuta_model.vibration`).
+nevertheless reduces k (:mod:`furuta_control.modes.vibration`).
 """
 
 from dataclasses import dataclass, field
@@ -21,16 +21,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model import vibration
-from furuta_model.compiled import inlined
-from furuta_model.linear import linearize
-from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI_DOT, THETA, THETA_DOT
-from furuta_model.vibration import (
+from furuta_control.modes import vibration
+from furuta_control.modes.vibration import (
     Vibration,
     VibrationMemory,
     part_without_vibration,
 )
+from furuta_model.compiled import inlined
+from furuta_model.linear import linearize
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
 # Gains of the root and of the integral.
 ROOT, INTEGRAL = 1.5, 1.1

@@ -35,5 +35,4 @@ COMPENSATOR = Compensator(
     "that; at rest the observed friction",
     estimate,
     needs_observed_friction=True,
-    jumps=True,
 )

@@ -2,8 +2,7 @@
 
 It is the LuGre observer with super-twisting of limited bandwidth on top. Where the model of the
 observer is right no fast correction is needed, and where it is wrong super-twisting corrects it.
-Therefore the guard of the friction observer is off: on an elastic arm the observed friction, by
-which it judges, is wrong. The bounds follow from the highest friction level and the sample time.
+The bounds follow from the highest friction level and the sample time.
 """
 
 from collections.abc import Mapping
@@ -37,6 +36,5 @@ def recommended_values(settings: Mapping[str, Mapping[str, Any]]) -> dict[str, A
     controller = zip(CONTROLLER_NAMES, numbers, strict=True)
     return {
         "friction_observer.compensation": "lugre",
-        "friction_observer.guard_time": 0.0,
         **{f"controller.{name}": value for name, value in controller},
     }

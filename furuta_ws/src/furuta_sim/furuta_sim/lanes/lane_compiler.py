@@ -72,7 +72,7 @@ class Lanes:
         return self.data[row : row + rows_of(layout)]
 
     def values(self, path: str, lane: int) -> Any:
-        """A field in a lane, such as observer.guard.tripped; a record is a tuple of its fields."""
+        """A field in a lane, such as observer.bristle; a record is a tuple of its fields."""
         first, layout = 0, self.layout
         for name in path.split("."):
             row, layout = field_of(layout, name)

@@ -150,8 +150,7 @@ def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:
 
 def _needed_estimator(loop: Loop) -> EstimatorParameters:
     """The estimator without a filter if the sensors are ideal and nothing uses its friction."""
-    used = loop.observer.chosen.needs_observed_friction or loop.observer.is_guarded
-    if used or not loop.estimator.sensors.ideal:
+    if loop.observer.chosen.needs_observed_friction or not loop.estimator.sensors.ideal:
         return loop.estimator
     return loop.estimator._replace(method="lowpass")
 
@@ -195,9 +194,7 @@ def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     _run_samples(block, loops, samples - measured)
     outcomes = []
     for i, loop in enumerate(loops):
-        off = block.values("observer.guard.tripped", i)
-        sums = block.values("sums", i)
-        outcomes.append(summary(sums, loop.sample_time, samples, measured, off))
+        outcomes.append(summary(block.values("sums", i), loop.sample_time, samples, measured))
     return outcomes
 
 

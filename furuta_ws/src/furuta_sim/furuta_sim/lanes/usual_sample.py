@@ -14,7 +14,6 @@ from furuta_control.control import ControllerDesign, ControllerMemory, limited
 from furuta_control.estimation import UNFILTERED, EstimatorDesign, EstimatorMemory
 from furuta_control.modes import balance
 from furuta_friction.compensation import CompensationDesign, CompensationMemory, compensate
-from furuta_friction.guard import guarded
 from furuta_model.compiled import inlined
 from furuta_model.state import PHI, PHI_DOT
 
@@ -47,7 +46,7 @@ def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: Compensation
     """F̂ [V] if the compensation never changes: no observer runs idle."""
     if isnan(x[PHI_DOT] + x[PHI]):
         return 0.0
-    return guarded(memory.guard, x, compensate(p.kind, memory, x, p), p.guard)
+    return compensate(p.kind, memory, x, p)
 
 
 @inlined

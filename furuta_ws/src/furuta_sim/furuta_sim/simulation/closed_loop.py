@@ -13,7 +13,7 @@ import numpy as np
 
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters, allow, switched_off
+from furuta_friction.compensation import ObserverParameters
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parts.plant_memory import PlantMemory
@@ -109,13 +109,12 @@ class Record(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Result of a run over its settled part; ``fell`` and ``switched_off`` refer to the whole run.
+    """Result of a run over its settled part; ``fell`` refers to the whole run.
 
     ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
     oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
     values are about zero: arm angle [rad], command [V], its change from sample to sample, its part
     above 50 Hz (first-order filter), error of the friction estimate F − F̂ [V].
-    ``switched_off`` tells whether the guard has switched the compensation off, as worse than none.
     """
 
     phi_peak_to_peak_rad: float
@@ -128,7 +127,6 @@ class Outcome(NamedTuple):
     command_high_frequency_v: float
     friction_error_rms_v: float
     fell: bool
-    switched_off: bool
     steps: int
 
 
@@ -152,19 +150,12 @@ class Simulation:
         return state
 
     @property
-    def switched_off(self) -> bool:
-        """Whether the guard has switched the friction compensation off, as worse than none."""
-        return switched_off(self._memory["control"]["observer"])
-
-    @property
     def loop(self) -> Loop:
         """The current parameters."""
         return self._loop
 
     @loop.setter
     def loop(self, loop: Loop) -> None:
-        if loop.observer != self._loop.observer:
-            allow(self._memory["control"]["observer"][0])
         self._loop = loop
         self._plant = design_plant(loop.plant)
         self._control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
@@ -197,15 +188,13 @@ class Simulation:
             record=record,
             sums=sums,
         )
-        return summary(sums[0].item(), record.sample_time, samples, measured, off=self.switched_off)
+        return summary(sums[0].item(), record.sample_time, samples, measured)
 
 
-def summary(
-    sums: tuple[Any, ...], sample_time: float, samples: int, measured: int, off: bool
-) -> Outcome:
+def summary(sums: tuple[Any, ...], sample_time: float, samples: int, measured: int) -> Outcome:
     """The outcome of a run of ``samples`` samples, of which the last ``measured`` count.
 
-    ``sums`` are the fields of :class:`Sums`; ``off``: whether the compensation is switched off.
+    ``sums`` are the fields of :class:`Sums`.
     """
     oscillation_sums, phi, command, error, step, fast, _, _, fell = sums
     motion = oscillation(OscillationSums(*oscillation_sums), sample_time)
@@ -217,7 +206,6 @@ def summary(
         command_high_frequency_v=sqrt(fast / measured),
         friction_error_rms_v=sqrt(error / measured),
         fell=fell,
-        switched_off=off,
         steps=samples,
     )
 

@@ -56,11 +56,8 @@ class GuardedLoop:
         self.elapsed = 0.0
 
     def apply(self, observer: ObserverParameters) -> None:
-        """Set the friction observer's parameters, without the guard of the compensation.
-
-        What a compensation does is to be measured, also if it is worse than none.
-        """
-        self._loop.apply(observer._replace(guard_time=0.0))
+        """Set the friction observer's parameters."""
+        self._loop.apply(observer)
 
     def watch(self, seconds: float) -> np.ndarray:
         """The estimates (n, 5) of the next ``seconds``; :class:`GuardError` outside the guard."""

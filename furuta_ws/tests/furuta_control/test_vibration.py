@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from furuta_model.block import block, new_memory
-from furuta_model.vibration import (
+from furuta_control.modes.vibration import (
     RECOVERY_TIME,
     REDUCTION,
     SMALLEST_PART,
@@ -12,6 +11,7 @@ from furuta_model.vibration import (
     design,
     part_without_vibration,
 )
+from furuta_model.block import block, new_memory
 
 DT, LIMIT = 1e-3, 0.1
 DETECTOR = block(design(LIMIT, DT))[0]
