@@ -14,11 +14,13 @@ from furuta_friction.compensation import (
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
+    PartParameters,
     beyond_adaptation,
     design_compensator,
     estimate_friction,
     largest_estimate,
 )
+from furuta_friction.compensators.adaptive import AdaptiveParameters
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
 
@@ -64,7 +66,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
         observer = compensators(
             friction=lugre,
             observer_gain=gain,
-            adaptation_gain=abs(gain),
+            parts=PartParameters(adaptive=AdaptiveParameters(abs(gain))),
             sample_time=dt,
         )[kind]
         memory = empty()
@@ -175,8 +177,12 @@ def test_adaptation_finds_the_levels_of_both_directions(dt: float) -> None:
         for v in 0.6 * np.sin(np.arange(0, 20, dt)):
             observed = estimate_friction(true_memory, signals(v), observer)
             estimate_friction(memory, signals(v, observed=observed), compensator)
-        assert level * (1 + memory["adaptive"]["forward"]) == pytest.approx(0.3 * 1.25, rel=0.02)
-        assert level * (1 + memory["adaptive"]["backward"]) == pytest.approx(0.3 * 0.75, rel=0.02)
+        assert level * (1 + memory["parts"]["adaptive"]["forward"]) == pytest.approx(
+            0.3 * 1.25, rel=0.02
+        )
+        assert level * (1 + memory["parts"]["adaptive"]["backward"]) == pytest.approx(
+            0.3 * 0.75, rel=0.02
+        )
 
 
 def test_adaptation_needs_motion_and_observed_friction() -> None:
@@ -186,7 +192,7 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
     for v, observed in ((0.0, 1.0), (0.5, nan)):
         for _ in range(100):
             estimate_friction(memory, signals(v, observed=observed), compensator)
-        assert memory["adaptive"].item() == (0.0, 0.0)
+        assert memory["parts"]["adaptive"].item() == (0.0, 0.0)
 
 
 def test_estimate_is_continuous_at_a_reversal() -> None:
@@ -230,7 +236,7 @@ def test_combined_learns_the_levels() -> None:
         for _ in range(2000):
             estimate_friction(memory, signals(v, observed=level), compensator)
     assert first == pytest.approx(0.36, rel=0.02)
-    assert memory["combined"].item()[:2] == pytest.approx((0.36, 0.24), rel=0.01)
+    assert memory["parts"]["combined"].item()[:2] == pytest.approx((0.36, 0.24), rel=0.01)
 
 
 @pytest.mark.parametrize(("observed", "beyond"), [(0.02, True), (0.25, False), (0.9, True)])

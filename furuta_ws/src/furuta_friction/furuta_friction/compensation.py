@@ -1,56 +1,52 @@
 """Friction compensation: the registry of compensators and one sample of any of them.
 
 A compensator computes the friction estimate F̂ [V] from the state estimate. To add one, write its
-file in ``compensators/`` and add it to :data:`ALL`. What it remembers and its parameters, if it has
-any, are fields of the groups here. A function of the user's own needs none of that
-(:mod:`furuta_model.own_functions`).
+file in ``compensators/`` and add it to :data:`FILES`; its parameters, memory and design stand in
+its file. A function of the user's own needs no file here (:mod:`furuta_model.own_functions`).
 """
 
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf, isnan
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from furuta_friction.compensator import Compensator
-from furuta_friction.compensators import (
-    adaptive,
-    bristle_observer,
-    combined,
-    coulomb,
-    disturbance_observer,
-    none,
-    own,
-    stiction,
-)
-from furuta_friction.compensators.adaptive import AdaptiveMemory
-from furuta_friction.compensators.combined import Combined, CombinedMemory, CombinedParameters
+from furuta_friction.compensators import adaptive, bristle_observer, own
 from furuta_friction.compensators.own import OwnCompensation
 from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, About
+from furuta_model.registry import design_parts, groups_of, in_turn, parts_in
 from furuta_model.state import PHI, PHI_DOT
 
-ALL: tuple[Compensator, ...] = (
-    none.COMPENSATOR,
-    coulomb.COMPENSATOR,
-    stiction.COMPENSATOR,
-    bristle_observer.COMPENSATOR,
-    adaptive.COMPENSATOR,
-    disturbance_observer.COMPENSATOR,
-    combined.COMPENSATOR,
+FILES = (
+    "none",
+    "coulomb",
+    "stiction",
+    "bristle_observer",
+    "adaptive",
+    "disturbance_observer",
+    "combined",
 )
 
+ALL: tuple[Compensator, ...] = parts_in("furuta_friction.compensators", FILES)
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
 # Kind of a compensator of the user's own.
 _OWN = len(ALL)
-_RUNS_OBSERVER = (*(compensator.runs_observer for compensator in ALL), False)
-_LARGEST_FACTOR = (*(compensator.largest_factor for compensator in ALL), inf)
 compensate = by_kind([*(compensator.estimate for compensator in ALL), own.estimate])
+_reset_parts = in_turn(compensator.reset for compensator in ALL if compensator.reset is not None)
+
+if TYPE_CHECKING:
+    PartParameters: TypeAlias = Any
+    PartMemory: TypeAlias = Any
+    PartDesign: TypeAlias = Any
+else:
+    PartParameters, PartMemory, PartDesign = groups_of(ALL, __name__)
 
 
 class ObserverParameters(NamedTuple):
@@ -61,10 +57,7 @@ class ObserverParameters(NamedTuple):
     observer_gain: Annotated[
         float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
     ] = 0.01
-    adaptation_gain: Annotated[
-        float, About("adaptive: rate at which a level adapts while the arm slides", "1/s", 0, 1e3)
-    ] = 20.0
-    combined: CombinedParameters = CombinedParameters()
+    parts: Annotated[PartParameters, INLINE] = PartParameters()
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -89,10 +82,11 @@ class CompensationDesign(NamedTuple):
 
     kind: int
     function: int
+    runs_observer: bool
+    largest_factor: float
     friction: Friction
     observer_gain: float
-    adaptation_gain: float
-    combined: Combined
+    parts: PartDesign
     sample_time: float
 
 
@@ -101,22 +95,22 @@ class CompensationMemory:
     """What the compensators remember; ``bristle`` is ẑ of the observer [rad]."""
 
     bristle: float = 0.0
-    adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
-    combined: CombinedMemory = field(default_factory=CombinedMemory)
+    parts: PartMemory = field(default_factory=PartMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @lru_cache(maxsize=64)
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
     """The compensation that the parameters describe. Cached: a change is checked by it too."""
-    is_own = p.compensation not in COMPENSATIONS
+    chosen, is_own = p.chosen, p.compensation not in COMPENSATIONS
     return CompensationDesign(
         kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),
-        function=sample_function(p.chosen.estimate, OwnCompensation) if is_own else 0,
+        function=sample_function(chosen.estimate, OwnCompensation) if is_own else 0,
+        runs_observer=chosen.runs_observer and not is_own,
+        largest_factor=inf if is_own else chosen.largest_factor,
         friction=p.friction,
         observer_gain=p.observer_gain,
-        adaptation_gain=p.adaptation_gain,
-        combined=combined.design(p.combined, p.sample_time),
+        parts=PartDesign(*design_parts(ALL, p)),
         sample_time=p.sample_time,
     )
 
@@ -125,14 +119,13 @@ def design_compensator(p: ObserverParameters) -> CompensationDesign:
 def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
     memory.bristle = 0.0
-    memory.combined.rest = 0.0
+    _reset_parts(memory)
     forget_own(memory.own)
 
 
 def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
     """Whether the adaptive compensation is used outside its model; ``memory`` is a block."""
-    levels = AdaptiveMemory(*memory["adaptive"][0])
-    return p.chosen is adaptive.COMPENSATOR and adaptive.at_limit(levels)
+    return p.chosen is adaptive.PART and adaptive.at_limit(memory["parts"]["adaptive"][0])
 
 
 @inlined
@@ -144,7 +137,7 @@ def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: Compensation
     """
     if isnan(x[PHI_DOT] + x[PHI]):
         return 0.0
-    if not _RUNS_OBSERVER[p.kind]:
+    if not p.runs_observer:
         bristle_observer.estimate(memory, x, p)
     return compensate(p.kind, memory, x, p)
 
@@ -152,4 +145,4 @@ def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: Compensation
 @compiled
 def largest_estimate(v: float, p: CompensationDesign) -> float:
     """Upper limit of |F̂| [V] at speed v [rad/s], for any history."""
-    return _LARGEST_FACTOR[p.kind] * highest_level(p.friction) + p.friction.viscous * abs(v)
+    return p.largest_factor * highest_level(p.friction) + p.friction.viscous * abs(v)

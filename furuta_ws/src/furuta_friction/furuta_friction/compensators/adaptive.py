@@ -5,7 +5,7 @@ A factor on the levels, one for each direction of motion, is adapted at the rate
 
 from dataclasses import dataclass
 from math import isnan
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from furuta_model.compiled import inlined
 from furuta_model.elementary import expm1
 from furuta_model.friction.lugre import stribeck_level
 from furuta_model.friction.parameters import Friction, with_levels
+from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
 # The factors stay between 1/3 and 3. Larger errors are errors of the model, not of the level.
@@ -31,10 +32,18 @@ class AdaptiveMemory:
     backward: float = 0.0
 
 
+class AdaptiveParameters(NamedTuple):
+    """Parameters of the compensator."""
+
+    adaptation_gain: Annotated[
+        float, About("adaptive: rate at which a level adapts while the arm slides", "1/s", 0, 1e3)
+    ] = 20.0
+
+
 @inlined
 def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V]; the levels move towards the observed friction."""
-    force = observe(memory, x, adapted(memory.adaptive, p.friction), p)
+    force = observe(memory, x, adapted(memory.parts.adaptive, p.friction), p)
     _adapt(memory, x, force, p)
     return force
 
@@ -56,7 +65,7 @@ def _adapt(memory: Any, x: np.ndarray, force: float, p: Any) -> None:
     Only while the bristle slides. In presliding F̂ depends on σ₀ and σ₁. Errors in them, and the
     delay of the observed friction at a reversal, would look like an error of the level.
     """
-    v, observed, levels = x[PHI_DOT], x[OBSERVED_FRICTION], memory.adaptive
+    v, observed, levels = x[PHI_DOT], x[OBSERVED_FRICTION], memory.parts.adaptive
     if v == 0.0 or isnan(observed):
         return
     forward = v > 0.0
@@ -65,7 +74,7 @@ def _adapt(memory: Any, x: np.ndarray, force: float, p: Any) -> None:
     if p.friction.sigma0 * memory.bristle * v < SLIDING * level * abs(v):
         return
     error = (observed - force) / (level if v > 0.0 else -level)
-    factor *= 1.0 - expm1(-(p.adaptation_gain * p.sample_time)) * error
+    factor *= 1.0 - expm1(-(p.parts.adaptive.adaptation_gain * p.sample_time)) * error
     adapted_to = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0
     if forward:
         levels.forward = adapted_to
@@ -73,17 +82,20 @@ def _adapt(memory: Any, x: np.ndarray, force: float, p: Any) -> None:
         levels.backward = adapted_to
 
 
-def at_limit(memory: AdaptiveMemory) -> bool:
+def at_limit(memory: np.ndarray) -> bool:
     """Whether a level has adapted as far as it may: the friction is not as the parameters say."""
-    factors = 1.0 + np.array((memory.forward, memory.backward))
+    factors = 1.0 + np.array((memory["forward"], memory["backward"]))
     return bool(np.any((factors <= 1.0 / LARGEST_FACTOR) | (factors >= LARGEST_FACTOR)))
 
 
-COMPENSATOR = Compensator(
+PART = Compensator(
     "adaptive",
     "the same with levels that adapt",
     estimate,
     needs_observed_friction=True,
     runs_observer=True,
     largest_factor=LARGEST_FACTOR,
+    parameters=AdaptiveParameters,
+    inline=True,
+    memory=AdaptiveMemory,
 )

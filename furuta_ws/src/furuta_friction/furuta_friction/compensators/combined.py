@@ -60,10 +60,17 @@ class Combined(NamedTuple):
     reversal_speed: float
 
 
-def design(p: CombinedParameters, dt: float) -> Combined:
-    """The compensator for the sample time ``dt`` [s]."""
+def design(parameters: Any) -> Combined:
+    """The compensator for the sample time of the node."""
+    p, dt = parameters.parts.combined, parameters.sample_time
     share = -expm1(-dt / p.filter_time) if p.filter_time > 0.0 else 1.0
     return Combined(share, -expm1(-dt * p.level_rate), p.reversal_speed)
+
+
+@inlined
+def reset(memory: Any) -> None:
+    """Forget the rest; the learned levels are kept."""
+    memory.parts.combined.rest = 0.0
 
 
 @inlined
@@ -73,8 +80,8 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
         return 0.0
     v, viscous = x[PHI_DOT], p.friction.viscous * x[PHI_DOT]
     limit = LARGEST_FACTOR * highest_level(p.friction)
-    force = _dry_friction(memory.combined, v, x[OBSERVED_FRICTION] - viscous, limit, p.combined)
-    return force + viscous
+    observed, levels = x[OBSERVED_FRICTION] - viscous, memory.parts.combined
+    return _dry_friction(levels, v, observed, limit, p.parts.combined) + viscous
 
 
 @inlined
@@ -97,10 +104,14 @@ def _dry_friction(
     return min(max(model + memory.rest, -limit), limit)
 
 
-COMPENSATOR = Compensator(
+PART = Compensator(
     "combined",
     "that, with levels that are learned",
     estimate,
     needs_observed_friction=True,
     largest_factor=LARGEST_FACTOR,
+    parameters=CombinedParameters,
+    memory=CombinedMemory,
+    design=design,
+    reset=reset,
 )

@@ -18,4 +18,4 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     return steady_friction(x[PHI_DOT], FrictionLaw(_COULOMB, p.friction, 0, 0))
 
 
-COMPENSATOR = Compensator("coulomb", "eq. (4) with level alpha0", estimate)
+PART = Compensator("coulomb", "eq. (4) with level alpha0", estimate)

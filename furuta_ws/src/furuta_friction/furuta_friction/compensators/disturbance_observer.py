@@ -23,7 +23,7 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     return 0.0 if isnan(observed) else min(max(observed - viscous, -limit), limit) + viscous
 
 
-COMPENSATOR = Compensator(
+PART = Compensator(
     "disturbance_observer",
     "the observed friction",
     estimate,

@@ -14,4 +14,4 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     return 0.0
 
 
-COMPENSATOR = Compensator("none", "0 V", estimate)
+PART = Compensator("none", "0 V", estimate)

@@ -21,6 +21,7 @@ class OwnCompensation(NamedTuple):
 @inlined
 def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     """F̂ [V] for the state estimate ``x`` (5,)."""
-    given = OwnCompensation(copied(p.friction), p.observer_gain, p.adaptation_gain, p.sample_time)
+    rate = p.parts.adaptive.adaptation_gain
+    given = OwnCompensation(copied(p.friction), p.observer_gain, rate, p.sample_time)
     begin_own(memory.own, p.function)
     return call_own(p.function, (memory.own.numbers, x, given))

@@ -30,7 +30,7 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     return min(max(observed, -breakaway_level(-1.0, law)), breakaway_level(1.0, law))
 
 
-COMPENSATOR = Compensator(
+PART = Compensator(
     "stiction",
     "that; at rest the observed friction",
     estimate,

@@ -1,0 +1,73 @@
+"""Makes groups from a list of parts, such as compensators: parameters, memories and designs.
+
+A part is a named tuple with ``name``, ``parameters`` (a named tuple type), ``inline``, ``memory``
+(a dataclass) and ``design`` (a function of all parameters of the node); each may be None. A field
+of a group has the name of its part. So a part stands in a file of its own, and no group names it.
+"""
+
+from collections import namedtuple
+from collections.abc import Iterable, Sequence
+from dataclasses import field, make_dataclass
+from importlib import import_module
+from typing import Annotated, Any
+
+from furuta_model.compiled import inlined
+from furuta_model.parameters import INLINE
+
+
+def parts_in(package: str, modules: Iterable[str]) -> tuple[Any, ...]:
+    """The parts in these modules of a package; each module has its own as ``PART``."""
+    return tuple(import_module(f"{package}.{name}").PART for name in modules)
+
+
+def groups_of(parts: Sequence[Any], module: str) -> tuple[Any, Any, Any]:
+    """The types PartParameters, PartMemory and PartDesign of a registry in ``module``.
+
+    With ``inline`` the names of a part's parameters do not begin with that of the part.
+    """
+    given = [part for part in parts if part.parameters is not None]
+    parameters = {p.name: Annotated[p.parameters, INLINE if p.inline else ""] for p in given}
+    memories = [
+        (p.name, p.memory, field(default_factory=p.memory)) for p in parts if p.memory is not None
+    ]
+    memory = make_dataclass("PartMemory", memories)
+    memory.__module__ = module
+    return (
+        _named_tuple("PartParameters", module, parameters, [p.parameters() for p in given]),
+        memory,
+        _named_tuple("PartDesign", module, {p.name: Any for p in parts if _is_designed(p)}),
+    )
+
+
+def _named_tuple(name: str, module: str, fields: dict[str, Any], defaults: Any = ()) -> Any:
+    made: Any = namedtuple(name, fields, defaults=defaults, module=module)  # type: ignore[misc]
+    made.__annotations__ = fields
+    made.__doc__ = f"{name[4:]} of the parts, by their names."
+    return made
+
+
+def _is_designed(part: Any) -> bool:
+    return part.design is not None or part.parameters is not None
+
+
+def design_parts(parts: Iterable[Any], p: Any) -> tuple[Any, ...]:
+    """The fields of PartDesign for all parameters ``p``: by default the part's parameters."""
+    return tuple(
+        part.design(p) if part.design else getattr(p.parts, part.name)
+        for part in parts
+        if _is_designed(part)
+    )
+
+
+def in_turn(functions: Iterable[Any]) -> Any:
+    """A compiled function of a memory that calls these functions one after the other."""
+    first, *others = functions
+    if not others:
+        return first
+    rest = in_turn(others)
+
+    def call(memory: Any) -> None:
+        first(memory)
+        rest(memory)
+
+    return inlined(call, cached=False)
