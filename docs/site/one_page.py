@@ -51,7 +51,7 @@ def encoded(data: bytes) -> str:
 
 def table(group: Group, page: Page) -> dict[str, Any]:
     """A group for the page: its knobs, and which numbers each row puts where."""
-    names = [name for name in group.numbers if not name.endswith(SELECTING)]
+    names = [name for name in group.numbers if name not in SELECTING]
     places = [page.places[n] + i for n in names for i in range(group.numbers[n].shape[1])]
     rows = np.hstack([group.numbers[name] for name in names])
     return {

@@ -12,6 +12,8 @@ import numpy as np
 
 import furuta
 from furuta.export.adjustable import numbers_of
+from furuta_model.block import marks
+from furuta_model.parameters import SELECTS
 from furuta_sim.plant import Plant, design_plant
 from furuta_sim.simulation.closed_loop import Loop
 from furuta_sim.simulation.control_system import ControlSystem, design_control_system
@@ -20,8 +22,6 @@ Settings = Mapping[str, Any]
 # A push that never begins: the page writes its own into the profile.
 PUSH = {"pushes.times": [0.0], "pushes.durations": [0.0], "pushes.pendulum": [1.0]}
 PUSHES = "plant_parts_pushes"
-# Integers that select what is translated.
-SELECTING = ("_kind", "_mode", "_method")
 COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive", "recommended")
 BASE = furuta.make_loop(PUSH)
 FRICTION = BASE.plant.friction.parameters
@@ -165,6 +165,20 @@ def design_of(loop: Loop) -> Design:
         design_plant(loop.plant),
         design_control_system(loop.estimator, loop.observer, loop.controller),
     )
+
+
+def _selecting(record: Any, path: str) -> Iterator[str]:
+    """Names of the numbers in a record that select what is translated."""
+    for name, found in marks(type(record)).items():
+        value = getattr(record, name)
+        if SELECTS in found:
+            yield f"{path}_{name}"
+        elif hasattr(value, "_fields"):
+            yield from _selecting(value, f"{path}_{name}")
+
+
+_BASE = design_of(BASE)
+SELECTING = frozenset((*_selecting(_BASE.plant, "plant"), *_selecting(_BASE.control, "control")))
 
 
 def combinations(knobs: tuple[Knob, ...]) -> Iterator[dict[str, Any]]:

@@ -31,13 +31,13 @@ def selected(design: Design, part: str) -> str:
     """What selects the variant of the plant or of the control system."""
     numbers = design.numbers.items()
     return " ".join(
-        f"{value}" for name, value in numbers if name.startswith(part) and name.endswith(SELECTING)
+        f"{value}" for name, value in numbers if name.startswith(part) and name in SELECTING
     )
 
 
 def places_of(groups: Iterable[Group], base: Design) -> dict[str, int]:
     """The index in ``design`` of each number that can change."""
-    names = dict.fromkeys(n for group in groups for n in group.numbers if not n.endswith(SELECTING))
+    names = dict.fromkeys(n for group in groups for n in group.numbers if n not in SELECTING)
     places, end = {}, 0
     for name in (*names, PUSHES):
         places[name], end = end, end + np.size(base.numbers[name])

@@ -9,25 +9,21 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
 from furuta.studies.feedback_map import map_feedbacks
-from furuta_model.friction.laws import LAWS, FrictionLaw
+from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-
-COULOMB, LUGRE, STICTION, STRIBECK = (
-    LAWS.index(name) for name in ("coulomb", "lugre", "stiction", "stribeck")
-)
 
 BODY = FurutaPendulum()
 PAPER = Friction()
 
 
 def ideal(
-    lugre: Friction = PAPER, kind: int = LUGRE, linear: bool = False, **poles: float
+    lugre: Friction = PAPER, kind: str = "lugre", linear: bool = False, **poles: float
 ) -> IdealLoop:
     """The loop with the poles of the paper by default."""
-    return IdealLoop(BODY, FrictionLaw(kind, lugre), *_gain(**poles), linear)
+    return IdealLoop(BODY, friction_law(kind, lugre), *_gain(**poles), linear)
 
 
 def _gain(**poles: float) -> tuple[float, ...]:
@@ -71,9 +67,9 @@ def test_independent_integration_closes_the_orbit(name: str) -> None:
     assert np.ptp(path[:, 2]) == pytest.approx(cycle.theta_peak_to_peak_rad, rel=1e-4)
 
 
-@pytest.mark.parametrize("kind", [COULOMB, STICTION, STRIBECK])
-def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
-    lugre = Friction(alpha1=0.0 if kind != STRIBECK else 0.05)
+@pytest.mark.parametrize("kind", ["coulomb", "stiction", "stribeck"])
+def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: str) -> None:
+    lugre = Friction(alpha1=0.0 if kind != "stribeck" else 0.05)
     sharp = limit_cycle(ideal(lugre, kind))
     errors = [
         abs(limit_cycle(ideal(lugre._replace(sigma0=s, sigma1=d))).period_s - sharp.period_s)
@@ -86,7 +82,7 @@ def test_stick_slip_laws_are_the_limit_of_a_stiff_bristle(kind: int) -> None:
 
 def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
     """While stuck the holding force is within the breakaway level, and it ends at the level."""
-    loop = ideal(Friction(alpha1=0.1), STICTION)
+    loop = ideal(Friction(alpha1=0.1), "stiction")
     motion = trace(loop, limit_cycle(loop))
     stuck = motion.state[:, 1] == 0.0
     held = np.abs(motion.friction[stuck])
@@ -94,23 +90,24 @@ def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
     assert np.abs(motion.friction[~stuck]) == pytest.approx(0.21)
 
 
-@pytest.mark.parametrize("law", [COULOMB, LUGRE])
+@pytest.mark.parametrize("law", ["coulomb", "lugre"])
 @pytest.mark.parametrize("l2", [1.0, 7.0])
-def test_positive_speed_feedback_alone_rotates(law: int, l2: float) -> None:
+def test_positive_speed_feedback_alone_rotates(law: str, l2: float) -> None:
     """Fig. 4 c and d: steady rotation at the speed where l₂v is the friction."""
-    loop = IdealLoop(BODY, FrictionLaw(law), 0.0, l2, 60.0, 20.0)
+    loop = IdealLoop(BODY, friction_law(law), 0.0, l2, 60.0, 20.0)
     motion = limit_cycle(loop)
     assert motion.kind == "rotation"
     speed = abs(motion.rotation_rate_rad_s)
     lugre = Friction()
     bump = lugre.alpha1 * np.exp(-((speed / lugre.stribeck_velocity) ** 2))
-    assert l2 * speed == pytest.approx(0.21 + (bump if law == LUGRE else 0.0), rel=1e-6)
+    assert l2 * speed == pytest.approx(0.21 + (bump if law == "lugre" else 0.0), rel=1e-6)
 
 
 def test_without_arm_feedback_friction_accelerates_the_arm() -> None:
     """Fig. 4 b: no limit cycle; friction accelerates the arm without bound."""
     assert (
-        limit_cycle(IdealLoop(BODY, FrictionLaw(COULOMB), 0.0, 0.0, 60.0, 20.0)).kind == "unbounded"
+        limit_cycle(IdealLoop(BODY, friction_law("coulomb"), 0.0, 0.0, 60.0, 20.0)).kind
+        == "unbounded"
     )
 
 
@@ -133,8 +130,8 @@ def test_floquet_multiplier_is_the_decay_of_a_disturbance() -> None:
 
 def test_amplitude_scales_with_the_friction_level() -> None:
     """The linear loop has no amplitude of its own: twice the Coulomb level, twice the cycle."""
-    one = limit_cycle(ideal(Friction(alpha0=0.21), COULOMB, linear=True))
-    two = limit_cycle(ideal(Friction(alpha0=0.42), COULOMB, linear=True))
+    one = limit_cycle(ideal(Friction(alpha0=0.21), "coulomb", linear=True))
+    two = limit_cycle(ideal(Friction(alpha0=0.42), "coulomb", linear=True))
     assert two.phi_peak_to_peak_rad == pytest.approx(2 * one.phi_peak_to_peak_rad, rel=1e-6)
     assert two.period_s == pytest.approx(one.period_s, rel=1e-6)
 

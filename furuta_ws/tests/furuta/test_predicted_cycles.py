@@ -8,12 +8,10 @@ from furuta.describing_functions.describing_function import residual, static_des
 from furuta.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta.describing_functions.predicted_cycles import Prediction, predict_cycles
 from furuta.transfer import FIGURE_4, Transfer, transfer
-from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw
+from furuta_model.friction.laws import ANALYSED_LAWS, friction_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
-
-COULOMB, LUGRE = map(LAWS.index, ("coulomb", "lugre"))
 
 P = FurutaPendulum()
 PLACED = -place_poles(P, DesiredPoles())
@@ -50,11 +48,11 @@ def random_loop(rng: np.random.Generator) -> tuple[Transfer, Friction]:
     return transfer(P, gain), p
 
 
-@pytest.mark.parametrize("kind", range(len(ANALYSED_LAWS)))
+@pytest.mark.parametrize("kind", ANALYSED_LAWS)
 @pytest.mark.parametrize("feedback", [tuple(PLACED), *FIGURE_4.values()])
-def test_every_cycle_balances(kind: int, feedback: tuple[float, ...]) -> None:
+def test_every_cycle_balances(kind: str, feedback: tuple[float, ...]) -> None:
     """1 + GN vanishes at each predicted cycle; there is one if φ is fed back, else none."""
-    g, law = transfer(P, feedback), FrictionLaw(kind)
+    g, law = transfer(P, feedback), friction_law(kind)
     prediction = predict_cycles(g, law)
     assert prediction.complete
     assert len(prediction.cycles) == (feedback[0] != 0.0)
@@ -72,14 +70,14 @@ def test_several_cycles() -> None:
     """On a bristle without damping an unstable cycle separates rest from a stable one."""
     g = transfer(P, (26.405, 3.6467, 58.786, 6.479))
     p = Friction(alpha1=0.0, sigma0=25.906, sigma1=0.0)
-    cycles = predict_cycles(g, FrictionLaw(LUGRE, p)).cycles
+    cycles = predict_cycles(g, friction_law("lugre", p)).cycles
     assert [cycle.stable for cycle in cycles] == [False, True]
 
 
 def test_stability_agrees_with_the_poles() -> None:
     """A cycle is stable if the loop with N at a larger amplitude has only stable poles."""
     rng = np.random.default_rng(8)
-    law = FrictionLaw(COULOMB)
+    law = friction_law("coulomb")
     verdicts = []
     for feedback in rng.normal([5, 3, 40, 8], [10, 4, 30, 10], (200, 4)):
         g = transfer(P, feedback)
@@ -99,7 +97,7 @@ def test_no_cycle_is_missed() -> None:
     counts = []
     for _ in range(15):
         g, p = random_loop(rng)
-        prediction = predict_cycles(g, FrictionLaw(LUGRE, p))
+        prediction = predict_cycles(g, friction_law("lugre", p))
         assert prediction.complete
         scanned = np.log(np.reshape(brute_force(g, p, prediction), (-1, 2)))
         found = np.log(
@@ -117,28 +115,28 @@ def test_no_cycle_is_missed() -> None:
 def test_small_cycles_are_found_too() -> None:
     """With friction of a nanovolt the cycles shrink in proportion, and none is missed."""
     g = transfer(P, PLACED)
-    for kind in range(len(ANALYSED_LAWS)):
+    for kind in ANALYSED_LAWS:
         p = Friction(alpha0=0.21e-9, alpha1=0.022e-9, stribeck_velocity=1e-6, sigma0=80.0)
-        (cycle,) = predict_cycles(g, FrictionLaw(kind, p)).cycles
+        (cycle,) = predict_cycles(g, friction_law(kind, p)).cycles
         assert cycle.phi_peak_to_peak_rad == pytest.approx(0.64e-9, rel=0.2)
 
 
 def test_frictionless_and_viscous_loops_have_none() -> None:
     """No cycle without friction, or with viscous friction beyond 1/|G| at the crossing."""
     g = transfer(P, PLACED)
-    for kind in range(len(ANALYSED_LAWS)):
-        assert predict_cycles(g, FrictionLaw(kind, Friction(alpha0=0.0, alpha1=0.0))).cycles == ()
+    for kind in ANALYSED_LAWS:
+        assert predict_cycles(g, friction_law(kind, Friction(alpha0=0.0, alpha1=0.0))).cycles == ()
         viscous = 1.0 / abs(g.crossings[0].real)
-        (cycle,) = predict_cycles(g, FrictionLaw(kind, Friction(viscous=0.5 * viscous))).cycles
+        (cycle,) = predict_cycles(g, friction_law(kind, Friction(viscous=0.5 * viscous))).cycles
         assert cycle.phi_peak_to_peak_rad > 0.9
-        assert predict_cycles(g, FrictionLaw(kind, Friction(viscous=1.05 * viscous))).cycles == ()
+        assert predict_cycles(g, friction_law(kind, Friction(viscous=1.05 * viscous))).cycles == ()
 
 
 def test_bias_is_the_asymmetry() -> None:
     """Unequal levels do not change the cycle and add a mean force."""
     g = transfer(P, PLACED)
-    (equal,) = predict_cycles(g, FrictionLaw(COULOMB)).cycles
-    (unequal,) = predict_cycles(g, FrictionLaw(COULOMB, Friction(asymmetry=0.1))).cycles
+    (equal,) = predict_cycles(g, friction_law("coulomb")).cycles
+    (unequal,) = predict_cycles(g, friction_law("coulomb", Friction(asymmetry=0.1))).cycles
     assert unequal == equal._replace(bias_v=pytest.approx(0.021))
 
 

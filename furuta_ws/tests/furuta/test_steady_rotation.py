@@ -10,14 +10,12 @@ from furuta.transfer import FIGURE_4
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.converter import Actuator
-from furuta_model.friction.laws import ANALYSED_LAWS, LAWS, FrictionLaw, steady_friction
+from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw, friction_law, steady_friction
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, simulate
-
-COULOMB, LUGRE, STRIBECK = map(LAWS.index, ("coulomb", "lugre", "stribeck"))
 
 P = FurutaPendulum()
 FREE = {case: FIGURE_4[case] for case in "cd"}
@@ -75,15 +73,15 @@ def test_coulomb_rotates_at_fc_over_l2(feedback: tuple[float, ...]) -> None:
         assert np.all(path[1] > 0.0)
         assert path[1, -1] == pytest.approx(0.21 / feedback[1], rel=1e-5)
         assert abs(path[2, -1]) < 1e-6
-    rotation, back = steady_rotations(P, feedback, FrictionLaw(COULOMB))
+    rotation, back = steady_rotations(P, feedback, friction_law("coulomb"))
     assert rotation == (pytest.approx(0.21 / feedback[1]), True)
     assert back == (pytest.approx(-0.21 / feedback[1]), True)
 
 
-@pytest.mark.parametrize("kind", range(len(ANALYSED_LAWS)))
-def test_feedback_cancels_friction(kind: int) -> None:
+@pytest.mark.parametrize("kind", ANALYSED_LAWS)
+def test_feedback_cancels_friction(kind: str) -> None:
     """l₂v is F at every rotation, with viscous part and unequal levels."""
-    law = FrictionLaw(kind, Friction(viscous=0.3, asymmetry=0.2, alpha1=0.1))
+    law = friction_law(kind, Friction(viscous=0.3, asymmetry=0.2, alpha1=0.1))
     for rotation in steady_rotations(P, FIGURE_4["c"], law):
         v = rotation.rate_rad_s
         assert steady_friction(v, law) == pytest.approx(FIGURE_4["c"][1] * v, rel=1e-9)
@@ -92,12 +90,12 @@ def test_feedback_cancels_friction(kind: int) -> None:
 
 def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
     """For both laws with the slope; the simulated arm leaves the rotation."""
-    for kind in (STRIBECK, LUGRE):
-        law = FrictionLaw(kind, STEEP)
+    for kind in ("stribeck", "lugre"):
+        law = friction_law(kind, STEEP)
         assert [rotation.stable for rotation in steady_rotations(P, FIGURE_4["d"], law)] == [
             False
         ] * 2
-    rate = steady_rotations(P, FIGURE_4["d"], FrictionLaw(LUGRE, STEEP))[0].rate_rad_s
+    rate = steady_rotations(P, FIGURE_4["d"], friction_law("lugre", STEEP))[0].rate_rad_s
     v = speeds(FIGURE_4["d"], STEEP, InitialState(0, rate, 0.0, 0))
     assert np.ptp(v[-50_000:]) > rate
 
@@ -107,4 +105,4 @@ def test_steep_stribeck_curve_makes_rotation_unstable() -> None:
 )
 def test_no_rotation(feedback: tuple[float, ...]) -> None:
     """None if φ is fed back, or if l2 is at most the viscous friction."""
-    assert steady_rotations(P, feedback, FrictionLaw(COULOMB, Friction(viscous=0.3))) == ()
+    assert steady_rotations(P, feedback, friction_law("coulomb", Friction(viscous=0.3))) == ()

@@ -29,7 +29,7 @@ from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParamet
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
-from furuta_model.parameters import INLINE, About, ParameterError, shortened
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 
 MODES: tuple[Mode, ...] = (
@@ -43,13 +43,11 @@ _NAMES = tuple(mode.name for mode in MODES)
 _MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
 # Kind of a mode of the user's own, and its name for those who watch.
 _OWN, _OWN_NAME = len(MODES), "own"
-_FEEDBACK = (*(mode.feedback for mode in MODES), False)
 _mode_command = by_kind([*(mode.command for mode in MODES), own.command])
 
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
 ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, _OWN_NAME)))
-_ACTIVE = tuple(ACTIVE_MODES.index(name) for name in (*_NAMES, _OWN_NAME))
 _BALANCE, _SWING_UP = MODES.index(balance.MODE), MODES.index(swing_up.MODE)
 
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
@@ -169,11 +167,17 @@ class ControllerParameters(NamedTuple):
 
 
 class ControllerDesign(NamedTuple):
-    """The controller as :func:`control` uses it; ``function`` is the address of an own mode."""
+    """The controller as :func:`control` uses it; ``function`` is the address of an own mode.
+
+    ``feedback``: whether the mode feeds back about upright. ``active`` is the index of the mode in
+    :data:`ACTIVE_MODES`.
+    """
 
     enabled: bool
-    mode: int
+    mode: Annotated[int, SELECTS]
     function: int
+    feedback: Annotated[bool, SELECTS]
+    active: int
     balance: Balance
     excitation: Excitation
     voltage_limit: float
@@ -195,10 +199,13 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe."""
     balancing = _balance(p)
     open_loop = p.mode == without_feedback.OPEN_LOOP.name
+    mode = _NAMES.index(p.mode) if p.mode in _NAMES else _OWN
     return ControllerDesign(
         enabled=p.enabled,
-        mode=_NAMES.index(p.mode) if p.mode in _NAMES else _OWN,
+        mode=mode,
         function=_own_function(p),
+        feedback=mode != _OWN and MODES[mode].feedback,
+        active=ACTIVE_MODES.index(p.mode if mode != _OWN else _OWN_NAME),
         balance=balancing,
         excitation=design_excitation(p.excitation, p.sample_time, any_tilt=open_loop),
         voltage_limit=p.voltage_limit,
@@ -254,7 +261,7 @@ def _balance(p: ControllerParameters) -> Balance:
 @inlined
 def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
     """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
-    if not _FEEDBACK[p.mode]:
+    if not p.feedback:
         balance.leave(memory.balance)
         swing_up.reset(memory.swing_up)
     u = _mode_command(p.mode, memory, x, friction, p)
@@ -281,7 +288,7 @@ def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
         return memory.swing_up.phase
     if p.mode == _BALANCE:
         return swing_up.BALANCING if memory.balance.balancing else swing_up.OFF
-    return _ACTIVE[p.mode]
+    return p.active
 
 
 @inlined

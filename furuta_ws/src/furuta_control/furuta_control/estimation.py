@@ -23,7 +23,7 @@ from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_part, sample_function
-from furuta_model.parameters import INLINE, About, ParameterError, shortened
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
@@ -48,8 +48,6 @@ METHOD_NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 # Kind of a method of the user's own, which is filtered even with ideal sensors.
 _OWN = len(METHODS)
-_OBSERVES_FRICTION = (*(method.observes_friction for method in METHODS), True)
-_COVERS_CIRCLE = (*(method.covers_circle for method in METHODS), False)
 update = by_kind([*(method.update for method in METHODS), own.update])
 _begin = by_kind([*(method.begin for method in METHODS), nothing])
 _improve_prediction = by_kind([*(method.predict for method in METHODS), no_prediction])
@@ -117,14 +115,20 @@ class EstimatorParameters(NamedTuple):
 
 def covers_circle(name: str) -> bool:
     """Whether the method of that name follows the pendulum through all angles."""
-    return name in METHOD_NAMES and _COVERS_CIRCLE[METHOD_NAMES.index(name)]
+    return name in METHOD_NAMES and METHODS[METHOD_NAMES.index(name)].covers_circle
 
 
 class EstimatorDesign(NamedTuple):
-    """The estimator as :func:`estimate_state` uses it; ``function`` is that of an own method."""
+    """The estimator as :func:`estimate_state` uses it; ``function`` is that of an own method.
 
-    method: int
+    ``filtered``: whether the estimate is more than the ideal measurement. With
+    ``covers_circle`` θ is from −π to π.
+    """
+
+    method: Annotated[int, SELECTS]
     function: int
+    filtered: Annotated[bool, SELECTS]
+    covers_circle: Annotated[bool, SELECTS]
     ideal: bool
     readings: ReadingLimits
     sample_time: float
@@ -155,13 +159,15 @@ class EstimatorMemory:
 @lru_cache(maxsize=64)
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
-    rig, covers_circle = p.rig, p.chosen.covers_circle
-    is_own = p.method not in METHOD_NAMES
+    rig, chosen, is_own = p.rig, p.chosen, p.method not in METHOD_NAMES
+    covers_circle = chosen.covers_circle and not is_own
     return EstimatorDesign(
         method=_OWN if is_own else METHOD_NAMES.index(p.method),
-        function=sample_function(p.chosen.update, OwnEstimation, ADDRESS) if is_own else 0,
+        function=sample_function(chosen.update, OwnEstimation, ADDRESS) if is_own else 0,
+        filtered=not p.sensors.ideal or chosen.observes_friction or is_own,
+        covers_circle=covers_circle,
         ideal=p.sensors.ideal,
-        readings=reading_limits(rig, p.chosen.needs_applied_torque),
+        readings=reading_limits(rig, chosen.needs_applied_torque),
         sample_time=p.sample_time,
         lowpass=lowpass.design(rig, p.lowpass),
         kalman=kalman.design(rig, p.kalman),
@@ -189,7 +195,7 @@ def estimate_state(
         readings.forget_unusable(memory.readings)
     elif not _repair(memory, measurement, p, estimate):
         return
-    if is_filtered(p):
+    if p.filtered:
         _filter(memory, measurement, p)
     else:
         take_measurement(memory, measurement)
@@ -204,12 +210,6 @@ def is_bounded(memory: EstimatorMemory) -> bool:
     """
     x = memory.estimate
     return abs(x[PHI_DOT]) + abs(x[THETA]) + abs(x[THETA_DOT]) <= LARGEST_VALUE
-
-
-@inlined
-def is_filtered(p: EstimatorDesign) -> bool:
-    """Whether the estimate is more than the ideal measurement."""
-    return not p.ideal or _OBSERVES_FRICTION[p.method]
 
 
 @inlined
@@ -250,7 +250,7 @@ def finish(
     if p.ideal:
         for i in range(RIGID_STATES):
             estimate[i] = measurement[i]
-        if _COVERS_CIRCLE[p.method]:
+        if p.covers_circle:
             estimate[THETA] -= 2.0 * pi * floor(estimate[THETA] / (2.0 * pi) + 0.5)
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from furuta_model.compiled import by_kind, compiled, inlined
-from furuta_model.parameters import About
+from furuta_model.parameters import SELECTS, About
 from furuta_model.state import PHI, PHI_DOT, THETA
 
 TWO_PI = 2.0 * np.pi
@@ -85,7 +85,7 @@ class Excitation(NamedTuple):
     """
 
     on: bool
-    kind: int
+    kind: Annotated[int, SELECTS]
     amplitude: float
     step: float
     tilt_limit: float

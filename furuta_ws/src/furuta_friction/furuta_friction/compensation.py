@@ -19,7 +19,7 @@ from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
-from furuta_model.parameters import INLINE, About
+from furuta_model.parameters import INLINE, SELECTS, About
 from furuta_model.registry import design_parts, groups_of, in_turn, parts_in
 from furuta_model.state import PHI, PHI_DOT
 
@@ -80,9 +80,9 @@ class CompensationDesign(NamedTuple):
     ``function`` is the address of an own compensator.
     """
 
-    kind: int
+    kind: Annotated[int, SELECTS]
     function: int
-    runs_observer: bool
+    runs_observer: Annotated[bool, SELECTS]
     largest_factor: float
     friction: Friction
     observer_gain: float

@@ -8,7 +8,7 @@ sample. A block is passed as one argument.
 
 from dataclasses import field, fields, is_dataclass
 from functools import cache, partial
-from typing import Any, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numba
 import numpy as np
@@ -65,6 +65,15 @@ def _layout(value: Any, kind: Any = None) -> np.dtype:
     if isinstance(value, np.ndarray):
         return np.dtype((value.dtype, value.shape))
     return np.dtype(kind)
+
+
+@cache
+def marks(group: type) -> dict[str, tuple[Any, ...]]:
+    """What the fields of a named tuple or a memory are annotated with, such as SELECTS."""
+    return {
+        name: get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+        for name, hint in get_type_hints(group, include_extras=True).items()
+    }
 
 
 @cache

@@ -6,7 +6,7 @@ import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.elementary import power_of_two
-from furuta_model.parameters import About
+from furuta_model.parameters import OFF_AT_ZERO, About
 
 
 class Actuator(NamedTuple):
@@ -14,7 +14,7 @@ class Actuator(NamedTuple):
 
     voltage_range: Annotated[float, About("largest voltage of the drive", "V", 1e-3, 1e3)] = 10.0
     bits: Annotated[
-        int, About("bits of the drive's converter, 0 for no quantisation", "", 0, 32)
+        int, About("bits of the drive's converter, 0 for no quantisation", "", 0, 32), OFF_AT_ZERO
     ] = 12
 
 

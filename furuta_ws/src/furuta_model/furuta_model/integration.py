@@ -23,7 +23,6 @@ import numpy as np
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import (
-    HAS_BRISTLE,
     FrictionLaw,
     bristle_force,
     sticking_force,
@@ -152,7 +151,7 @@ def _pendulum_stage(
 ) -> tuple[float, float, float]:
     """A stage of the paper's pendulum under any friction law."""
     driven = u - law.parameters.viscous * v
-    if HAS_BRISTLE[law.kind]:
+    if law.bristle:
         friction, end = bristle_force(v, memory, h, law)
     else:
         free, _ = accelerations_at(v, sine, cosine, w, driven, body)

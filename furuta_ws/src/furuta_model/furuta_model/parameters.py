@@ -22,6 +22,10 @@ from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_orig
 
 Group = TypeVar("Group", bound=NamedTuple)
 INLINE = "inline"
+# Mark of a field of a design, ``Annotated[int, SELECTS]``: it selects what is computed.
+SELECTS = "selects"
+# Mark of a field whose zero means that a part is off; other values are numbers.
+OFF_AT_ZERO = "off at zero"
 LARGEST = sys.float_info.max
 # Bits of an integer that is larger; Python refuses to print one of many more.
 LARGEST_EXPONENT = 2 * sys.float_info.max_exp

@@ -12,7 +12,7 @@ import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.converter import convert
-from furuta_model.parameters import About
+from furuta_model.parameters import OFF_AT_ZERO, About
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Turns per radian.
@@ -26,11 +26,15 @@ class Sensors(NamedTuple):
         bool, About("measure all four states exactly, without the rest of this group")
     ] = False
     encoder_counts: Annotated[
-        int, About("encoder pulses per revolution of the arm, 0 for no quantisation", "", 0, 2**24)
+        int,
+        About("encoder pulses per revolution of the arm, 0 for no quantisation", "", 0, 2**24),
+        OFF_AT_ZERO,
     ] = 250
     tachometer_range: Annotated[float, About("arm speed at full scale", "rad/s", 1e-3, 1e4)] = 10.0
     tachometer_bits: Annotated[
-        int, About("bits of the tachometer's converter, 0 for no quantisation", "", 0, 32)
+        int,
+        About("bits of the tachometer's converter, 0 for no quantisation", "", 0, 32),
+        OFF_AT_ZERO,
     ] = 12
     tachometer_noise: Annotated[
         float, About("standard deviation of the tachometer's noise", "rad/s", 0.0, 100.0)
@@ -39,7 +43,9 @@ class Sensors(NamedTuple):
         float, About("pendulum angle at full scale", "rad", 1e-3, 2 * pi)
     ] = pi / 4
     potentiometer_bits: Annotated[
-        int, About("bits of the potentiometer's converter, 0 for no quantisation", "", 0, 32)
+        int,
+        About("bits of the potentiometer's converter, 0 for no quantisation", "", 0, 32),
+        OFF_AT_ZERO,
     ] = 12
     potentiometer_noise: Annotated[
         float, About("standard deviation of the potentiometer's noise", "rad", 0.0, 1.0)

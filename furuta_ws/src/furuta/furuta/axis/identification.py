@@ -4,7 +4,7 @@ from math import isfinite
 
 from furuta.axis.axis import Axis
 from furuta_identification.fitting.axis import AxisFit
-from furuta_model.friction.laws import HAS_BRISTLE, LAWS
+from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 
@@ -22,7 +22,7 @@ def identified_axis(fit: AxisFit, law: str = "stribeck") -> Axis:
     Raises:
         ParameterError: The law has a bristle, which the recording does not show.
     """
-    if law not in LAWS or HAS_BRISTLE[LAWS.index(law)]:
+    if law not in LAWS or find_law(law).bristle:
         raise ParameterError(
             f"a recording shows no bristle: the law must be coulomb, stiction or stribeck, given "
             f"{law}"
@@ -49,7 +49,7 @@ def parse_friction(text: str, law: str) -> Friction:
     needed = ["alpha0"]
     if given.get("alpha1") and law in ("stribeck", "lugre"):
         needed.append("stribeck_velocity")
-    if HAS_BRISTLE[LAWS.index(law)]:
+    if find_law(law).bristle:
         needed.append("sigma0")
     missing = [name for name in needed if not given.get(name)]
     if missing:

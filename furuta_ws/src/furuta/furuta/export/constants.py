@@ -6,7 +6,7 @@ import inspect
 import re
 import sys
 from functools import cache
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from furuta.export.values import (
     integer,
     truth,
 )
+from furuta_model.block import marks
+from furuta_model.parameters import About
 
 # Every C has integers up to this; a larger one is written as a number.
 LARGEST_INT = 2**15 - 1
@@ -123,10 +125,10 @@ class Constants:
 @cache
 def _declarations(kind: type) -> dict[str, tuple[Any, Any]]:
     """Type and declaration as a parameter, if it is one, of each field of a named tuple."""
-    hints = get_type_hints(kind, include_extras=True)
+    given = marks(kind)
     return {
-        name: get_args(hint)[:2] if get_origin(hint) is Annotated else (hint, None)
-        for name, hint in hints.items()
+        name: (hint, next((each for each in given[name] if isinstance(each, About)), None))
+        for name, hint in get_type_hints(kind).items()
     }
 
 

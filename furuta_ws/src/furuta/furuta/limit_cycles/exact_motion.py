@@ -21,8 +21,7 @@ from furuta.limit_cycles.smooth_motion import (
     NEAR_REST,
     integrate,
 )
-from furuta_model.compiled import compiled
-from furuta_model.friction.laws import has_bristle, has_constant_level
+from furuta_model.compiled import by_type, compiled
 from furuta_model.state import BRISTLE, PHI
 
 
@@ -62,7 +61,7 @@ def _follow_linear(
     trace: np.ndarray,
     loop: LinearLoop,
 ) -> tuple[int, float, int]:
-    if mode == 0.0 or has_constant_level(loop.law):
+    if mode == 0.0 or loop.law.constant_level:
         return follow_exactly(y, mode, time_limit, extent, trace, loop)
     ended, duration, rows = integrate(y, mode, time_limit, loop, False, extent, trace)
     # What disturbs a linear loop at rest does not grow there: see rest_stability.
@@ -93,7 +92,7 @@ def _follow_near_rest(
 ) -> tuple[int, float, int]:
     """Continue a piece of motion in coordinates counted from the rest near ``y``."""
     phi, held = rest_near(y, mode, loop)
-    z = held / loop.law.parameters.sigma0 if has_bristle(loop.law) else 0.0
+    z = held / loop.law.parameters.sigma0 if loop.law.bristle else 0.0
     local = IdealLoop(loop.body, loop.law, loop.l1, loop.l2, loop.l3, loop.l4, loop.linear, held)
     _shift(y, extent, -phi, -z)
     ended, duration, rows = integrate(y, mode, time_limit, local, True, extent, trace)

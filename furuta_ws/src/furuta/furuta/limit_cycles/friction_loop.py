@@ -30,7 +30,7 @@ from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.compiled import compiled
 from furuta_model.friction.bristle import deflection_rate
-from furuta_model.friction.laws import breakaway_level, has_bristle, sliding_level
+from furuta_model.friction.laws import breakaway_level, sliding_level
 from furuta_model.friction.lugre import highest_level
 from furuta_model.state import PHI_DOT
 
@@ -84,7 +84,7 @@ def rate(y: np.ndarray, mode: float, loop: FrictionLoop, dy: np.ndarray) -> None
     p = loop.law.parameters
     v = y[PHI_DOT]
     level = sliding_level(v, mode, loop.law)
-    if has_bristle(loop.law):
+    if loop.law.bristle:
         z = y[BRISTLE]
         dy[BRISTLE] = deflection_rate(v, mode * v, z + loop.held / p.sigma0, level, p)
         force = p.sigma0 * z + p.sigma1 * dy[BRISTLE]
@@ -98,11 +98,11 @@ def friction_at(y: np.ndarray, loop: FrictionLoop) -> float:
     """Friction in state ``y``, while the joint slides or sticks."""
     p = loop.law.parameters
     v = y[PHI_DOT]
-    if v == 0.0 and not has_bristle(loop.law):
+    if v == 0.0 and not loop.law.bristle:
         return holding_force(y, loop)
     mode = 1.0 if v >= 0.0 else -1.0
     level = sliding_level(v, mode, loop.law)
-    if has_bristle(loop.law):
+    if loop.law.bristle:
         z = y[BRISTLE]
         z_dot = deflection_rate(v, abs(v), z, level, p)
         return p.sigma0 * z + p.sigma1 * z_dot + p.viscous * v
@@ -123,7 +123,7 @@ def before_event(y: np.ndarray, mode: float, loop: FrictionLoop) -> float:
 @compiled
 def next_mode(y: np.ndarray, mode: float, loop: FrictionLoop) -> float:
     """Mode of the piece of motion that follows an event at ``y``."""
-    if has_bristle(loop.law):
+    if loop.law.bristle:
         return -mode
     hold = holding_force(y, loop)
     if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):

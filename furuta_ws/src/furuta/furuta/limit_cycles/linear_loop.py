@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.laws import FrictionLaw, has_bristle, sliding_level
+from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT
 
@@ -110,7 +110,7 @@ def rest_distance(y: np.ndarray, mode: float, loop: LinearLoop) -> float:
     p, v = loop.law.parameters, y[PHI_DOT]
     if mode == 0.0:
         stuck_rate(y, dy, loop)
-    elif has_bristle(loop.law):
+    elif loop.law.bristle:
         z = y[BRISTLE]
         sliding_rate(y, p.sigma0 * z, dy, loop)
         dy[BRISTLE] = v * (1.0 - mode * p.sigma0 * z / sliding_level(v, mode, loop.law))

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.laws import FrictionLaw, has_bristle, sliding_level
+from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
@@ -148,7 +148,7 @@ def rest_distance(y: np.ndarray, mode: float, loop: IdealLoop) -> float:
     torque = loop.l1 * y[PHI]
     if mode == 0.0:
         torque = 0.0
-    elif has_bristle(loop.law):
+    elif loop.law.bristle:
         torque -= loop.law.parameters.sigma0 * y[BRISTLE]
     else:
         torque -= mode * sliding_level(0.0, mode, loop.law) - loop.held
@@ -163,7 +163,7 @@ def rest_near(y: np.ndarray, mode: float, loop: IdealLoop) -> tuple[float, float
         return y[PHI], loop.l1 * y[PHI]
     if loop.l1 == 0.0:
         return y[PHI], 0.0
-    if has_bristle(loop.law):
+    if loop.law.bristle:
         held = loop.law.parameters.sigma0 * y[BRISTLE]
     else:
         held = mode * sliding_level(0.0, mode, loop.law)

@@ -18,7 +18,6 @@ from furuta.limit_cycles.friction_loop import (
     unbounded,
 )
 from furuta_model.compiled import compiled
-from furuta_model.friction.laws import has_bristle
 from furuta_model.state import PHI_DOT
 from furuta_sim.simulation.oscillation import STUCK_SPEED
 
@@ -182,5 +181,5 @@ def _update_extent(
         extent[LOW, i] = min(extent[LOW, i], value, end[i])
         extent[HIGH, i] = max(extent[HIGH, i], value, end[i])
     stuck = abs(y[PHI_DOT]) < STUCK_SPEED and abs(end[PHI_DOT]) < STUCK_SPEED
-    if mode == 0.0 or (has_bristle(loop.law) and stuck):
+    if mode == 0.0 or (loop.law.bristle and stuck):
         extent[FURTHER, STUCK] += h

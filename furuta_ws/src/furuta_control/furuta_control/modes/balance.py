@@ -14,7 +14,7 @@ integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from furuta_control.modes import super_twisting
 from furuta_control.modes.mode import Mode
 from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
+from furuta_model.parameters import OFF_AT_ZERO
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 
@@ -60,10 +61,10 @@ class Balance(NamedTuple):
     arm_speed_limit: float
     catch_angle: float
     catch_speed: float
-    catch_samples: float
+    catch_samples: int
     arm_reference: float
     arm_error_limit: float
-    integral_share: float
+    integral_share: Annotated[float, OFF_AT_ZERO]
     super_twisting: SuperTwisting
     voltage_limit: float
 

@@ -17,7 +17,7 @@ nevertheless reduces k (:mod:`furuta_control.modes.vibration`).
 
 from dataclasses import dataclass, field
 from math import copysign, expm1, sqrt
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from furuta_control.modes.vibration import (
 )
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
+from furuta_model.parameters import OFF_AT_ZERO
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
@@ -59,7 +60,7 @@ class SuperTwisting(NamedTuple):
     ``layer`` [V s] is that of the bandwidth, ``share`` that of a new value in the filtered s.
     """
 
-    rate_bound: float
+    rate_bound: Annotated[float, OFF_AT_ZERO]
     layer: float
     share: float
     a1: float

@@ -81,8 +81,8 @@ class SwingUp(NamedTuple):
     energy: EnergyShaping
     catching: Catching
     balancing: Balance
-    settled_samples: float
-    brake_samples: float
+    settled_samples: int
+    brake_samples: int
 
 
 def design(

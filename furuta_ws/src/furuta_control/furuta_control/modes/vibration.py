@@ -15,7 +15,7 @@ from furuta_model.compiled import inlined
 # Frequency above which motion is a vibration [Hz]: beyond the bandwidth of the loop.
 LOWEST_FREQUENCY = 15.0
 # Swings in a row from which a vibration is sustained, and from which it is reduced again.
-SUSTAINED = 4.0
+SUSTAINED = 4
 REDUCTION = 4.0
 RECOVERY_TIME = 2.0  # [s], in which a reduced part grows by a factor of e
 SMALLEST_PART = 1 / 16
@@ -35,8 +35,8 @@ class VibrationMemory:
 
     slow: float = 0.0
     side: float = 0.0
-    swings: float = 0.0
-    since: float = 0.0
+    swings: int = 0
+    since: int = 0
     part: float = 1.0
 
 
@@ -48,7 +48,7 @@ class Vibration(NamedTuple):
 
     limit: float
     share: float
-    longest: float
+    longest: int
     growth: float
 
 
@@ -70,10 +70,10 @@ def part_without_vibration(memory: VibrationMemory, value: float, p: Vibration) 
     side = 1.0 if fast > p.limit else -1.0 if fast < -p.limit else 0.0
     swung = side * memory.side < 0.0
     memory.side = memory.side if side == 0.0 else side
-    memory.since = 0.0 if swung else memory.since + 1.0
-    in_a_row = 0.0 if memory.since > p.longest else memory.swings
-    swings = in_a_row + 1.0 if swung else in_a_row
-    memory.swings = SUSTAINED if swings == 2.0 * SUSTAINED else swings
+    memory.since = 0 if swung else memory.since + 1
+    in_a_row = 0 if memory.since > p.longest else memory.swings
+    swings = in_a_row + 1 if swung else in_a_row
+    memory.swings = SUSTAINED if swings == 2 * SUSTAINED else swings
     reduced = swung & (memory.swings == SUSTAINED)
     part = memory.part / REDUCTION if reduced else memory.part * p.growth
     memory.part = min(max(part, SMALLEST_PART), 1.0)

@@ -12,10 +12,9 @@ import numpy as np
 from furuta_friction.compensator import Compensator
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
-from furuta_model.friction.laws import LAWS, FrictionLaw, breakaway_level
+from furuta_model.friction.parameters import direction_factor
+from furuta_model.friction.stiction import breakaway
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
-
-_STICTION = LAWS.index("stiction")
 
 
 @inlined
@@ -26,8 +25,12 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
         return coulomb.estimate(memory, x, p)
     if isnan(observed):
         return 0.0
-    law = FrictionLaw(_STICTION, p.friction, 0, 0)
-    return min(max(observed, -breakaway_level(-1.0, law)), breakaway_level(1.0, law))
+    level = breakaway(p.friction)
+    backward, forward = (
+        level * direction_factor(-1.0, p.friction),
+        level * direction_factor(1.0, p.friction),
+    )
+    return min(max(observed, -backward), forward)
 
 
 PART = Compensator(

@@ -37,7 +37,7 @@ def predict_elastic(
     start; twist and bristle of the motor go on.
     """
     rig, interval = values.model, recording.interval
-    law = FrictionLaw(LUGRE, rig.friction, 0, 0)
+    law = FrictionLaw(LUGRE, rig.friction, 0, 0, True, False, False)
     elastic = design_coupling(coupling, rig.body, law, interval)
     elastic = elastic._replace(substeps=max(1, round(COARSER * elastic.substeps)))
     predicted = np.empty((len(recording.time), RIGID_STATES))

@@ -102,7 +102,7 @@ _advance = integrator(_stage)
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0))
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0, True, False, False))
 
 
 def longest_step(rig: RigModel) -> float:

@@ -26,18 +26,25 @@ def deflection_rate(v: float, speed: float, z: float, level: float, p: Friction)
 
 
 @inlined
-def deflection_after(
-    v: float, correction: float, z: float, dt: float, level: float, p: Friction
-) -> tuple[float, float]:
-    """Exact solution of ż = v + correction − λz over ``dt`` [s] at constant v and level.
+def force(v: float, z: float, level: float, p: Friction) -> float:
+    """F [V] of (5) at deflection z [rad] and level g [V]."""
+    return p.sigma0 * z + p.sigma1 * deflection_rate(v, abs(v), z, level, p) + p.viscous * v
 
-    Returns the deflection at the end and its mean over the step [rad]. ``correction`` [rad/s] is
-    that of an observer, zero for the plant.
+
+@inlined
+def stretched(
+    v: float, drive: float, z: float, dt: float, level: float, p: Friction
+) -> tuple[float, float, float]:
+    """Exact solution of ż = drive − λz over ``dt`` [s] at constant v and level.
+
+    Returns the deflection at the end, its mean [rad] and its mean rate [rad/s] over the step.
+    ``drive`` [rad/s] is v, and for an observer v and its correction.
     """
     rate = p.sigma0 / max(level, SMALLEST_LEVEL) * abs(v)
     to_end, to_mean = decay_fractions(rate * dt)
-    step = dt * (v + correction - rate * z)
-    return z + step * to_end, z + step * to_mean
+    z_dot = drive - rate * z
+    step = dt * z_dot
+    return z + step * to_end, z + step * to_mean, z_dot * to_end
 
 
 @inlined

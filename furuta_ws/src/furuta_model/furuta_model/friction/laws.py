@@ -17,17 +17,17 @@ its file and add it to :data:`ALL`, or give a function (:mod:`furuta_model.own_f
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numba
 
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
-from furuta_model.friction.bristle import decay_fractions, deflection_rate
+from furuta_model.friction.bristle import force, stretched
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction, copied
+from furuta_model.friction.parameters import Friction, copied, direction_factor
 from furuta_model.own_functions import address_of, call_own, own_part
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import SELECTS, ParameterError
 
 ALL: tuple[Law, ...] = (
     coulomb.LAW,
@@ -39,29 +39,33 @@ ALL: tuple[Law, ...] = (
 )
 
 LAWS = tuple(law.name for law in ALL)
-# Kinds of own laws, which truly stick or have a bristle.
-OWN, OWN_WITH_BRISTLE = len(ALL), len(ALL) + 1
-HAS_BRISTLE = (*(law.bristle for law in ALL), False, True)
-HAS_CONSTANT_LEVEL = (*(law.constant and not law.bristle for law in ALL), False, False)
-HAS_SPRINGS = (*(law.springs for law in ALL), False, False)
+# Kind of a law of the user's own.
+OWN = len(ALL)
 # Laws for which describing functions and exact limit cycles are defined.
 ANALYSED_LAWS = tuple(law.name for law in ALL if not law.springs)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
+# The paper's parameters.
+PAPER = Friction()
 _level = by_kind([law.level for law in ALL])
 _breakaway = by_kind([law.breakaway for law in ALL if law.breakaway is not None])
 
 
 class FrictionLaw(NamedTuple):
-    """A law (index into :data:`LAWS`) with its parameters, for compiled code.
+    """A law (index into :data:`LAWS`) with its parameters, for compiled code; by default LuGre.
 
-    ``level`` and ``breakaway`` are the addresses of an own law's functions.
+    ``level`` and ``breakaway`` are the addresses of an own law's functions. With ``bristle`` the
+    arm moves a bristle before it slides, or ``springs``; otherwise it truly sticks. With
+    ``constant_level`` it truly sticks, and slides at a level that does not depend on its speed.
     """
 
-    kind: int = LAWS.index("lugre")
-    parameters: Friction = Friction()
+    kind: Annotated[int, SELECTS] = LAWS.index("lugre")
+    parameters: Friction = PAPER
     level: int = 0
     breakaway: int = 0
+    bristle: Annotated[bool, SELECTS] = True
+    constant_level: Annotated[bool, SELECTS] = False
+    springs: Annotated[bool, SELECTS] = False
 
     @property
     def law(self) -> Law:
@@ -73,17 +77,12 @@ class FrictionLaw(NamedTuple):
         """The law's name."""
         return self.law.name
 
-    @property
-    def bristle(self) -> bool:
-        """Whether the arm moves a bristle before it slides. Otherwise it truly sticks."""
-        return HAS_BRISTLE[self.kind]
-
     def named(self, name: str) -> FrictionLaw:
         """The law with this name and the same parameters."""
         return friction_law(name, self.parameters)
 
 
-def friction_law(name: str, parameters: Friction) -> FrictionLaw:
+def friction_law(name: str, parameters: Friction = PAPER) -> FrictionLaw:
     """The law with this name, one of :data:`LAWS` or an own one, and these parameters.
 
     A law without damping has σ₁ = 0, whatever is given.
@@ -91,9 +90,9 @@ def friction_law(name: str, parameters: Friction) -> FrictionLaw:
     law = find_law(name)
     if not law.damped:
         parameters = parameters._replace(sigma1=0.0)
-    if name in LAWS:
-        return FrictionLaw(LAWS.index(name), parameters)
-    return FrictionLaw(OWN_WITH_BRISTLE if law.bristle else OWN, parameters, *_addresses(law))
+    kind, addresses = (LAWS.index(name), (0, 0)) if name in LAWS else (OWN, _addresses(law))
+    constant = law.constant and not law.bristle and name in LAWS
+    return FrictionLaw(kind, parameters, *addresses, law.bristle, constant, law.springs)
 
 
 def find_law(name: str) -> Law:
@@ -133,21 +132,9 @@ def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
 
 
 @inlined
-def has_bristle(law: FrictionLaw) -> bool:
-    """Whether the arm moves a bristle before it slides."""
-    return HAS_BRISTLE[law.kind]
-
-
-@inlined
-def has_constant_level(law: FrictionLaw) -> bool:
-    """Whether the arm truly sticks, and slides at a level that does not depend on its speed."""
-    return HAS_CONSTANT_LEVEL[law.kind]
-
-
-@inlined
 def symmetric_level(v: float, law: FrictionLaw) -> float:
     """Level [V] at sliding speed v [rad/s], without asymmetry and viscous part."""
-    if law.kind >= OWN:
+    if law.kind == OWN:
         return call_own(law.level, (v, copied(law.parameters)))
     return _level(law.kind, v, law.parameters)
 
@@ -159,22 +146,16 @@ def sliding_level(v: float, direction: float, law: FrictionLaw) -> float:
     The sign of ``direction`` is given separately, because a slide that begins or ends at v = 0
     also has a direction.
     """
-    return symmetric_level(v, law) * _factor(direction, law)
+    return symmetric_level(v, law) * direction_factor(direction, law.parameters)
 
 
 @inlined
 def breakaway_level(direction: float, law: FrictionLaw) -> float:
     """Torque [V] up to which a stuck arm is held against motion in ``direction`` (±1)."""
-    if law.kind >= OWN:
-        return call_own(law.breakaway, (copied(law.parameters),)) * _factor(direction, law)
-    return _breakaway(law.kind, law.parameters) * _factor(direction, law)
-
-
-@inlined
-def _factor(direction: float, law: FrictionLaw) -> float:
-    """1 ± asymmetry. Selecting a constant is faster than arithmetic with the direction."""
-    asymmetry = law.parameters.asymmetry
-    return 1.0 + asymmetry if direction >= 0.0 else 1.0 - asymmetry
+    factor = direction_factor(direction, law.parameters)
+    if law.kind == OWN:
+        return call_own(law.breakaway, (copied(law.parameters),)) * factor
+    return _breakaway(law.kind, law.parameters) * factor
 
 
 @inlined
@@ -193,15 +174,9 @@ def friction_force(v: float, memory: float, law: FrictionLaw) -> float:
     ``memory`` is the state of the law: the deflection of the bristle [rad], or the friction of the
     last step [V] for a law that truly sticks.
     """
-    p = law.parameters
-    if not HAS_BRISTLE[law.kind]:
-        return memory + p.viscous * v
-    level = sliding_level(v, v, law)
-    return (
-        p.sigma0 * memory
-        + p.sigma1 * deflection_rate(v, abs(v), memory, level, p)
-        + (p.viscous * v)
-    )
+    if not law.bristle:
+        return memory + law.parameters.viscous * v
+    return force(v, memory, sliding_level(v, v, law), law.parameters)
 
 
 @inlined
@@ -211,13 +186,8 @@ def bristle_force(v: float, z: float, h: float, law: FrictionLaw) -> tuple[float
     Exact for constant v. Also returns the deflection at the end [rad].
     """
     p = law.parameters
-    level = sliding_level(v, v, law)
-    rate = p.sigma0 / max(level, SMALLEST_LEVEL) * abs(v)
-    to_end, to_mean = decay_fractions(rate * h)
-    # The initial rate of the deflection; its mean rate over h is this times ``to_end``.
-    z_dot = v - rate * z
-    step = h * z_dot
-    return p.sigma0 * (z + step * to_mean) + p.sigma1 * (z_dot * to_end), z + step * to_end
+    end, mean, mean_rate = stretched(v, v, z, h, sliding_level(v, v, law), p)
+    return p.sigma0 * mean + p.sigma1 * mean_rate, end
 
 
 @inlined

@@ -10,8 +10,8 @@ level at steady speed is that of Stribeck friction.
 
 from furuta_model.compiled import inlined
 from furuta_model.friction import stribeck
-from furuta_model.friction.bristle import deflection_after, deflection_rate
-from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
+from furuta_model.friction.bristle import deflection_rate, force, stretched
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction, direction_factor
 
 LAW = stribeck.LAW._replace(name="lugre", bristle=True)
 _symmetric_level = stribeck.level
@@ -20,12 +20,7 @@ _symmetric_level = stribeck.level
 @inlined
 def stribeck_level(v: float, p: Friction) -> float:
     """g(v) [V]: the friction level at steady speed v [rad/s], without viscous part."""
-    level = _symmetric_level(v, p)
-    if v > 0.0:
-        level *= 1.0 + p.asymmetry
-    elif v < 0.0:
-        level *= 1.0 - p.asymmetry
-    return max(level, SMALLEST_LEVEL)
+    return max(_symmetric_level(v, p) * direction_factor(v, p), SMALLEST_LEVEL)
 
 
 @inlined
@@ -43,7 +38,7 @@ def bristle_rate(v: float, z: float, p: Friction) -> float:
 @inlined
 def friction(v: float, z: float, p: Friction) -> float:
     """F [V] of (5) at speed v [rad/s] and deflection z [rad]."""
-    return p.sigma0 * z + p.sigma1 * bristle_rate(v, z, p) + p.viscous * v
+    return force(v, z, stribeck_level(v, p), p)
 
 
 @inlined
@@ -54,4 +49,5 @@ def bristle_after(
 
     ``correction`` [rad/s] is that of an observer, zero for the plant.
     """
-    return deflection_after(v, correction, z, dt, stribeck_level(v, p), p)
+    end, mean, _ = stretched(v, v + correction, z, dt, stribeck_level(v, p), p)
+    return end, mean

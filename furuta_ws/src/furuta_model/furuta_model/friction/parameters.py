@@ -29,6 +29,12 @@ class Friction(NamedTuple):
 
 
 @inlined
+def direction_factor(direction: float, p: Friction) -> float:
+    """1 ± asymmetry. Selecting a constant is faster than arithmetic with the direction."""
+    return 1.0 + p.asymmetry if direction >= 0.0 else 1.0 - p.asymmetry
+
+
+@inlined
 def with_levels(p: Friction, alpha0: float, alpha1: float, asymmetry: float) -> Friction:
     """The parameters with other levels [V]; compiled code has no ``_replace``."""
     return Friction(

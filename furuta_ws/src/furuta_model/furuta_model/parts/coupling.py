@@ -24,8 +24,6 @@ import numpy as np
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import (
-    HAS_BRISTLE,
-    HAS_SPRINGS,
     FrictionLaw,
     bristle_force,
     friction_force,
@@ -235,9 +233,9 @@ def _motor_stage(
     """Acceleration [rad/s²] at speed v, and the law's memory after ``h`` [s]."""
     law = _motor_law(body.memory, angle, body.variation, p)
     torque -= law.parameters.viscous * v
-    if HAS_SPRINGS[law.kind]:
+    if law.springs:
         friction, end = springs_force(motor, v, h, body.springs, law)
-    elif HAS_BRISTLE[law.kind]:
+    elif law.bristle:
         friction, end = bristle_force(v, motor.bristle, h, law)
     else:
         holding = p.inertia * motor.speed / h + torque
@@ -260,7 +258,7 @@ def motor_friction(
     """Friction [V] of the motor, with viscous part."""
     motor = memory.motor
     law = _motor_law(memory, motor.angle, variation, p)
-    if HAS_SPRINGS[law.kind]:
+    if law.springs:
         force = springs_friction(motor, motor.speed, springs, law)
         return force + law.parameters.viscous * motor.speed
     return friction_force(motor.speed, motor.bristle, law)

@@ -13,8 +13,6 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import (
-    HAS_BRISTLE,
-    HAS_SPRINGS,
     FrictionLaw,
     bristle_force,
     friction_force,
@@ -88,9 +86,9 @@ def arm_stage(
     torque = u - law.parameters.viscous * v + arm + cogging_torque(phi, body.cogging)
     torque += wave_torque(phi, body.waves)
     joint -= joint_friction.damping * w
-    arm_sticks = not HAS_BRISTLE[law.kind]
+    arm_sticks = not law.bristle
     end = 0.0
-    if HAS_SPRINGS[law.kind]:
+    if law.springs:
         friction, end = springs_force(body.memory, v, h, body.springs, law)
         torque -= friction
     elif not arm_sticks:
@@ -182,6 +180,6 @@ def varied_friction(
     """Friction F [V] of the arm, with viscous part."""
     law = varied(law, memory.x[PHI], memory.level_change, variation)
     v = memory.x[PHI_DOT]
-    if HAS_SPRINGS[law.kind]:
+    if law.springs:
         return springs_friction(memory, v, springs, law) + law.parameters.viscous * v
     return friction_force(v, memory.x[BRISTLE], law)

@@ -73,6 +73,9 @@ def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) ->
         with_levels(levels, levels.alpha0 * factor, levels.alpha1 * factor, levels.asymmetry),
         law.level,
         law.breakaway,
+        law.bristle,
+        law.constant_level,
+        law.springs,
     )
 
 

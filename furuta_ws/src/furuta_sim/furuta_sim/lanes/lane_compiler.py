@@ -34,7 +34,7 @@ from numba.extending import (
     unbox,
 )
 
-from furuta_model.block import field_names
+from furuta_model.block import field_names, marks
 from furuta_model.compiled import make_intrinsic
 
 # Numbers in a line of the cache.
@@ -49,8 +49,8 @@ _DOUBLE, _INTEGER = _ir.DoubleType(), _ir.IntType(64)
 # A layout is (kind, ...): ("record", ((name, row, layout), ...)), ("array", shape, kind of number),
 # ("number", kind) or ("constant", kind, value). Rows count from the record that holds the field.
 Layout = tuple[Any, ...]
-# Whether the number with this name and value is a constant of the block.
-IsConstant = Callable[[str, Any], bool]
+# Whether the number with these marks (those of its field) and value is a constant of the block.
+IsConstant = Callable[[tuple[Any, ...], Any], bool]
 
 
 class Lanes:
@@ -96,14 +96,18 @@ def _aligned(size: int) -> np.ndarray:
     return memory[first : first + size]
 
 
-def layout_of(value: Any, is_constant: IsConstant, name: str = "") -> tuple[Layout, int]:
+def layout_of(
+    value: Any, is_constant: IsConstant, marked: tuple[Any, ...] = ()
+) -> tuple[Layout, int]:
     """The layout of a record, an array or a number, and the rows that it takes."""
     if names := field_names(value):
-        inner = [layout_of(getattr(value, name), is_constant, name)[0] for name in names]
+        kind: Any = type(value)
+        found = marks(kind)
+        inner = [layout_of(getattr(value, name), is_constant, found[name])[0] for name in names]
         return joined(names, inner)
     if isinstance(value, np.ndarray):
         return ("array", value.shape, _kind(value.flat[0])), value.size
-    if is_constant(name, value):
+    if is_constant(marked, value):
         return ("constant", _kind(value), value), 1
     return ("number", _kind(value)), 1
 

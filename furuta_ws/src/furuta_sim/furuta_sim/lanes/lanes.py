@@ -23,8 +23,9 @@ from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import COMPENSATIONS, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.friction.laws import PAPER, FrictionLaw
+from furuta_model.parameters import OFF_AT_ZERO, SELECTS
 from furuta_model.converter import Actuator
-from furuta_model.friction.laws import FrictionLaw
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
@@ -62,18 +63,12 @@ FEWEST_SAMPLES = 500
 BETWEEN_ROWS = 8
 # Samples for which noise is drawn ahead.
 NOISE_SAMPLES = 256
-# Numbers that select what is computed, besides truth values.
-SELECTORS = frozenset({"kind", "method", "mode"})
-# Numbers whose zero means that a part is off.
-OFF_AT_ZERO = frozenset(
-    {"bits", "encoder_counts", "tachometer_bits", "potentiometer_bits", "patience"}
-    | {"integral_share", "rate_bound"}
-)
 
 
-def is_constant(name: str, value: Any) -> bool:
+def is_constant(marked: tuple[Any, ...], value: Any) -> bool:
     """Whether a number selects what is computed, so that it is a constant of the block."""
-    return isinstance(value, bool) or name in SELECTORS or (name in OFF_AT_ZERO and value == 0)
+    off = OFF_AT_ZERO in marked and value == 0
+    return isinstance(value, bool) or SELECTS in marked or off
 
 
 class Group(NamedTuple):
@@ -123,7 +118,10 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     )
     estimation = _needed_estimator(loop)
     parts = (
-        (_plant_layout(plant.friction.kind, plant.actuator), numbers_of(moved)),
+        (
+            _plant_layout(plant.friction._replace(parameters=PAPER), plant.actuator),
+            numbers_of(moved),
+        ),
         _part(Sensors._make, loop.plant.sensors),
         _part(design_estimator, estimation),
         _part(design_compensator, loop.observer),
@@ -172,16 +170,16 @@ def _layout_number(design: Any) -> int:
 
 
 @lru_cache(maxsize=256)
-def _plant_layout(kind: int, actuator: Actuator) -> int:
+def _plant_layout(law: FrictionLaw, actuator: Actuator) -> int:
     """The layout does not depend on the real numbers, which differ between the loops of a study."""
-    return _layout_number(LanePlant(FurutaPendulum(), FrictionLaw(kind), actuator, 0.0, 1))
+    return _layout_number(LanePlant(FurutaPendulum(), law, actuator, 0.0, 1))
 
 
 @lru_cache(maxsize=256)
 def _layout(group: Group) -> tuple[Layout, int]:
     """Layout and rows of a group's blocks: the fields of the design, then those of the memory."""
     layouts = list(_LAYOUTS)
-    (_, memory), _ = layout_of(LaneMemory(), lambda name, value: False)
+    (_, memory), _ = layout_of(LaneMemory(), lambda marked, value: False)
     names = (*LaneDesign._fields, *(name for name, _, _ in memory))
     parts = (*(layouts[number] for number in group.layouts), *(part for _, _, part in memory))
     return joined(names, parts)

@@ -23,7 +23,7 @@ def estimate_continues(
     memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign
 ) -> bool:
     """Whether the estimate goes on with this method and every reading is usable."""
-    running = p.method + 1 if estimation.is_filtered(p) else UNFILTERED
+    running = p.method + 1 if p.filtered else UNFILTERED
     usable = readings.all_usable(memory.readings, measurement, p.readings)
     return (memory.running == running) & estimation.is_bounded(memory) & usable
 
@@ -34,7 +34,7 @@ def continue_estimate(
 ) -> None:
     """:func:`furuta_control.estimation.estimate_state` for an estimate that continues."""
     readings.forget_unusable(memory.readings)
-    if estimation.is_filtered(p):
+    if p.filtered:
         estimation.update(p.method, memory, measurement, p)
     else:
         estimation.take_measurement(memory, measurement)
