@@ -19,7 +19,7 @@ from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Simulation
 
 NOMINAL = Friction()
-STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().kalman)
+STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().parts.kalman)
 # The motor of Fig. 6 with other friction than the compensator's default.
 OTHER = Friction(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
 

@@ -54,4 +54,5 @@ def test_parameters_of_the_graph() -> None:
     assert held["friction"]["kind"] == plant.friction.kind
     assert held["sensors"]["potentiometer_range"] == plant.sensors.potentiometer_range
     design = design_estimator(EstimatorParameters())
-    np.testing.assert_array_equal(block(design)[0]["kalman"]["step"], design.kalman.step)
+    held = block(design)[0]["parts"]["kalman"]
+    np.testing.assert_array_equal(held["step"], design.parts.kalman.step)

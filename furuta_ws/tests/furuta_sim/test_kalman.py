@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from furuta_control.estimation import (
     EstimatorMemory,
     EstimatorParameters,
+    PartParameters,
     design_estimator,
     estimate_state,
 )
@@ -157,7 +158,8 @@ def test_any_allowed_sensor_has_a_filter() -> None:
                 potentiometer_noise=noise,
             )
             for spread in (1e-3, 1.0, 1e3):
-                p = EstimatorParameters(sensors=sensors, kalman=KalmanParameters(spread, spread))
-                step = design_estimator(p).kalman.step
+                parts = PartParameters(kalman=KalmanParameters(spread, spread))
+                p = EstimatorParameters(sensors=sensors, parts=parts)
+                step = design_estimator(p).parts.kalman.step
                 assert np.all(np.isfinite(step))
                 assert np.max(np.abs(np.linalg.eigvals(step[1:, 1:5]))) < 1.0

@@ -77,6 +77,15 @@ def test_files_touched(section: str) -> None:
     assert 1 <= len(touched) <= MOST_FILES[section]
 
 
+@pytest.mark.parametrize(
+    "section", ["A friction law", "A compensator", "An estimator", "A controller mode"]
+)
+def test_a_part_is_one_line_of_its_registry(section: str) -> None:
+    """All else, its parameters and its memory too, stands in its own file."""
+    (diff,) = (edit for edit in examples()[section] if edit.kind == "diff")
+    assert [line[0] for line in diff.text.splitlines() if line[0] in "+-"] == ["+"]
+
+
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A copy of the sources with all worked examples applied."""

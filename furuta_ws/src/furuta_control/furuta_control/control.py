@@ -1,14 +1,14 @@
 """Computes the command in the selected mode: the registry of modes and one sample of any of them.
 
 An excitation signal can be added in every active mode; the sum is limited to the voltage range. To
-add a mode, write its file in ``modes/`` and add it to :data:`MODES`. What it remembers and its
-parameters, if it has any, are fields of the groups here.
+add a mode, write its file in ``modes/`` and add it to :data:`FILES`; its parameters, memory and
+design stand in its file.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import ceil, isfinite, pi
-from typing import Annotated, NamedTuple
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numba import float64
@@ -21,38 +21,43 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, own, super_twisting, swing_up, without_feedback
-from furuta_control.modes.balance import Balance, BalanceMemory
+from furuta_control.modes import balance, open_loop, own, swing_up
+from furuta_control.modes.balance import POLE_PLACEMENT, Balance, BalanceMemory
 from furuta_control.modes.mode import Mode
 from furuta_control.modes.own import OwnControl
-from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.registry import design_parts, designed_once, groups_of, in_turn, parts_in
 
-MODES: tuple[Mode, ...] = (
-    balance.MODE,
-    without_feedback.OPEN_LOOP,
-    swing_up.MODE,
-    without_feedback.OFF,
+FILES = (
+    "balance",
+    "open_loop",
+    "swing_up",
+    "off",
 )
 
+MODES: tuple[Mode, ...] = parts_in("furuta_control.modes", FILES)
 _NAMES = tuple(mode.name for mode in MODES)
 _MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
 # Kind of a mode of the user's own, and its name for those who watch.
 _OWN, _OWN_NAME = len(MODES), "own"
+_reset_parts = in_turn(mode.reset for mode in MODES if mode.reset is not None)
 _mode_command = by_kind([*(mode.command for mode in MODES), own.command])
 
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
 ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, _OWN_NAME)))
-_BALANCE, _SWING_UP = MODES.index(balance.MODE), MODES.index(swing_up.MODE)
+_BALANCE, _SWING_UP = MODES.index(balance.PART), MODES.index(swing_up.PART)
 
-# The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
-# type of an empty list, and not four zeros, because these are a gain.
-POLE_PLACEMENT = (0.0,)
+if TYPE_CHECKING:
+    PartParameters: TypeAlias = Any
+    PartMemory: TypeAlias = Any
+    PartDesign: TypeAlias = Any
+else:
+    PartParameters, PartMemory, PartDesign = groups_of(MODES, __name__)
 
 
 class ControllerParameters(NamedTuple):
@@ -124,32 +129,29 @@ class ControllerParameters(NamedTuple):
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
-    swing_up: SwingUpParameters = SwingUpParameters()
+    parts: Annotated[PartParameters, INLINE] = PartParameters()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
 
     def check(self) -> None:
-        """Reject a gain of the wrong length, and a catch angle larger than the fall angle."""
+        """Reject a gain of the wrong length, and what cannot be designed."""
         if len(self.gain) != 4 and self.gain != POLE_PLACEMENT:
             raise ParameterError(
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
                 f"placement, given {shortened(list(self.gain))}"
             )
-        if not all(map(isfinite, self.feedback_gain)):
+        if not np.all(np.isfinite(balance.design(self)[:4])):
             raise ParameterError(
                 "no gain can be computed for these poles and this model; given "
                 f"{shortened(self.poles)}, {shortened(self.model)}"
             )
-        _own_function(self)
         if self.catch_angle > self.fall_angle:
             raise ParameterError(
                 f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
                 f"{self.fall_angle:g}"
             )
-        if self.mode == swing_up.MODE.name and not swing_up.is_possible(
-            self.model, self.model_viscous, _balance(self), self.sample_time
-        ):
+        if not np.all(np.isfinite(design_controller(self).parts.swing_up.catching)):
             raise ParameterError(
                 f"mode {self.mode} needs a feedback that catches the pendulum, and none can be "
                 f"computed for voltage_limit {self.voltage_limit:g} V and "
@@ -182,7 +184,7 @@ class ControllerDesign(NamedTuple):
     excitation: Excitation
     voltage_limit: float
     sample_time: float
-    swing_up: SwingUp
+    parts: PartDesign
 
 
 @dataclass
@@ -191,70 +193,30 @@ class ControllerMemory:
 
     phase: float = 0.0
     balance: BalanceMemory = field(default_factory=BalanceMemory)
-    swing_up: SwingUpMemory = field(default_factory=SwingUpMemory)
+    parts: PartMemory = field(default_factory=PartMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
+@designed_once
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe."""
-    balancing = _balance(p)
-    open_loop = p.mode == without_feedback.OPEN_LOOP.name
-    mode = _NAMES.index(p.mode) if p.mode in _NAMES else _OWN
+    mode, function = _OWN, 0
+    if p.mode in _NAMES:
+        mode = _NAMES.index(p.mode)
+    else:
+        function = sample_function(own_part(p.mode, Mode, "own").command, OwnControl, float64)
+    any_tilt = p.mode == open_loop.PART.name
     return ControllerDesign(
         enabled=p.enabled,
         mode=mode,
-        function=_own_function(p),
+        function=function,
         feedback=mode != _OWN and MODES[mode].feedback,
         active=ACTIVE_MODES.index(p.mode if mode != _OWN else _OWN_NAME),
-        balance=balancing,
-        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=open_loop),
+        balance=balance.design(p),
+        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=any_tilt),
         voltage_limit=p.voltage_limit,
         sample_time=p.sample_time,
-        swing_up=swing_up.design(
-            p.swing_up,
-            p.model,
-            viscous=p.model_viscous,
-            balancing=balancing,
-            dt=p.sample_time,
-            used=p.mode == swing_up.MODE.name,
-            own_gain=p.gain == POLE_PLACEMENT,
-        ),
-    )
-
-
-def _own_function(p: ControllerParameters) -> int:
-    """Address of an own mode, 0 for the others."""
-    if p.mode in _NAMES:
-        return 0
-    return sample_function(own_part(p.mode, Mode, "own").command, OwnControl, float64)
-
-
-def _balance(p: ControllerParameters) -> Balance:
-    l1, l2, l3, l4 = p.feedback_gain
-    return Balance(
-        l1=l1,
-        l2=l2,
-        l3=l3,
-        l4=l4,
-        fall_angle=p.fall_angle,
-        arm_angle_limit=p.arm_angle_limit,
-        arm_speed_limit=p.arm_speed_limit,
-        catch_angle=p.catch_angle,
-        catch_speed=p.catch_speed,
-        catch_samples=ceil(p.catch_time / p.sample_time),
-        arm_reference=p.arm_reference,
-        arm_error_limit=p.arm_error_limit,
-        integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        super_twisting=super_twisting.design_for_pendulum(
-            p.super_twisting,
-            p.super_twisting_bandwidth,
-            p.vibration_limit,
-            p.model,
-            p.model_viscous,
-            p.feedback_gain,
-            p.sample_time,
-        ),
-        voltage_limit=p.voltage_limit,
+        parts=PartDesign(*design_parts(MODES, p)),
     )
 
 
@@ -263,7 +225,7 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
     if not p.feedback:
         balance.leave(memory.balance)
-        swing_up.reset(memory.swing_up)
+        _reset_parts(memory)
     u = _mode_command(p.mode, memory, x, friction, p)
     if np.isnan(u) or not p.enabled:
         return 0.0
@@ -285,7 +247,7 @@ def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
     if not p.enabled:
         return swing_up.OFF
     if p.mode == _SWING_UP:
-        return memory.swing_up.phase
+        return memory.parts.swing_up.phase
     if p.mode == _BALANCE:
         return swing_up.BALANCING if memory.balance.balancing else swing_up.OFF
     return p.active
@@ -296,7 +258,7 @@ def reset(memory: ControllerMemory) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
     forget_own(memory.own)
     balance.reset(memory.balance)
-    swing_up.reset(memory.swing_up)
+    _reset_parts(memory)
 
 
 @inlined

@@ -2,29 +2,26 @@
 
 Measurement and estimate are (5,): x, then the applied torque or the observed friction [V]
 (:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it to
-:data:`METHODS`. Its parameters and its design, if it has any, are fields of the groups here.
+:data:`FILES`; its parameters, memory and design stand in its file.
 """
 
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import floor, nan, pi
-from typing import Annotated, Final, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
 from furuta_control import readings
-from furuta_control.estimators import kalman, lowpass, own, whole_circle
-from furuta_control.estimators.kalman import Kalman, KalmanParameters
-from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
+from furuta_control.estimators import own, whole_circle
 from furuta_control.estimators.method import Method, NominalRig, no_prediction, nothing
 from furuta_control.estimators.own import OwnEstimation
-from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import by_kind, compiled, inlined
 from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.registry import design_parts, designed_once, groups_of, parts_in
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -38,12 +35,13 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-METHODS: tuple[Method, ...] = (
-    kalman.METHOD,
-    lowpass.METHOD,
-    whole_circle.METHOD,
+FILES = (
+    "kalman",
+    "lowpass",
+    "whole_circle",
 )
 
+METHODS: tuple[Method, ...] = parts_in("furuta_control.estimators", FILES)
 METHOD_NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 # Kind of a method of the user's own, which is filtered even with ideal sensors.
@@ -51,6 +49,13 @@ _OWN = len(METHODS)
 update = by_kind([*(method.update for method in METHODS), own.update])
 _begin = by_kind([*(method.begin for method in METHODS), nothing])
 _improve_prediction = by_kind([*(method.predict for method in METHODS), no_prediction])
+
+if TYPE_CHECKING:
+    PartParameters: TypeAlias = Any
+    PartMemory: TypeAlias = Any
+    PartDesign: TypeAlias = Any
+else:
+    PartParameters, PartMemory, PartDesign = groups_of(METHODS, __name__)
 
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
@@ -73,8 +78,7 @@ class EstimatorParameters(NamedTuple):
         ),
     ] = 0.0
     sensors: Sensors = Sensors()
-    kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
-    lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
+    parts: Annotated[PartParameters, INLINE] = PartParameters()
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -83,7 +87,7 @@ class EstimatorParameters(NamedTuple):
         """Reject a rig for which no filter can be computed, or an unstable one."""
         try:
             with np.errstate(all="ignore"):
-                step = design_estimator(self).kalman.step
+                step = design_estimator(self).parts.kalman.step
         except ParameterError:
             raise
         except (np.linalg.LinAlgError, ValueError):
@@ -91,7 +95,7 @@ class EstimatorParameters(NamedTuple):
         if not np.all(np.isfinite(step)):
             raise ParameterError(
                 "no Kalman filter can be computed for this rig: model, sensors or process noise "
-                f"are too extreme; given {shortened(self.model)}, {shortened(self.kalman)}"
+                f"are too extreme; given {shortened(self.model)}, {shortened(self.parts.kalman)}"
             )
         largest = whole_circle.largest_viscous(self.rig)
         if self.chosen.covers_circle and self.model_viscous > largest:
@@ -132,9 +136,7 @@ class EstimatorDesign(NamedTuple):
     ideal: bool
     readings: ReadingLimits
     sample_time: float
-    lowpass: Lowpass
-    kalman: Kalman
-    whole_circle: WholeCircle
+    parts: PartDesign
     own: OwnEstimation
 
 
@@ -147,31 +149,30 @@ class EstimatorMemory:
         running: The running method, an index of :data:`METHODS` plus 1; :data:`NOT_RUNNING`
             without an estimate, :data:`UNFILTERED` while ideal measurements are the estimate.
         readings: Memory of the check of readings.
+        parts: Memories of the methods.
         own: Memory of an own method.
     """
 
     estimate: np.ndarray = zeros(SIGNALS)
     running: int = NOT_RUNNING
     readings: ReadingMemory = field(default_factory=ReadingMemory)
+    parts: PartMemory = field(default_factory=PartMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
-@lru_cache(maxsize=64)
+@designed_once
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
-    """The estimator that the parameters describe. Cached, because a design takes a millisecond."""
-    rig, chosen, is_own = p.rig, p.chosen, p.method not in METHOD_NAMES
-    covers_circle = chosen.covers_circle and not is_own
+    """The estimator that the parameters describe."""
+    chosen, is_own = p.chosen, p.method not in METHOD_NAMES
     return EstimatorDesign(
         method=_OWN if is_own else METHOD_NAMES.index(p.method),
         function=sample_function(chosen.update, OwnEstimation, ADDRESS) if is_own else 0,
         filtered=not p.sensors.ideal or chosen.observes_friction or is_own,
-        covers_circle=covers_circle,
+        covers_circle=chosen.covers_circle and not is_own,
         ideal=p.sensors.ideal,
-        readings=reading_limits(rig, chosen.needs_applied_torque),
+        readings=reading_limits(p.rig, chosen.needs_applied_torque),
         sample_time=p.sample_time,
-        lowpass=lowpass.design(rig, p.lowpass),
-        kalman=kalman.design(rig, p.kalman),
-        whole_circle=(whole_circle.design if covers_circle else whole_circle.unused)(rig, p.kalman),
+        parts=PartDesign(*design_parts(METHODS, p)),
         own=OwnEstimation(p.model, p.model_viscous, p.sample_time),
     )
 

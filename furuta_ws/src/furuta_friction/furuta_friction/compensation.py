@@ -6,7 +6,6 @@ its file. A function of the user's own needs no file here (:mod:`furuta_model.ow
 """
 
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import inf, isnan
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
@@ -20,7 +19,7 @@ from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About
-from furuta_model.registry import design_parts, groups_of, in_turn, parts_in
+from furuta_model.registry import design_parts, designed_once, groups_of, in_turn, parts_in
 from furuta_model.state import PHI, PHI_DOT
 
 FILES = (
@@ -99,9 +98,9 @@ class CompensationMemory:
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
-@lru_cache(maxsize=64)
+@designed_once
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
-    """The compensation that the parameters describe. Cached: a change is checked by it too."""
+    """The compensation that the parameters describe."""
     chosen, is_own = p.chosen, p.compensation not in COMPENSATIONS
     return CompensationDesign(
         kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),

@@ -43,22 +43,22 @@ def zeros(*shape: int) -> Any:
     return field(default_factory=partial(np.zeros, shape))
 
 
-def field_names(value: Any) -> tuple[str, ...]:
-    """Names of the fields of a named tuple or a memory; none for anything else."""
+def field_names(value: Any) -> tuple[str, ...] | None:
+    """Names of the fields of a named tuple or a memory; None for anything else."""
     kind: Any = type(value)
     return _names(kind)
 
 
 @cache
-def _names(kind: Any) -> tuple[str, ...]:
+def _names(kind: Any) -> tuple[str, ...] | None:
     if is_dataclass(kind):
         return tuple(declared.name for declared in fields(kind))
-    return getattr(kind, "_fields", ())
+    return getattr(kind, "_fields", None)
 
 
 def _layout(value: Any, kind: Any = None) -> np.dtype:
     """Use the declared types: an int given for a float must not cause another compilation."""
-    if names := field_names(value):
+    if (names := field_names(value)) is not None:
         kinds = _types(type(value))  # type: ignore[arg-type]
         layouts = [(name, _layout(getattr(value, name), kinds[name])) for name in names]
         return np.dtype(layouts, align=True)
@@ -83,4 +83,6 @@ def _types(group: type) -> dict[str, Any]:
 
 def _content(value: Any) -> Any:
     names = field_names(value)
-    return tuple(_content(getattr(value, name)) for name in names) if names else value
+    if names is None:
+        return value
+    return tuple(_content(getattr(value, name)) for name in names)

@@ -6,13 +6,23 @@ of a group has the name of its part. So a part stands in a file of its own, and 
 """
 
 from collections import namedtuple
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import field, make_dataclass
+from functools import lru_cache
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar, cast
 
 from furuta_model.compiled import inlined
 from furuta_model.parameters import INLINE
+
+Design = TypeVar("Design", bound=Callable[..., Any])
+# Designs that are remembered: a study goes through them in order.
+REMEMBERED = 256
+
+
+def designed_once(design: Design) -> Design:
+    """Remember the last designs: parameters are checked by designing, and then applied."""
+    return cast(Design, lru_cache(maxsize=REMEMBERED)(design))
 
 
 def parts_in(package: str, modules: Iterable[str]) -> tuple[Any, ...]:

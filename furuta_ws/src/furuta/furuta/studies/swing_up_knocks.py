@@ -28,7 +28,8 @@ class Knocks(NamedTuple):
 
 def run_knocks(loop: Loop) -> Knocks:
     """Swing up from the initial state, and again after every push."""
-    swing_up = loop.controller.swing_up._replace(recover=True)
+    parts = loop.controller.parts
+    parts = parts._replace(swing_up=parts.swing_up._replace(recover=True))
     model = loop.plant.model
     number = round(RUN_TIME / PERIOD) - 1
     pushes = Pushes(
@@ -38,7 +39,7 @@ def run_knocks(loop: Loop) -> Knocks:
     )
     pushed = loop._replace(
         plant=loop.plant._replace(pushes=pushes),
-        controller=loop.controller._replace(swing_up=swing_up),
+        controller=loop.controller._replace(parts=parts),
     )
     return count_knocks(simulate(pushed, RUN_TIME))
 

@@ -144,7 +144,7 @@ def _random_state(loop: Loop, generator: np.random.Generator) -> tuple[float, fl
     the voltage, :data:`HOLDING_VOLTAGE`, holds the arm against its centrifugal torque γθ̇².
     """
     p = loop.controller
-    limits = design_controller(p).swing_up.limits
+    limits = design_controller(p).parts.swing_up.limits
     squared = p.model.delta / p.model.beta
     travel = min(limits.travel, 2.0 * pi)
     while True:

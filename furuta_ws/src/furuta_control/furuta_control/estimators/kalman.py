@@ -81,11 +81,12 @@ class Kalman(NamedTuple):
     half_count: float
 
 
-def design(rig: NominalRig, p: KalmanParameters) -> Kalman:
-    """The filter for a rig."""
-    dynamics, torque, _ = _sampled(rig, p)
+def design(p: Any) -> Kalman:
+    """The filter for the nominal rig."""
+    rig, noise = p.rig, p.parts.kalman
+    dynamics, torque, _ = _sampled(rig, noise)
     prediction = np.column_stack([dynamics, torque])[: THETA + 1]
-    return Kalman(sample_kalman(rig, p), prediction, half_count(rig.sensors))
+    return Kalman(sample_kalman(rig, noise), prediction, half_count(rig.sensors))
 
 
 def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
@@ -148,7 +149,7 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
 @inlined
 def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
-    x, step = memory.estimate, p.kalman.step
+    x, step = memory.estimate, p.parts.kalman.step
     phi, phi_dot = x[PHI], x[PHI_DOT]
     theta, theta_dot, friction = x[THETA], x[THETA_DOT], x[OBSERVED_FRICTION]
     for i in range(SIGNALS):
@@ -162,7 +163,7 @@ def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
             + step[i, SIGNALS + 1] * measurement[PHI_DOT]
             + step[i, SIGNALS + 2] * measurement[THETA]
         )
-    x[PHI] = within_count(x[PHI], measurement[PHI], p.kalman.half_count)
+    x[PHI] = within_count(x[PHI], measurement[PHI], p.parts.kalman.half_count)
 
 
 @inlined
@@ -174,18 +175,21 @@ def within_count(angle: float, measured: float, half_count: float) -> float:
 @inlined
 def predict(memory: Any, torque: float, p: Any, predicted: np.ndarray) -> None:
     """Write φ, φ̇ and θ of the next sample to ``predicted``, for the ``torque`` [V] until then."""
-    prediction = p.kalman.prediction
+    prediction = p.parts.kalman.prediction
     for i in range(THETA + 1):
         predicted[i] = prediction[i, SIGNALS] * torque
         for j in range(SIGNALS):
             predicted[i] += prediction[i, j] * memory.estimate[j]
 
 
-METHOD = Method(
+PART = Method(
     "kalman",
     "fuses all sensors and the applied torque, and observes the friction",
     update,
     predict=predict,
     observes_friction=True,
     needs_applied_torque=True,
+    parameters=KalmanParameters,
+    inline=True,
+    design=design,
 )

@@ -12,7 +12,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from furuta_control.estimators.method import Method, NominalRig
+from furuta_control.estimators.method import Method
 from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
@@ -39,9 +39,10 @@ class Lowpass(NamedTuple):
     lag: float
 
 
-def design(rig: NominalRig, p: LowpassParameters) -> Lowpass:
-    """The filter for a rig, by the matrix exponential of the system with its linear input."""
-    omega, zeta, dt = p.filter_bandwidth, p.filter_damping, rig.sample_time
+def design(p: Any) -> Lowpass:
+    """The filter, by the matrix exponential of the system with its linear input."""
+    own, dt = p.parts.lowpass, p.sample_time
+    omega, zeta = own.filter_bandwidth, own.filter_damping
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
     system[1] = [-(omega**2), -2.0 * zeta * omega, omega**2, 0.0]
@@ -57,20 +58,26 @@ def begin(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Start in the steady state for the estimated speed; no friction is observed."""
     x = memory.estimate
     memory.readings.last[THETA] = measurement[THETA]
-    x[THETA] -= p.lowpass.lag * x[THETA_DOT]
+    x[THETA] -= p.parts.lowpass.lag * x[THETA_DOT]
     x[OBSERVED_FRICTION] = nan
 
 
 @inlined
 def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
-    x, step, previous = memory.estimate, p.lowpass.step, memory.readings.last[THETA]
+    x, step, previous = memory.estimate, p.parts.lowpass.step, memory.readings.last[THETA]
     y, y_dot, new = x[THETA], x[THETA_DOT], measurement[THETA]
     x[PHI], x[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
     x[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * previous + step[0, 3] * new
     x[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * previous + step[1, 3] * new
 
 
-METHOD = Method(
-    "lowpass", "the paper's filter on the potentiometer, arm as measured", update, begin
+PART = Method(
+    "lowpass",
+    "the paper's filter on the potentiometer, arm as measured",
+    update,
+    begin,
+    parameters=LowpassParameters,
+    inline=True,
+    design=design,
 )

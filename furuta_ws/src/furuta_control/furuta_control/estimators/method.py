@@ -1,7 +1,7 @@
 """Interface of an estimation method, and the rig that every method is designed for.
 
-A method is a file in this folder that defines a :class:`Method`; :mod:`furuta_control.estimation`
-lists it.
+A method is a file in this folder that defines a :class:`Method` as ``PART``;
+:mod:`furuta_control.estimation` lists the file.
 """
 
 from collections.abc import Callable
@@ -41,6 +41,10 @@ class Method(NamedTuple):
     (compiled) improves the expected readings (5,) for the torque [V] that is applied meanwhile; by
     default they are those at constant speeds. ``needs_applied_torque``: of every measurement. A
     method that does not cover the circle is for the pendulum near upright.
+
+    A method may have ``parameters``, a ``memory`` and a ``design``, as a compensator does
+    (:class:`furuta_friction.compensator.Compensator`): from all ``EstimatorParameters``, and found
+    by its name in ``p.parts`` and ``memory.parts``.
     """
 
     name: str
@@ -51,3 +55,7 @@ class Method(NamedTuple):
     observes_friction: bool = False
     needs_applied_torque: bool = False
     covers_circle: bool = False
+    parameters: Any = None
+    inline: bool = False
+    memory: Any = None
+    design: Callable[[Any], Any] | None = None

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_control.estimators import kalman
-from furuta_control.estimators.kalman import KalmanParameters
 from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
@@ -48,13 +47,21 @@ class WholeCircle(NamedTuple):
     half_count: float
 
 
-def design(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
-    """The filter for a rig."""
+def design(p: Any) -> WholeCircle:
+    """The filter for the nominal rig, with the process noise of the Kalman filter.
+
+    For another method it has no gain, and takes no time to design.
+    """
+    rig, noise = p.rig, p.parts.kalman
+    upright = opposite = np.zeros((CORRECTED, SENSORS))
+    if p.method == PART.name:
+        upright = kalman.stationary_gain(rig, noise)
+        opposite = kalman.stationary_gain(rig._replace(model=hanging(rig.model)), noise)
     return WholeCircle(
         viscous=rig.viscous,
         model=rig.model,
-        upright=kalman.stationary_gain(rig, p),
-        hanging=kalman.stationary_gain(rig._replace(model=hanging(rig.model)), p),
+        upright=upright,
+        hanging=opposite,
         sample_time=rig.sample_time,
         half_count=kalman.half_count(rig.sensors),
     )
@@ -65,19 +72,6 @@ def largest_viscous(rig: NominalRig) -> float:
     return 2.0 * rig.model.determinant / rig.model.beta / rig.sample_time
 
 
-def unused(rig: NominalRig, p: KalmanParameters) -> WholeCircle:
-    """A filter without gain, for an estimator with another method; it takes no time to design."""
-    zero = np.zeros((CORRECTED, SENSORS))
-    return WholeCircle(
-        viscous=0.0,
-        model=rig.model,
-        upright=zero,
-        hanging=zero,
-        sample_time=rig.sample_time,
-        half_count=0.0,
-    )
-
-
 def hanging(p: FurutaPendulum) -> FurutaPendulum:
     """The model whose linear model about upright is that of ``p`` about hanging: cos θ is −1."""
     return p._replace(gamma=-p.gamma, delta=-p.delta)
@@ -86,7 +80,7 @@ def hanging(p: FurutaPendulum) -> FurutaPendulum:
 @inlined
 def update(memory: Any, measurement: np.ndarray, design: Any) -> None:
     """Move the estimate by one sample with a ``measurement``."""
-    x, p = memory.estimate, design.whole_circle
+    x, p = memory.estimate, design.parts.whole_circle
     v, theta, w = x[PHI_DOT], x[THETA], x[THETA_DOT]
     torque, h = measurement[APPLIED_TORQUE] - x[OBSERVED_FRICTION], p.sample_time
     half = 0.5 * h
@@ -114,11 +108,12 @@ def _correct(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
         x[PHI_DOT + i] += of_speed * speed + of_angle * angle
 
 
-METHOD = Method(
+PART = Method(
     "whole_circle",
     "kalman for any pendulum angle, with the nonlinear model",
     update,
     observes_friction=True,
     needs_applied_torque=True,
     covers_circle=True,
+    design=design,
 )

@@ -14,6 +14,7 @@ integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
 """
 
 from dataclasses import dataclass, field
+from math import ceil
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -23,7 +24,12 @@ from furuta_control.modes.mode import Mode
 from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
 from furuta_model.parameters import OFF_AT_ZERO
+from furuta_model.registry import designed_once
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+
+# The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
+# type of an empty list, and not four zeros, because these are a gain.
+POLE_PLACEMENT = (0.0,)
 
 
 @dataclass
@@ -67,6 +73,37 @@ class Balance(NamedTuple):
     integral_share: Annotated[float, OFF_AT_ZERO]
     super_twisting: SuperTwisting
     voltage_limit: float
+
+
+@designed_once
+def design(p: Any) -> Balance:
+    """Balancing for all parameters of the controller."""
+    l1, l2, l3, l4 = gain = p.feedback_gain
+    return Balance(
+        l1=l1,
+        l2=l2,
+        l3=l3,
+        l4=l4,
+        fall_angle=p.fall_angle,
+        arm_angle_limit=p.arm_angle_limit,
+        arm_speed_limit=p.arm_speed_limit,
+        catch_angle=p.catch_angle,
+        catch_speed=p.catch_speed,
+        catch_samples=ceil(p.catch_time / p.sample_time),
+        arm_reference=p.arm_reference,
+        arm_error_limit=p.arm_error_limit,
+        integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
+        super_twisting=super_twisting.design_for_pendulum(
+            p.super_twisting,
+            p.super_twisting_bandwidth,
+            p.vibration_limit,
+            p.model,
+            p.model_viscous,
+            gain,
+            p.sample_time,
+        ),
+        voltage_limit=p.voltage_limit,
+    )
 
 
 @inlined
@@ -153,7 +190,7 @@ def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
     return command(memory.balance, x, friction, p.balance)
 
 
-MODE = Mode(
+PART = Mode(
     "balance",
     "state feedback about upright with friction compensation",
     _drive,

@@ -18,7 +18,7 @@ Such a loop tolerates several times the delay, and catches as surely: what can b
 the arm's speed and travel, not on the gain.
 """
 
-from math import pi, sqrt
+from math import nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +62,7 @@ class Catching(NamedTuple):
 def design(
     model: FurutaPendulum, voltage: float, limits: ArmLimits, arm_reference: float
 ) -> Catching:
-    """The feedback for a rig."""
+    """The feedback for a rig; NaN if there is none."""
     frequency = sqrt(model.delta / model.beta)
     a, b = linearize(model)
     deviations = np.array(
@@ -73,9 +73,12 @@ def design(
             PENDULUM_DEVIATION * frequency,
         )
     )
-    effort = EFFORT / voltage**2
-    cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
-    l1, l2, l3, l4 = (b @ cost / effort).tolist()
+    try:
+        effort = EFFORT / voltage**2
+        cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
+        l1, l2, l3, l4 = (b @ cost / effort).tolist()
+    except (np.linalg.LinAlgError, ArithmeticError, ValueError):
+        l1 = l2 = l3 = l4 = nan
     return Catching(
         l1=l1,
         l2=l2,

@@ -85,38 +85,37 @@ class SwingUp(NamedTuple):
     brake_samples: int
 
 
-def design(
-    p: SwingUpParameters,
-    model: FurutaPendulum,
-    viscous: float,
-    balancing: Balance,
-    dt: float,
-    used: bool,
-    own_gain: bool,
-) -> SwingUp:
-    """The mode for a rig. If it is not ``used``, nothing that takes time is computed.
+def design(p: Any) -> SwingUp:
+    """The mode for all parameters of the controller; for another mode only what takes no time.
 
-    ``viscous`` friction [V s/rad] is known, and compensated beside the friction estimate.
-    With ``own_gain`` it balances with the gain with which it catches, not with that of the mode
+    ``model_viscous`` friction is known, and compensated beside the friction estimate. Without an
+    explicit gain it balances with the gain with which it catches, not with that of the mode
     ``balance``: poles that suit one rig let another one fall.
     """
-    voltage = balancing.voltage_limit
-    limits = _limits(model, viscous, balancing, dt)
+    balancing, model, dt = balance.design(p), p.model, p.sample_time
+    limits = arm_limits.design(
+        model,
+        voltage=p.voltage_limit,
+        viscous=p.model_viscous,
+        angle_limit=p.arm_angle_limit,
+        speed_limit=p.arm_speed_limit,
+        dt=dt,
+    )
     regulator = (
-        catching.design(model, voltage, limits, balancing.arm_reference)
-        if used
+        catching.design(model, p.voltage_limit, limits, p.arm_reference)
+        if p.mode == PART.name
         else catching.unused()
     )
-    if own_gain:
+    if p.gain == balance.POLE_PLACEMENT:
         balancing = balancing._replace(
             l1=regulator.l1, l2=regulator.l2, l3=regulator.l3, l4=regulator.l4
         )
     return SwingUp(
-        recover=p.recover,
+        recover=p.parts.swing_up.recover,
         model=model,
-        viscous=viscous,
+        viscous=p.model_viscous,
         limits=limits,
-        energy=energy_shaping.design(model, voltage, limits),
+        energy=energy_shaping.design(model, p.voltage_limit, limits),
         catching=regulator,
         balancing=balancing,
         settled_samples=ceil(SETTLED_TIME / dt),
@@ -124,30 +123,10 @@ def design(
     )
 
 
-def is_possible(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> bool:
-    """Whether :func:`design` finds a feedback that catches the pendulum."""
-    limits = _limits(model, viscous, balancing, dt)
-    try:
-        regulator = catching.design(model, balancing.voltage_limit, limits, balancing.arm_reference)
-    except (np.linalg.LinAlgError, ArithmeticError, ValueError):
-        return False
-    return bool(np.all(np.isfinite(regulator)))
-
-
-def _limits(model: FurutaPendulum, viscous: float, balancing: Balance, dt: float) -> ArmLimits:
-    return arm_limits.design(
-        model,
-        voltage=balancing.voltage_limit,
-        viscous=viscous,
-        angle_limit=balancing.arm_angle_limit,
-        speed_limit=balancing.arm_speed_limit,
-        dt=dt,
-    )
-
-
 @inlined
-def reset(memory: SwingUpMemory) -> None:
+def reset(controller: Any) -> None:
     """Forget what has happened: the next sample begins a swing-up."""
+    memory = controller.parts.swing_up
     memory.phase, memory.samples = OFF, 0
     memory.caught = memory.beyond = memory.energy.started = False
 
@@ -283,12 +262,16 @@ def _still_brakes(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> bool:
 
 @inlined
 def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
-    return command(memory.swing_up, memory.balance, x, friction, p.swing_up)
+    return command(memory.parts.swing_up, memory.balance, x, friction, p.parts.swing_up)
 
 
-MODE = Mode(
+PART = Mode(
     "swing_up",
     "swing the pendulum up from any angle, catch it and balance",
     _drive,
     feedback=True,
+    parameters=SwingUpParameters,
+    memory=SwingUpMemory,
+    design=design,
+    reset=reset,
 )

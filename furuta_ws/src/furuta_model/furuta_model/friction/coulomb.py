@@ -17,4 +17,4 @@ def breakaway(p: Friction) -> float:
     return p.alpha0
 
 
-LAW = Law("coulomb", level, breakaway, constant=True)
+PART = Law("coulomb", level, breakaway, constant=True)

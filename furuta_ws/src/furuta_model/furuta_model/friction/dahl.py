@@ -10,4 +10,4 @@ model*, The Aerospace Corporation, 1968). The exact solution at constant speed i
 from furuta_model.friction.coulomb import breakaway, level
 from furuta_model.friction.law import Law
 
-LAW = Law("dahl", level, breakaway, bristle=True, damped=False, constant=True)
+PART = Law("dahl", level, breakaway, bristle=True, damped=False, constant=True)

@@ -11,7 +11,7 @@ lugre       bristle dynamics, eq. (5); at steady speed the  (none: it creeps)
 ==========  ==============================================  =====================
 
 Each law adds the viscous part σ₂v and the factor 1 ± asymmetry by direction. To add a law, write
-its file and add it to :data:`ALL`, or give a function (:mod:`furuta_model.own_functions`).
+its file and add it to :data:`FILES`, or give a function (:mod:`furuta_model.own_functions`).
 """
 
 from __future__ import annotations
@@ -22,22 +22,23 @@ from typing import Annotated, Any, NamedTuple
 import numba
 
 from furuta_model.compiled import by_kind, inlined
-from furuta_model.friction import coulomb, dahl, lugre, maxwell_slip, stiction, stribeck
 from furuta_model.friction.bristle import force, stretched
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction, copied, direction_factor
 from furuta_model.own_functions import address_of, call_own, own_part
 from furuta_model.parameters import SELECTS, ParameterError
+from furuta_model.registry import parts_in
 
-ALL: tuple[Law, ...] = (
-    coulomb.LAW,
-    stiction.LAW,
-    stribeck.LAW,
-    lugre.LAW,
-    dahl.LAW,
-    maxwell_slip.LAW,
+FILES = (
+    "coulomb",
+    "stiction",
+    "stribeck",
+    "lugre",
+    "dahl",
+    "maxwell_slip",
 )
 
+ALL: tuple[Law, ...] = parts_in("furuta_model.friction", FILES)
 LAWS = tuple(law.name for law in ALL)
 # Kind of a law of the user's own.
 OWN = len(ALL)

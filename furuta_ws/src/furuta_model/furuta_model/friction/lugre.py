@@ -13,7 +13,7 @@ from furuta_model.friction import stribeck
 from furuta_model.friction.bristle import deflection_rate, force, stretched
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction, direction_factor
 
-LAW = stribeck.LAW._replace(name="lugre", bristle=True)
+PART = stribeck.PART._replace(name="lugre", bristle=True)
 _symmetric_level = stribeck.level
 
 

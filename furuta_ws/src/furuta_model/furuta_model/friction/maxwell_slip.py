@@ -22,7 +22,7 @@ from furuta_model.compiled import compiled
 from furuta_model.friction import stribeck
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
-LAW = stribeck.LAW._replace(name="maxwell_slip", bristle=True, damped=False, springs=True)
+PART = stribeck.PART._replace(name="maxwell_slip", bristle=True, damped=False, springs=True)
 # Largest number of springs.
 MAX_SPRINGS = 8
 

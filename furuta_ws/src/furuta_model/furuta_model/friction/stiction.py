@@ -15,4 +15,4 @@ def breakaway(p: Friction) -> float:
     return p.alpha0 + p.alpha1
 
 
-LAW = Law("stiction", level, breakaway, constant=True)
+PART = Law("stiction", level, breakaway, constant=True)

@@ -46,4 +46,4 @@ def slope(v: float, p: Friction) -> float:
     return float(-2.0 * abs(ratio) / p.stribeck_velocity * p.alpha1 * np.exp(-ratio * ratio))
 
 
-LAW = Law("stribeck", level, breakaway, fundamental=fundamental, mean=mean, slope=slope)
+PART = Law("stribeck", level, breakaway, fundamental=fundamental, mean=mean, slope=slope)

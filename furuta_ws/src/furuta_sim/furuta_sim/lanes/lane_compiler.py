@@ -100,7 +100,7 @@ def layout_of(
     value: Any, is_constant: IsConstant, marked: tuple[Any, ...] = ()
 ) -> tuple[Layout, int]:
     """The layout of a record, an array or a number, and the rows that it takes."""
-    if names := field_names(value):
+    if (names := field_names(value)) is not None:
         kind: Any = type(value)
         found = marks(kind)
         inner = [layout_of(getattr(value, name), is_constant, found[name])[0] for name in names]

@@ -167,7 +167,7 @@ class _Tuner:
         """The friction parameters, from the limit cycle without compensation."""
         return fit_friction(
             estimates,
-            sample_kalman(estimator.rig, estimator.kalman),
+            sample_kalman(estimator.rig, estimator.parts.kalman),
             estimator.sample_time,
             self._start.friction,
         )
