@@ -7,8 +7,8 @@ from proofs.explorer import Explored, explore, mutated
 from proofs.lockstep_world import Bounds, World
 
 from furuta_control.controller_node import ControllerNode
-from furuta_hw.guard import Guard
 from furuta_hw.emulator.firmware import Firmware
+from furuta_hw.guard import Guard
 from furuta_sim.lockstep import LockStep
 
 

@@ -21,7 +21,7 @@ from furuta.limit_cycles.smooth_motion import (
     NEAR_REST,
     integrate,
 )
-from furuta_model.compiled import by_type, compiled
+from furuta_model.compiled import compiled
 from furuta_model.state import BRISTLE, PHI
 
 

@@ -23,9 +23,9 @@ from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import COMPENSATIONS, design_compensator
 from furuta_model.compiled import compiled, make_intrinsic
+from furuta_model.converter import Actuator
 from furuta_model.friction.laws import PAPER, FrictionLaw
 from furuta_model.parameters import OFF_AT_ZERO, SELECTS
-from furuta_model.converter import Actuator
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
