@@ -71,11 +71,16 @@ def _by_full_name(parameters: Mapping[str, Any], prefix: str = "") -> Iterator[t
             yield f"{prefix}{name}", value
 
 
+def read_sections(file: Path) -> list[Section]:
+    """The sections of a parameter file; none if it is empty."""
+    content = read_yaml(file, "parameter file")
+    return list(sections(content, file)) if content else []
+
+
 def sections_given(arguments: Sequence[str]) -> list[Section]:
-    """The sections of all parameter files among the arguments of a process; a file may be empty."""
-    files = [Path(value) for flag, value in pairwise(arguments) if flag == "--params-file"]
-    contents = [(read_yaml(file, "parameter file"), file) for file in files]
-    return [each for content, file in contents if content for each in sections(content, file)]
+    """The sections of all parameter files among the arguments of a process."""
+    files = [value for flag, value in pairwise(arguments) if flag == "--params-file"]
+    return [section for file in files for section in read_sections(Path(file))]
 
 
 def check_names(

@@ -22,8 +22,8 @@ from furuta_model.parts.motion import PendulumFriction
 from furuta_model.sensors import Sensors
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.recording import Recording
+from furuta_ros.parameter_files import read_sections
 from furuta_ros.whole_files import whole_file
-from furuta_ros.yaml_files import read_yaml
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75
@@ -142,8 +142,8 @@ def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig, str]:
     """
     try:
         parameters = parameter_file_of(path)
-        content = read_yaml(parameters, "parameter file") if parameters else {}
-        sections = {node: section["ros__parameters"] for node, section in content.items()}
+        given = read_sections(parameters) if parameters else []
+        sections = {section.key: section.parameters for section in given}
         file = sections["hardware_bridge"]["rig"]
         if not file:
             return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"

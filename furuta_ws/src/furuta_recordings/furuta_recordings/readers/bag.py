@@ -14,9 +14,9 @@ from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
 from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
 from furuta_recordings.recording import Recording
+from furuta_ros.parameter_files import read_sections
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
 from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
-from furuta_ros.yaml_files import read_yaml
 
 
 def read_bag(path: Path, mapping: Mapping) -> Recording:
@@ -158,10 +158,9 @@ def _with_recorded_drive(recording: Recording, bag: Path) -> Recording:
     """The recording with the drive of the parameters stored in the bag, if there are any."""
     try:
         file = parameter_file_of(bag)
-        content = read_yaml(file, "parameter file") if file else {}
-        plant = content["plant"]["ros__parameters"]
+        plant = {s.key: s.parameters for s in read_sections(file)}["plant"] if file else {}
         given = {name: plant[name] for name in ("actuator.voltage_range", "actuator.bits")}
         actuator = build(Actuator, given, "actuator.")
-    except (ParameterError, KeyError, TypeError):  # no such file, or not of a simulated plant
+    except (ParameterError, KeyError):  # no such file, or not of a simulated plant
         return recording
     return recording.through_drive(actuator, "the bag")
