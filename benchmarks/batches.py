@@ -7,9 +7,9 @@ from time import perf_counter, process_time
 
 from experiment import LOOP
 
+from furuta.lanes.batch import available_cores, batch
+from furuta.lanes.lanes import compile_stages
 from furuta_friction.compensation import ObserverParameters
-from furuta_sim.lanes.batch import available_cores, batch
-from furuta_sim.lanes.lanes import compile_stages
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, outcome
 

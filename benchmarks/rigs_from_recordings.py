@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta.lanes.batch import batch
 from furuta.studies.comparison.candidates import parse_candidates
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
@@ -31,7 +32,6 @@ from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_recordings.recording import Recording
-from furuta_sim.lanes.batch import batch
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # What is known of every rig before the recording: sensors, drive, timing, limits.

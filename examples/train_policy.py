@@ -17,8 +17,8 @@ from gymnasium.envs.classic_control.cartpole import CartPoleVectorEnv
 
 import furuta
 from furuta.gym import FurutaVectorEnv, random_plants
+from furuta.lanes.batch import batch
 from furuta_model.state import PHI
-from furuta_sim.lanes.batch import batch
 
 # Policies of a generation, rigs for each, samples of an episode, generations.
 POLICIES, RIGS, SAMPLES, GENERATIONS = 16, 24, 4000, 60

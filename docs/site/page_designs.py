@@ -169,7 +169,8 @@ def design_of(loop: Loop) -> Design:
 
 def _selecting(record: Any, path: str) -> Iterator[str]:
     """Names of the numbers in a record that select what is translated."""
-    for name, found in marks(type(record)).items():
+    kind: Any = type(record)
+    for name, found in marks(kind).items():
         value = getattr(record, name)
         if SELECTS in found:
             yield f"{path}_{name}"

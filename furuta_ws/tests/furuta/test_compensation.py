@@ -5,6 +5,7 @@ from math import pi, sin
 import numpy as np
 import pytest
 
+from furuta.lanes.batch import batch
 from furuta.studies.tuning.guarded_loop import SimulatedLoop
 from furuta.studies.tuning.plan import TuningPlan
 from furuta.studies.tuning.tuning import tune
@@ -17,7 +18,6 @@ from furuta_friction.compensation import (
 )
 from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import Sensors
-from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Simulation
 

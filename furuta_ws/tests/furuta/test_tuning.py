@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from furuta.lanes.batch import batch
 from furuta.studies.tuning.guarded_loop import GuardError, SimulatedLoop
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import RIVALS, TuningPlan
@@ -14,7 +15,6 @@ from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Simulation
 

@@ -7,6 +7,7 @@ from multiprocessing import get_context
 from furuta.axis.axis import Axis, Pid, servo_cycle
 from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.lanes.lanes import compile_stages
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
@@ -16,7 +17,6 @@ from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings.settings import default_settings
 from furuta_model.friction.parameters import Friction
 from furuta_ros.context import ros_context
-from furuta_sim.lanes.lanes import compile_stages
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # Compensations whose stages are compiled for batches; others are compiled when they are worth it.

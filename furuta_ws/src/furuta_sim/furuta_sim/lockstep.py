@@ -8,17 +8,12 @@ come for a while, so that there are never two messages in the loop. The middlewa
 command seconds late: one that was sent before its measurement is ignored.
 """
 
-from __future__ import annotations
-
 from time import monotonic, time_ns
-from typing import TYPE_CHECKING
+from typing import Any
 
 from furuta_ros.discovery import clock_advice
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, Topic
-
-if TYPE_CHECKING:
-    from furuta_sim.plant_node import PlantNode
 
 CHECK_PERIOD = 0.1  # [s] between checks of the loop
 REPEAT_AFTER = 1.0  # [s] without a command until the measurement is sent again
@@ -29,9 +24,9 @@ INCOMPLETE_AFTER = 4.0
 
 
 class LockStep:
-    """Moves the plant when a command arrives."""
+    """Moves the plant (:class:`furuta_sim.plant_node.PlantNode`) when a command arrives."""
 
-    def __init__(self, plant: PlantNode) -> None:
+    def __init__(self, plant: Any) -> None:
         self._plant = plant
         self._is_waiting = self._is_repeated = False
         self._began = 0  # when the measurement was sent last [ns since 1970]

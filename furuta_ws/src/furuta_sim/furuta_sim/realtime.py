@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from time import monotonic_ns
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
@@ -13,9 +13,6 @@ from furuta_ros.node import RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import QOS, TIMING
-
-if TYPE_CHECKING:
-    from furuta_sim.plant_node import PlantNode
 
 # Histograms count in bins of 1 µs. The last one [µs] also counts all longer durations.
 LAST_BIN = 20_000
@@ -78,7 +75,7 @@ class TimingCounts(NamedTuple):
 
 
 class RealTime:
-    """Moves the plant by a timer.
+    """Moves the plant (:class:`furuta_sim.plant_node.PlantNode`) by a timer.
 
     A sample without a new command uses the last one. When that is older than ``command_timeout``,
     the rig gets 0 V until the next command arrives. If the process is late by more than half a
@@ -86,7 +83,7 @@ class RealTime:
     then moved over all samples that are due, as a real rig would have moved.
     """
 
-    def __init__(self, plant: PlantNode) -> None:
+    def __init__(self, plant: Any) -> None:
         reject_simulated_time(plant, REAL_TIME)
         self._plant = plant
         self._command = 0.0

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
+from furuta.lanes.batch import outcomes
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_ros.errors import UserError
-from furuta_sim.lanes.batch import outcomes
 from furuta_sim.simulation.closed_loop import Loop, Outcome
 
 # Runs that are sent together.

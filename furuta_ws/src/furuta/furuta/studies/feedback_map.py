@@ -5,12 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.lanes.batch import available_cores
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.transfer import transfer
 from furuta_model.parameters import ParameterError
-from furuta_sim.lanes.batch import available_cores
 
 # What a row of the map says about a cycle.
 SHOWN = (

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.lanes.batch import available_cores
 from furuta_control.control import design_controller
 from furuta_graph.settings.settings import Settings, rig_settings
 from furuta_hw.rigs.rig import Rig
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA
-from furuta_sim.lanes.batch import available_cores
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 
 # Pendulum angle [rad] within which it counts as upright: its tip is above 0.9 of its height.

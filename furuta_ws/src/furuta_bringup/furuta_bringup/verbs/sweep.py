@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from furuta.lanes.batch import batch
 from furuta.studies.cluster import check_cluster, outcomes_on_cluster
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta.studies.sweep import Sweep, parse_swept_parameter, run
@@ -18,7 +19,6 @@ from furuta_bringup.printing import show
 from furuta_bringup.terminal import with_progress
 from furuta_graph.settings.settings import load_settings
 from furuta_model.parameters import ParameterError
-from furuta_sim.lanes.batch import batch
 
 DEFAULT_COUNT = 10
 

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.lanes.batch import batch
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
 from furuta_graph.settings.settings import Settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY
-from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Outcome, outcome
 

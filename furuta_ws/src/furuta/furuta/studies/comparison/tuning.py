@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.lanes.batch import batch
 from furuta.studies.comparison.candidates import Candidate, Range, current_values
 from furuta.studies.comparison.comparison import residual
 from furuta.studies.comparison.rigs import SimulatedRig
 from furuta.studies.trust_region import SEARCH, search
 from furuta_graph.settings.settings import Settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import PlantParameters
 
 # Number of random rigs to tune on.

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.lanes import usual_sample
+from furuta.lanes.lane_compiler import widest_vectors
 from furuta_control.control import ControllerDesign, ControllerMemory, control
 from furuta_control.estimation import EstimatorDesign, EstimatorMemory, estimate_state
 from furuta_friction.compensation import CompensationDesign, CompensationMemory
@@ -24,8 +26,6 @@ from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, 
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
-from furuta_sim.lanes import usual_sample
-from furuta_sim.lanes.lane_compiler import widest_vectors
 from furuta_sim.plant import NOISE_CHANNELS
 from furuta_sim.simulation.closed_loop import Sums, measure_sample, note_fall
 from furuta_sim.simulation.oscillation import accumulate_midpoint

@@ -1,6 +1,6 @@
 """Simulates many closed loops on all cores, side by side where they compute alike.
 
-Loops of one kind run together in lanes (:mod:`furuta_sim.lanes.lanes`), the others
+Loops of one kind run together in lanes (:mod:`furuta.lanes.lanes`), the others
 singly. Both are calls of compiled code that release the interpreter lock, so threads share the work
 without copies or processes. A run depends on its own parameters and seed alone: its outcome is the
 same to the last bit for any other runs, any order, any number of workers, in a lane or alone.
@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from itertools import islice
 
-from furuta_sim.lanes.lanes import (
+from furuta.lanes.lanes import (
     WIDTH_WITHOUT_FILTER,
     Group,
     PreparedLoop,

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from random_loops import LAWS, METHODS, random_loop
 
+from furuta.lanes.batch import batch
+from furuta.lanes.lanes import WIDTH, compile_stages, prepare, run_block
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
@@ -17,8 +19,6 @@ from furuta_model.parts.motion import Cogging
 from furuta_model.parts.sensor_faults import SensorFaults
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
-from furuta_sim.lanes.batch import batch
-from furuta_sim.lanes.lanes import WIDTH, compile_stages, prepare, run_block
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
 
@@ -96,7 +96,7 @@ def test_batch_uses_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
         blocks.append(len(loops))
         return run_block(loops, settled)
 
-    monkeypatch.setattr("furuta_sim.lanes.batch.run_block", counted)
+    monkeypatch.setattr("furuta.lanes.batch.run_block", counted)
     loops = [Loop(PlantParameters(seed=k)) for k in range(200)]
     compile_stages(loops[:1])
     assert len(list(batch(loops, SECONDS, workers=1))) == 200

@@ -2,7 +2,7 @@
 
 Loops that compute alike form a group: the same kinds of law, compensation, estimator and sensors,
 and as many samples. Up to 64 loops of a group run in one block
-(:mod:`furuta_sim.lanes.lane_stages`); each has parameters, seed and initial state of its
+(:mod:`furuta.lanes.lane_stages`); each has parameters, seed and initial state of its
 own.
 
 Rigs with faults of the sensors, with parts (cogging, pushes, a drive's dynamics and others) or
@@ -19,6 +19,23 @@ import numpy as np
 from numba import types
 from numba.core import cgutils
 
+from furuta.lanes.lane_compiler import (
+    Lanes,
+    LanesType,
+    Layout,
+    field_of,
+    joined,
+    layout_of,
+    numbers_of,
+)
+from furuta.lanes.lane_stages import (
+    PARTS,
+    STAGES,
+    LaneDesign,
+    LaneMemory,
+    LanePlant,
+    Stage,
+)
 from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import COMPENSATIONS, design_compensator
@@ -29,23 +46,6 @@ from furuta_model.parameters import OFF_AT_ZERO, SELECTS
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
-from furuta_sim.lanes.lane_compiler import (
-    Lanes,
-    LanesType,
-    Layout,
-    field_of,
-    joined,
-    layout_of,
-    numbers_of,
-)
-from furuta_sim.lanes.lane_stages import (
-    PARTS,
-    STAGES,
-    LaneDesign,
-    LaneMemory,
-    LanePlant,
-    Stage,
-)
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 from furuta_sim.simulation.closed_loop import Loop, Outcome, summary
 

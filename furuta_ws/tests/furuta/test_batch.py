@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from furuta.lanes.batch import batch
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI
-from furuta_sim.lanes.batch import batch
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
 from furuta_sim.simulation.oscillation import fell, measure_oscillation
