@@ -7,7 +7,7 @@ from scipy.signal import StateSpace, lsim
 from furuta_control.estimation import (
     EstimatorMemory,
     EstimatorParameters,
-    PartParameters,
+    MethodParameters,
     design_estimator,
     estimate_state,
 )
@@ -42,7 +42,7 @@ def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -
     theta = np.cumsum(np.random.default_rng(10).normal(0, 0.01, 300)) + 0.3
     time = np.arange(300) * dt
     _, expected, _ = lsim(system, theta, time, X0=[theta[0], 0.0], interp=True)
-    parts = PartParameters(lowpass=LowpassParameters(bandwidth, damping))
+    parts = MethodParameters(lowpass=LowpassParameters(bandwidth, damping))
     p = EstimatorParameters("lowpass", parts=parts, sample_time=dt)
     found = estimates(of_theta(theta), p)[:, 2:]
     assert found[:, 0] == pytest.approx(expected[:, 0], abs=1e-9)

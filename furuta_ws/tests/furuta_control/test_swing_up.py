@@ -11,7 +11,7 @@ from furuta_control.control import (
     ACTIVE_MODES,
     ControllerMemory,
     ControllerParameters,
-    PartParameters,
+    ModeParameters,
     active_mode,
     control,
     design_controller,
@@ -115,7 +115,7 @@ def test_swings_up_and_balances_within_the_limits(theta: float) -> None:
 
 def recovering(recover: bool) -> Any:
     """The parameters of the mode."""
-    return PartParameters(swing_up=SwingUpParameters(recover))
+    return ModeParameters(swing_up=SwingUpParameters(recover))
 
 
 def fallen(recover: bool) -> Rig:

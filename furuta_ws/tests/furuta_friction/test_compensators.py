@@ -13,8 +13,8 @@ from furuta_friction.compensation import (
     COMPENSATIONS,
     CompensationDesign,
     CompensationMemory,
+    CompensatorParameters,
     ObserverParameters,
-    PartParameters,
     beyond_adaptation,
     design_compensator,
     estimate_friction,
@@ -66,7 +66,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
         observer = compensators(
             friction=lugre,
             observer_gain=gain,
-            parts=PartParameters(adaptive=AdaptiveParameters(abs(gain))),
+            parts=CompensatorParameters(adaptive=AdaptiveParameters(abs(gain))),
             sample_time=dt,
         )[kind]
         memory = empty()

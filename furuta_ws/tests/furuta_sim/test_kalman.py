@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from furuta_control.estimation import (
     EstimatorMemory,
     EstimatorParameters,
-    PartParameters,
+    MethodParameters,
     design_estimator,
     estimate_state,
 )
@@ -158,7 +158,7 @@ def test_any_allowed_sensor_has_a_filter() -> None:
                 potentiometer_noise=noise,
             )
             for spread in (1e-3, 1.0, 1e3):
-                parts = PartParameters(kalman=KalmanParameters(spread, spread))
+                parts = MethodParameters(kalman=KalmanParameters(spread, spread))
                 p = EstimatorParameters(sensors=sensors, parts=parts)
                 step = design_estimator(p).parts.kalman.step
                 assert np.all(np.isfinite(step))

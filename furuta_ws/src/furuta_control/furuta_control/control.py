@@ -53,11 +53,11 @@ ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, _OWN_NAME)))
 _BALANCE, _SWING_UP = MODES.index(balance.PART), MODES.index(swing_up.PART)
 
 if TYPE_CHECKING:
-    PartParameters: TypeAlias = Any
-    PartMemory: TypeAlias = Any
-    PartDesign: TypeAlias = Any
+    ModeParameters: TypeAlias = Any
+    ModeMemories: TypeAlias = Any
+    ModeDesigns: TypeAlias = Any
 else:
-    PartParameters, PartMemory, PartDesign = groups_of(MODES, __name__)
+    ModeParameters, ModeMemories, ModeDesigns = groups_of(MODES, __name__, "Mode")
 
 
 class ControllerParameters(NamedTuple):
@@ -129,7 +129,7 @@ class ControllerParameters(NamedTuple):
         About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
-    parts: Annotated[PartParameters, INLINE] = PartParameters()
+    parts: Annotated[ModeParameters, INLINE] = ModeParameters()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -184,7 +184,7 @@ class ControllerDesign(NamedTuple):
     excitation: Excitation
     voltage_limit: float
     sample_time: float
-    parts: PartDesign
+    parts: ModeDesigns
 
 
 @dataclass
@@ -193,7 +193,7 @@ class ControllerMemory:
 
     phase: float = 0.0
     balance: BalanceMemory = field(default_factory=BalanceMemory)
-    parts: PartMemory = field(default_factory=PartMemory)
+    parts: ModeMemories = field(default_factory=ModeMemories)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
@@ -216,7 +216,7 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
         excitation=design_excitation(p.excitation, p.sample_time, any_tilt=any_tilt),
         voltage_limit=p.voltage_limit,
         sample_time=p.sample_time,
-        parts=PartDesign(*design_parts(MODES, p)),
+        parts=ModeDesigns(*design_parts(MODES, p)),
     )
 
 

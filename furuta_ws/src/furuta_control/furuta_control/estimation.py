@@ -51,11 +51,11 @@ _begin = by_kind([*(method.begin for method in METHODS), nothing])
 _improve_prediction = by_kind([*(method.predict for method in METHODS), no_prediction])
 
 if TYPE_CHECKING:
-    PartParameters: TypeAlias = Any
-    PartMemory: TypeAlias = Any
-    PartDesign: TypeAlias = Any
+    MethodParameters: TypeAlias = Any
+    MethodMemories: TypeAlias = Any
+    MethodDesigns: TypeAlias = Any
 else:
-    PartParameters, PartMemory, PartDesign = groups_of(METHODS, __name__)
+    MethodParameters, MethodMemories, MethodDesigns = groups_of(METHODS, __name__, "Method")
 
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
@@ -78,7 +78,7 @@ class EstimatorParameters(NamedTuple):
         ),
     ] = 0.0
     sensors: Sensors = Sensors()
-    parts: Annotated[PartParameters, INLINE] = PartParameters()
+    parts: Annotated[MethodParameters, INLINE] = MethodParameters()
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -136,7 +136,7 @@ class EstimatorDesign(NamedTuple):
     ideal: bool
     readings: ReadingLimits
     sample_time: float
-    parts: PartDesign
+    parts: MethodDesigns
     own: OwnEstimation
 
 
@@ -156,7 +156,7 @@ class EstimatorMemory:
     estimate: np.ndarray = zeros(SIGNALS)
     running: int = NOT_RUNNING
     readings: ReadingMemory = field(default_factory=ReadingMemory)
-    parts: PartMemory = field(default_factory=PartMemory)
+    parts: MethodMemories = field(default_factory=MethodMemories)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
@@ -172,7 +172,7 @@ def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
         ideal=p.sensors.ideal,
         readings=reading_limits(p.rig, chosen.needs_applied_torque),
         sample_time=p.sample_time,
-        parts=PartDesign(*design_parts(METHODS, p)),
+        parts=MethodDesigns(*design_parts(METHODS, p)),
         own=OwnEstimation(p.model, p.model_viscous, p.sample_time),
     )
 

@@ -41,11 +41,13 @@ compensate = by_kind([*(compensator.estimate for compensator in ALL), own.estima
 _reset_parts = in_turn(compensator.reset for compensator in ALL if compensator.reset is not None)
 
 if TYPE_CHECKING:
-    PartParameters: TypeAlias = Any
-    PartMemory: TypeAlias = Any
-    PartDesign: TypeAlias = Any
+    CompensatorParameters: TypeAlias = Any
+    CompensatorMemories: TypeAlias = Any
+    CompensatorDesigns: TypeAlias = Any
 else:
-    PartParameters, PartMemory, PartDesign = groups_of(ALL, __name__)
+    CompensatorParameters, CompensatorMemories, CompensatorDesigns = groups_of(
+        ALL, __name__, "Compensator"
+    )
 
 
 class ObserverParameters(NamedTuple):
@@ -56,7 +58,7 @@ class ObserverParameters(NamedTuple):
     observer_gain: Annotated[
         float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
     ] = 0.01
-    parts: Annotated[PartParameters, INLINE] = PartParameters()
+    parts: Annotated[CompensatorParameters, INLINE] = CompensatorParameters()
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -85,7 +87,7 @@ class CompensationDesign(NamedTuple):
     largest_factor: float
     friction: Friction
     observer_gain: float
-    parts: PartDesign
+    parts: CompensatorDesigns
     sample_time: float
 
 
@@ -94,7 +96,7 @@ class CompensationMemory:
     """What the compensators remember; ``bristle`` is ẑ of the observer [rad]."""
 
     bristle: float = 0.0
-    parts: PartMemory = field(default_factory=PartMemory)
+    parts: CompensatorMemories = field(default_factory=CompensatorMemories)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
@@ -109,7 +111,7 @@ def design_compensator(p: ObserverParameters) -> CompensationDesign:
         largest_factor=inf if is_own else chosen.largest_factor,
         friction=p.friction,
         observer_gain=p.observer_gain,
-        parts=PartDesign(*design_parts(ALL, p)),
+        parts=CompensatorDesigns(*design_parts(ALL, p)),
         sample_time=p.sample_time,
     )
 

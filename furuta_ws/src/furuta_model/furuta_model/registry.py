@@ -30,8 +30,8 @@ def parts_in(package: str, modules: Iterable[str]) -> tuple[Any, ...]:
     return tuple(import_module(f"{package}.{name}").PART for name in modules)
 
 
-def groups_of(parts: Sequence[Any], module: str) -> tuple[Any, Any, Any]:
-    """The types PartParameters, PartMemory and PartDesign of a registry in ``module``.
+def groups_of(parts: Sequence[Any], module: str, kind: str) -> tuple[Any, Any, Any]:
+    """The types KINDParameters, KINDMemories and KINDDesigns of a registry in ``module``.
 
     With ``inline`` the names of a part's parameters do not begin with that of the part.
     """
@@ -40,19 +40,19 @@ def groups_of(parts: Sequence[Any], module: str) -> tuple[Any, Any, Any]:
     memories = [
         (p.name, p.memory, field(default_factory=p.memory)) for p in parts if p.memory is not None
     ]
-    memory = make_dataclass("PartMemory", memories)
+    memory = make_dataclass(f"{kind}Memories", memories)
     memory.__module__ = module
     return (
-        _named_tuple("PartParameters", module, parameters, [p.parameters() for p in given]),
+        _named_tuple(f"{kind}Parameters", module, parameters, [p.parameters() for p in given]),
         memory,
-        _named_tuple("PartDesign", module, {p.name: Any for p in parts if _is_designed(p)}),
+        _named_tuple(f"{kind}Designs", module, {p.name: Any for p in parts if _is_designed(p)}),
     )
 
 
 def _named_tuple(name: str, module: str, fields: dict[str, Any], defaults: Any = ()) -> Any:
     made: Any = namedtuple(name, fields, defaults=defaults, module=module)  # type: ignore[misc]
     made.__annotations__ = fields
-    made.__doc__ = f"{name[4:]} of the parts, by their names."
+    made.__doc__ = "A field for each part, by its name."
     return made
 
 
@@ -61,7 +61,7 @@ def _is_designed(part: Any) -> bool:
 
 
 def design_parts(parts: Iterable[Any], p: Any) -> tuple[Any, ...]:
-    """The fields of PartDesign for all parameters ``p``: by default the part's parameters."""
+    """The designs, for all parameters ``p``: by default the part's parameters."""
     return tuple(
         part.design(p) if part.design else getattr(p.parts, part.name)
         for part in parts
