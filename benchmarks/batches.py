@@ -9,9 +9,10 @@ from experiment import LOOP
 
 from furuta.lanes.batch import available_cores, batch
 from furuta.lanes.lanes import compile_stages
+from furuta.outcomes import outcome
 from furuta_friction.compensation import ObserverParameters
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.simulation.closed_loop import Loop, outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 RUNS, SECONDS = 2000, 30.0
 # Runs of a small and of a large batch, and their length [s], to compare the cost per run.

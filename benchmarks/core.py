@@ -25,9 +25,9 @@ from scipy.integrate import solve_ivp
 
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.oscillation import Oscillation
+from furuta.outcomes import outcome
 from furuta_model.friction.laws import friction_law
-from furuta_sim.simulation.closed_loop import outcome
-from furuta_sim.simulation.oscillation import Oscillation
 
 ROUNDS = 7
 # Pendulum time for the slow simulators [s].

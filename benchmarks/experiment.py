@@ -9,6 +9,7 @@ from math import cos, exp, sin
 import numpy as np
 from scipy.integrate import odeint
 
+from furuta.oscillation import Oscillation, measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.converter import Actuator
@@ -16,7 +17,6 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.parameters import PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, simulate
-from furuta_sim.simulation.oscillation import Oscillation, measure_oscillation
 
 SECONDS = 60.0
 STEP = 1e-3

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from experiment import BODY, FEEDBACK, FRICTION, RELEASE, SECONDS, STEP, measure_cycle
 
-from furuta_sim.simulation.oscillation import Oscillation
+from furuta.oscillation import Oscillation
 
 GRAVITY = 9.81
 # Any value that leaves arm and pendulum a positive inertia [V s²/rad per m²].

@@ -18,13 +18,13 @@ from furuta.figures.figure import REFERENCE, saved_figure
 from furuta.figures.run import SIGNALS, draw_signals, label_signals
 from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.loops import ideal_loop
+from furuta.oscillation import Oscillation, measure_oscillation
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.studies.tuning.plan import SIMULATED
 from furuta.studies.tuning.tuning import tune_simulated
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
-from furuta_sim.simulation.oscillation import Oscillation, measure_oscillation
 
 # The motor's friction differs by direction (Fig. 6). The paper does not say by how much.
 ASYMMETRY = 0.05

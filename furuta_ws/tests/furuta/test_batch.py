@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from furuta.lanes.batch import batch
+from furuta.oscillation import fell, measure_oscillation
+from furuta.outcomes import SETTLED, Outcome, outcome
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome, simulate
-from furuta_sim.simulation.oscillation import fell, measure_oscillation
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 SECONDS = 3.0
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from furuta.outcomes import outcome
 from furuta.studies.comparison.candidates import STANDARD, Candidate, parse_candidates
 from furuta.studies.comparison.comparison import Comparison
 from furuta.studies.comparison.rigs import (
@@ -26,7 +27,6 @@ from furuta_graph.settings.settings import default_settings, load_settings, loop
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, declared
-from furuta_sim.simulation.closed_loop import outcome
 
 SETTINGS = default_settings()
 NOMINAL = nominal_values(SETTINGS)

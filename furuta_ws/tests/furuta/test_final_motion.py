@@ -14,11 +14,11 @@ from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.limit_cycles.rest_stability import rest_stability
+from furuta.outcomes import Outcome, outcome
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
-from furuta_sim.simulation.closed_loop import Outcome, Simulation
 
 # Laws of the random loops.
 ANALYSED = ("coulomb", "stiction", "stribeck", "lugre")
@@ -63,7 +63,7 @@ def exact(*assignments: str, feedback: Gains | None = None) -> LimitCycle:
 
 def simulated(seconds: float, *assignments: str) -> Outcome:
     """The same loop, simulated with perfect sensors and a short sample time."""
-    return Simulation(loop(load_settings((), [*IDEAL, *assignments]))).measure(seconds)
+    return outcome(loop(load_settings((), [*IDEAL, *assignments])), seconds)
 
 
 def kind(run: Outcome) -> str:

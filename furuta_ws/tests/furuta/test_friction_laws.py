@@ -5,6 +5,7 @@ import pytest
 
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.oscillation import measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.converter import Actuator
@@ -28,7 +29,6 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
-from furuta_sim.simulation.oscillation import measure_oscillation
 
 P = Friction(alpha1=0.05, viscous=0.02, asymmetry=0.2)
 STICKING = [law.name for law in ALL if not law.bristle]

@@ -11,6 +11,7 @@ from random_loops import LAWS, METHODS, random_loop
 
 from furuta.lanes.batch import batch
 from furuta.lanes.lanes import WIDTH, compile_stages, prepare, run_block
+from furuta.outcomes import SETTLED, Outcome, outcome
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
@@ -20,7 +21,7 @@ from furuta_model.parts.sensor_faults import SensorFaults
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 RANDOM_LOOPS = int(os.environ.get("FURUTA_LANES", "0"))
 SECONDS = 2.0

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from furuta.outcomes import Outcome
 from furuta.studies.study_tables import OUTCOME, check_table, write_runs
 from furuta.studies.sweep import Sweep, SweptParameter, parse_swept_parameter
 from furuta.studies.sweep_journal import Journal
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 from furuta_recordings.table_files import parquet
-from furuta_sim.simulation.closed_loop import Outcome
 
 RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
 ALPHA0 = SweptParameter("alpha0", (1.0, 2.0))

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from furuta.outcomes import outcome
 from furuta_graph.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.bridge.sample_clock import SLEW, SampleClock
 from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
@@ -21,7 +22,6 @@ from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.converter import convert
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import accelerations
-from furuta_sim.simulation.closed_loop import outcome
 
 PHYSICAL = PhysicalParameters(
     arm_inertia=2e-4,

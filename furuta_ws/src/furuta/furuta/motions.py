@@ -18,11 +18,12 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.limit_cycles.predicted_joint import predict_joint
 from furuta.loops import Part, ideal_loop, with_parts
+from furuta.outcomes import Outcome, outcome
 from furuta.transfer import transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_sim.simulation import closed_loop
-from furuta_sim.simulation.closed_loop import Loop, Outcome, Record
+from furuta_sim.simulation.closed_loop import Loop, Record
 
 if TYPE_CHECKING:
     from furuta.studies.tuning.plan import TuningResult
@@ -73,7 +74,7 @@ def measure(
     _check_seconds(seconds)
     if not 0.0 < settled <= 1.0:
         raise ParameterError(f"settled must be above 0 and at most 1, given {settled:g}")
-    return closed_loop.outcome(with_parts(loop or Loop(), **parts), seconds, settled)
+    return outcome(with_parts(loop or Loop(), **parts), seconds, settled)
 
 
 def friction_joint(

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_sim.simulation.oscillation import measure_oscillation
+from furuta.oscillation import measure_oscillation
 from furuta_view.samples import PHI, THETA_DOT, TIME
 
 # Time that is measured [s]: two periods of the paper's limit cycle.

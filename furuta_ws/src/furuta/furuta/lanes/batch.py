@@ -20,7 +20,8 @@ from furuta.lanes.lanes import (
     prepare,
     run_block,
 )
-from furuta_sim.simulation.closed_loop import SETTLED, Loop, Outcome, outcome
+from furuta.outcomes import SETTLED, Outcome, outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 # Blocks per worker that are taken from the loops together. More loops find more of their kind;
 # fewer need less memory.

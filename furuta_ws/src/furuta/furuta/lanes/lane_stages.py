@@ -14,6 +14,8 @@ import numpy as np
 
 from furuta.lanes import usual_sample
 from furuta.lanes.lane_compiler import widest_vectors
+from furuta.oscillation import accumulate_midpoint
+from furuta.outcomes import Sums, measure_sample, note_fall
 from furuta_control.control import ControllerDesign, ControllerMemory, control
 from furuta_control.estimation import EstimatorDesign, EstimatorMemory, estimate_state
 from furuta_friction.compensation import CompensationDesign, CompensationMemory
@@ -27,8 +29,6 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
 from furuta_sim.plant import NOISE_CHANNELS
-from furuta_sim.simulation.closed_loop import Sums, measure_sample, note_fall
-from furuta_sim.simulation.oscillation import accumulate_midpoint
 
 
 @dataclass

@@ -36,6 +36,7 @@ from furuta.lanes.lane_stages import (
     LanePlant,
     Stage,
 )
+from furuta.outcomes import Outcome, summary
 from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import COMPENSATIONS, design_compensator
@@ -47,7 +48,7 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
-from furuta_sim.simulation.closed_loop import Loop, Outcome, summary
+from furuta_sim.simulation.closed_loop import Loop
 
 # Most lanes of a block: many, because starting a loop over them costs time, but what a sample uses
 # of the block has to stay in the processor's first cache. That is some 70 numbers per lane with

@@ -17,9 +17,9 @@ from furuta.limit_cycles.friction_loop import (
     rest_distance,
     unbounded,
 )
+from furuta.oscillation import STUCK_SPEED
 from furuta_model.compiled import compiled
 from furuta_model.state import PHI_DOT
-from furuta_sim.simulation.oscillation import STUCK_SPEED
 
 # How a piece of motion ended.
 GOES_ON = -1

@@ -6,9 +6,10 @@ from itertools import islice
 from typing import Any
 
 from furuta.lanes.batch import outcomes
+from furuta.outcomes import Outcome
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_ros.errors import UserError
-from furuta_sim.simulation.closed_loop import Loop, Outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 # Runs that are sent together.
 CHUNK_SIZE = 8

@@ -10,10 +10,10 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, get_type_hints
 
+from furuta.outcomes import Outcome
 from furuta_model.parameters import ParameterError
 from furuta_recordings.table_files import check_parquet, write_parquet_rows
 from furuta_ros.whole_files import whole_file
-from furuta_sim.simulation.closed_loop import Outcome
 
 SUFFIXES = (".csv", ".parquet")
 # Columns of a run beside its parameters; they are empty if the parameters are impossible.

@@ -7,11 +7,12 @@ from math import prod
 from typing import Any, NamedTuple
 
 from furuta.lanes.batch import batch
+from furuta.outcomes import Outcome
 from furuta.studies.analysis_options import parse_range
 from furuta_graph.settings.parameter_names import parameters_named
 from furuta_graph.settings.settings import Settings, loop_with
 from furuta_model.parameters import ParameterError, names_part
-from furuta_sim.simulation.closed_loop import Loop, Outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 MAX_POINTS = 10_000_000
 NO_OUTCOME = dict.fromkeys(Outcome._fields)

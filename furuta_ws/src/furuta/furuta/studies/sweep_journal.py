@@ -8,11 +8,11 @@ import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from furuta.outcomes import Outcome
 from furuta.studies.sweep import Result, Sweep
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_ros.whole_files import make_directory
-from furuta_sim.simulation.closed_loop import Outcome
 
 
 class Journal:

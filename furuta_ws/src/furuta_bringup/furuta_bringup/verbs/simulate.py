@@ -7,6 +7,7 @@ from typing import Any
 import click
 import numpy as np
 
+from furuta.oscillation import fell, measure_oscillation
 from furuta.studies.series import simulated_series
 from furuta_bringup.file_types import SERIES_OR_FIGURE
 from furuta_bringup.options import (
@@ -24,7 +25,6 @@ from furuta_model.state import LARGEST_VALUE
 from furuta_recordings.table_files import SUFFIXES, write_columns, write_npz
 from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Simulation
-from furuta_sim.simulation.oscillation import fell, measure_oscillation
 
 
 @click.command()

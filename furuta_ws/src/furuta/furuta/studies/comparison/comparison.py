@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.lanes.batch import batch
+from furuta.outcomes import Outcome, outcome
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
 from furuta_graph.settings.settings import Settings, loop
@@ -16,7 +17,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.simulation.closed_loop import Loop, Outcome, outcome
+from furuta_sim.simulation.closed_loop import Loop
 
 # Duration of a push on the arm [s].
 PUSH_DURATION = 0.1

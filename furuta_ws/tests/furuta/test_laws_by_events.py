@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from event_reference import EventLoop
 
+from furuta.oscillation import measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
@@ -19,7 +20,6 @@ from furuta_model.sensors import Sensors
 from furuta_model.state import PHI
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Simulation
-from furuta_sim.simulation.oscillation import measure_oscillation
 
 # Short enough that the sampled controller is the continuous one within 3e-5.
 STEP = 2e-5

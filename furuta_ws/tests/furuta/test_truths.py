@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from furuta.outcomes import outcome
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.parameters import build
 from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.simulation.closed_loop import Loop, outcome, simulate
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 
 @pytest.mark.parametrize("method", ["kalman", "lowpass"])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from furuta_sim.simulation.oscillation import fell, measure_oscillation, period
+from furuta.oscillation import fell, measure_oscillation, period
 
 DT = 1e-3
 TIME = np.arange(0, 30, DT)

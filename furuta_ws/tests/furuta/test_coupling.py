@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from furuta.outcomes import outcome
 from furuta_graph.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.rigs.rig import Rig
@@ -15,7 +16,6 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.coupling import Coupling
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import design_plant, initial_plant, move
-from furuta_sim.simulation.closed_loop import outcome
 
 SAMPLES = 150
 START = np.array([0.1, 0.3, 0.1, -0.2])

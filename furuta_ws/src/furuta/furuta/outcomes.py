@@ -1,0 +1,161 @@
+"""Measures runs of a closed loop while they run: oscillation, rms values and falls, no series.
+
+A run of any length needs one small memory, :class:`Sums`.
+"""
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.oscillation import (
+    OscillationSums,
+    accumulate,
+    accumulate_midpoint,
+    oscillation,
+)
+from furuta_model.block import new_memory
+from furuta_model.compiled import compiled, inlined
+from furuta_model.state import PHI, SIGNALS, THETA
+from furuta_sim.plant import NOISE_CHANNELS, Plant, move, true_friction
+from furuta_sim.simulation.closed_loop import Loop, Simulation, control_measured
+from furuta_sim.simulation.control_system import ControlSystem
+
+# Fraction of a run that is measured: the last half, after the transients.
+SETTLED = 0.5
+# Rate [1/s] of the filter that separates the fast part of the command: 50 Hz.
+FAST = 100.0 * np.pi
+
+
+@dataclass
+class Sums:
+    """What is accumulated in a run: the oscillation, and sums over the measured part.
+
+    ``phi``, ``command`` and ``error`` are those of the squares of φ [rad²], u and F − F̂ [V²];
+    ``step`` and ``fast`` those of the change of u from sample to sample, and of u above
+    :data:`FAST`. ``last`` and ``slow`` are the last u and its slow part [V].
+    ``fell``: whether the pendulum has been below the horizontal, in the whole run.
+    """
+
+    oscillation: OscillationSums = field(default_factory=OscillationSums)
+    phi: float = 0.0
+    command: float = 0.0
+    error: float = 0.0
+    step: float = 0.0
+    fast: float = 0.0
+    last: float = 0.0
+    slow: float = 0.0
+    fell: bool = False
+
+
+class Outcome(NamedTuple):
+    """Result of a run over its settled part; ``fell`` refers to the whole run.
+
+    ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
+    oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
+    values are about zero: arm angle [rad], command [V], its change from sample to sample, its part
+    above 50 Hz (first-order filter), error of the friction estimate F − F̂ [V].
+    """
+
+    phi_peak_to_peak_rad: float
+    theta_peak_to_peak_rad: float
+    period_s: float
+    stuck_fraction: float
+    phi_rms_rad: float
+    command_rms_v: float
+    command_step_v: float
+    command_high_frequency_v: float
+    friction_error_rms_v: float
+    fell: bool
+    steps: int
+
+
+def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
+    """Run the loop for ``seconds`` and measure the last fraction ``settled``; keep no series."""
+    return measure(Simulation(loop), seconds, settled)
+
+
+def measure(simulation: Simulation, seconds: float, settled: float = SETTLED) -> Outcome:
+    """Continue a simulation for ``seconds``, and measure the last fraction ``settled``."""
+    samples = simulation.samples(seconds)
+    measured = max(1, round(settled * samples))
+    sums = new_memory(Sums)
+    _run(
+        *(simulation.memory, simulation.noise, simulation.plant, simulation.control_system),
+        *(samples, samples - measured, sums),
+    )
+    return summary(sums[0].item(), simulation.loop.plant.sample_time, samples, measured)
+
+
+def summary(sums: tuple[Any, ...], sample_time: float, samples: int, measured: int) -> Outcome:
+    """The outcome of a run of ``samples`` samples, of which the last ``measured`` count.
+
+    ``sums`` are the fields of :class:`Sums`.
+    """
+    oscillation_sums, phi, command, error, step, fast, _, _, fell = sums
+    motion = oscillation(OscillationSums(*oscillation_sums), sample_time)
+    return Outcome(
+        *motion,
+        phi_rms_rad=sqrt(phi / measured),
+        command_rms_v=sqrt(command / measured),
+        command_step_v=sqrt(step / measured),
+        command_high_frequency_v=sqrt(fast / measured),
+        friction_error_rms_v=sqrt(error / measured),
+        fell=fell,
+        steps=samples,
+    )
+
+
+@inlined
+def measure_sample(
+    sums: Sums, x: np.ndarray, u: float, friction: float, estimated: float, dt: float
+) -> None:
+    """Include a sample of ``dt`` [s] in what is measured: true state, u, F and F̂ [V]."""
+    if sums.oscillation.samples == 0:
+        sums.last = sums.slow = u
+    fast = u - sums.slow
+    sums.slow += fast * (FAST * dt / (1.0 + FAST * dt))
+    sums.fast += fast * fast
+    sums.step += (u - sums.last) * (u - sums.last)
+    sums.last = u
+    accumulate(sums.oscillation, x)
+    sums.phi += x[PHI] * x[PHI]
+    sums.command += u * u
+    sums.error += (friction - estimated) * (friction - estimated)
+
+
+@inlined
+def note_fall(sums: Sums, x: np.ndarray) -> None:
+    """Remember whether the pendulum has been below the horizontal."""
+    if abs(x[THETA]) > 0.5 * np.pi:
+        sums.fell = True
+
+
+@compiled
+def _run(
+    memory: np.ndarray,
+    generator: np.random.Generator,
+    plant: Plant,
+    control_system: ControlSystem,
+    samples: int,
+    transient: int,
+    sums: np.ndarray,
+) -> None:
+    """Run ``samples`` samples; the first ``transient`` are not measured."""
+    measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
+    noise = np.zeros(NOISE_CHANNELS)
+    loop, result = memory[0], sums[0]
+    x = loop.plant.x
+    for k in range(samples):
+        if not plant.sensors.ideal:
+            for channel in range(NOISE_CHANNELS):
+                noise[channel] = generator.standard_normal()
+        estimated, u = control_measured(loop, noise, plant, control_system, measurement, estimate)
+        if transient // 2 <= k < transient:
+            accumulate_midpoint(result.oscillation, x)
+        if k >= transient:
+            friction = true_friction(loop.plant, plant)
+            measure_sample(result, x, u, friction, estimated, plant.sample_time)
+        note_fall(result, x)
+        loop.torque = move(loop.plant, u, plant)
