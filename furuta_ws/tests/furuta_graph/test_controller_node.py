@@ -162,6 +162,8 @@ def test_old_estimate_becomes_zero(loop: Loop, in_real_time: None) -> None:
 def test_rejects_bad_messages_and_continues(loop: Loop) -> None:
     """Impossible values in either input are counted, reported and ignored."""
     loop.state(1, (1e300, 0.0, 0.0, 0.0))
+    loop.estimate(0.1)
+    assert loop.node.refused == 1
     loop.estimate(nan)
     assert loop.node.refused == 2
     loop.state(2)

@@ -8,7 +8,6 @@ import pytest
 from rclpy.serialization import serialize_message
 from testbench import joint_state
 
-from furuta_model.state import LARGEST_VALUE
 from furuta_ros.messages import RefusedError, read_joint_state
 
 STATE = (0.1, -0.2, 0.3, -0.4)
@@ -16,7 +15,7 @@ STATE = (0.1, -0.2, 0.3, -0.4)
 
 def read(message: object) -> np.ndarray:
     x = np.zeros(5)
-    read_joint_state(serialize_message(message), x, LARGEST_VALUE)
+    read_joint_state(serialize_message(message), x)
     return x
 
 
@@ -42,14 +41,14 @@ def test_wrong_joint_names_are_rejected(names: list[str]) -> None:
 
 
 @pytest.mark.parametrize("field", ["position", "velocity"])
-@pytest.mark.parametrize("values", [[], [0.0, 0.0, 0.0], [inf, 0.0], [0.0, 1e300]])
+@pytest.mark.parametrize("values", [[], [0.0, 0.0, 0.0]])
 def test_bad_values_are_rejected_and_nothing_is_written(field: str, values: list[float]) -> None:
-    """Empty, short, long, non-finite and impossible arrays leave the state unchanged."""
+    """Empty and long arrays leave the state unchanged."""
     message = joint_state(STATE, 0)
     setattr(message, field, array("d", values))
     x = np.full(5, 7.0)
     with pytest.raises(RefusedError):
-        read_joint_state(serialize_message(message), x, LARGEST_VALUE)
+        read_joint_state(serialize_message(message), x)
     assert x.tolist() == [7.0] * 5
 
 
@@ -71,7 +70,7 @@ def test_readings_are_read_whatever_they_are() -> None:
         read_joint_state(serialize_message(joint_state(STATE, 0, ["arm"])), measurement)
 
 
-@pytest.mark.parametrize("efforts", [[0.0], [-1e300, 0.0]])
+@pytest.mark.parametrize("efforts", [[0.0], [0.0, 0.0, 0.0]])
 def test_bad_effort_is_rejected(efforts: list[float]) -> None:
     """An effort must be one number for each joint."""
     message = joint_state(STATE, 0)

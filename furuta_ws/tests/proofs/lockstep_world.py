@@ -10,13 +10,12 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
-import numpy as np
 from proofs.explorer import shallow
 
 from furuta_control.controller_node import ControllerNode
 from furuta_ros.messages import read_value
 from furuta_ros.time_stamps import NEVER
-from furuta_ros.wire import joint_state_bytes, value_bytes
+from furuta_ros.wire import NO_SIGNALS, joint_state_bytes, value_bytes
 from furuta_sim import lockstep
 from furuta_sim.lockstep import LockStep
 
@@ -53,7 +52,7 @@ class Controller(ControllerNode):
 
     def __init__(self, world: "World") -> None:
         self.world = world
-        self._x, self._memory, self._controller = np.zeros(5), None, None
+        self._x, self._memory, self._controller = NO_SIGNALS, None, None
         self._stamp, self._command = NEVER, 0.0
         self._friction, self._friction_stamp, self._timeout = 0.0, NEVER, 0.0
         self._is_estimated, self._is_applied = True, True
@@ -148,7 +147,7 @@ class World:
             self.observer = content
             self.send("estimate", content)
         elif queue == "state":
-            self.controller.on_state(joint_state_bytes(content * PERIOD, np.zeros(4), 0.0))
+            self.controller.on_state(joint_state_bytes(content * PERIOD, NO_SIGNALS))
         elif queue == "estimate":
             self.controller.on_friction(value_bytes(content))
         else:
@@ -255,10 +254,9 @@ CLOCK = Clock()
 class NoClock:
     """In place of the simulated clock: nothing is published."""
 
-    def __init__(self, plant: Any) -> None: ...
+    due = 10**18
 
-    def advance(self, stamp: int) -> None:
-        """Do nothing."""
+    def __init__(self, plant: Any) -> None: ...
 
     def repeat(self) -> None:
         """Do nothing."""

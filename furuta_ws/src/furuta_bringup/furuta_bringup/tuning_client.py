@@ -13,7 +13,7 @@ from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
 from furuta_model.parameters import build, declared, values
-from furuta_model.state import LARGEST_VALUE, SIGNALS
+from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joint_state
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES, deep
@@ -77,7 +77,7 @@ class TuningClient:
         samples = max(1, round(seconds / self.estimator.sample_time))
         estimates = np.empty((samples, SIGNALS))
         for row in estimates:
-            read_joint_state(self._next(), row, LARGEST_VALUE)
+            read_joint_state(self._next(), row)
         return estimates
 
     def _next(self) -> bytes:

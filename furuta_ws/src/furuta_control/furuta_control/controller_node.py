@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from math import isnan
 
 import numpy as np
 from rclpy.parameter import Parameter
@@ -21,15 +22,15 @@ from furuta_control.modes import swing_up
 from furuta_control.modes.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
-from furuta_model.state import LARGEST_VALUE, SIGNALS
+from furuta_model.state import LARGEST_VALUE, is_possible
 from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import read_joint_state, read_value
+from furuta_ros.messages import RefusedError, read_value, typed_joint_state
 from furuta_ros.node import FurutaNode
 from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import ACTIVE_MODE, ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES, LATCHED
-from furuta_ros.wire import value_bytes
+from furuta_ros.wire import NO_SIGNALS, Signals, unpack_joint_state, value_bytes
 
 # Time between two warnings that estimates are late [s], the first one at once.
 SUMMARY_PERIOD = 30.0
@@ -59,7 +60,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         super().__init__("controller", ControllerParameters, overrides)
         self._memory = new_memory(ControllerMemory)
-        self._x, self._stamp, self._command = np.zeros(SIGNALS), NEVER, 0.0
+        self._x, self._stamp, self._command = NO_SIGNALS, NEVER, 0.0
         self._friction, self._friction_stamp = 0.0, NEVER  # of the state before the estimate
         self._is_estimated = True  # whether an estimate has come since the last state
         self._is_anew = self._is_answered = False
@@ -83,7 +84,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def on_state(self, data: bytes) -> None:
         """Wait for the state's estimate, or answer at once if the last state has had none."""
-        stamp = read_joint_state(data, self._x, LARGEST_VALUE)
+        stamp, self._x = unpack_joint_state(data) or typed_joint_state(data)
         if stamp == self._stamp:
             if self._is_answered:
                 self._publish()
@@ -112,9 +113,12 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
         self._is_answered = True
-        self._command, mode, is_reduced = self._step(
+        command, mode, is_reduced = self._step(
             self._memory, self._x, friction, self._controller, self._is_anew, self._is_applied
         )
+        if isnan(command):
+            raise RefusedError(f"no value of x may be larger than {LARGEST_VALUE:g}: {self._x}")
+        self._command = command
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()
@@ -139,13 +143,19 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 @compiled
 def _step(
     memory: np.ndarray,
-    x: np.ndarray,
+    state: Signals,
     friction: float,
     controller: np.ndarray,
     is_anew: bool,
     is_applied: bool,
 ) -> tuple[float, int, bool]:
-    """The command u [V], what the controller does, and whether a vibration has reduced it."""
+    """The command u [V], what the controller does, and whether a vibration has reduced it.
+
+    The command is NaN, without a step, if a number of the state is impossible.
+    """
+    x = np.array(state)
+    if not is_possible(x):
+        return np.nan, 0, False
     if is_anew:
         reset(memory[0])
     if not is_applied:

@@ -19,14 +19,14 @@ from furuta_control.estimation import (
 )
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
-from furuta_model.state import OBSERVED_FRICTION, SIGNAL_NAMES, SIGNALS
+from furuta_model.state import SIGNAL_NAMES, SIGNALS
 from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import read_joint_state
+from furuta_ros.messages import typed_joint_state
 from furuta_ros.node import RARELY, FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
-from furuta_ros.wire import joint_state_bytes
+from furuta_ros.wire import NO_SIGNALS, Signals, joint_state_bytes, unpack_joint_state
 
 # Relative deviation of an interval that is tolerated.
 TOLERANCE = 0.01
@@ -47,7 +47,6 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         super().__init__("estimator", EstimatorParameters, overrides)
         self._memory = new_memory(EstimatorMemory)
-        self._measurement, self._estimate = np.zeros(SIGNALS), np.zeros(SIGNALS)
         self._stamp = NEVER
         self._answer = b""
         self._deviating_intervals = 0
@@ -60,25 +59,22 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     def _design(self, parameters: EstimatorParameters) -> None:
         """Redesign the estimator; its memory is kept."""
         self._estimator = block(design_estimator(parameters))
-        self._step = for_types_of(
-            _step, self._memory, self._measurement, self._estimator, self._estimate, False, 0
-        )
+        self._step = for_types_of(_step, self._memory, NO_SIGNALS, self._estimator, False, 0)
         self._sample_time = parameters.sample_time * NANOSECONDS
 
     def on_measurement(self, data: bytes) -> None:
         """Estimate the state and publish it."""
-        stamp = read_joint_state(data, self._measurement)
+        stamp, measurement = unpack_joint_state(data) or typed_joint_state(data)
         if stamp != self._stamp:
             interval, self._stamp = stamp - self._stamp, stamp
             anew = starts_anew(interval)
-            skipped = 0 if anew else self._skipped(interval)
-            unusable = self._step(
-                *(self._memory, self._measurement, self._estimator, self._estimate), anew, skipped
+            skipped = 0 if anew or interval == self._sample_time else self._skipped(interval)
+            unusable, estimate = self._step(
+                self._memory, measurement, self._estimator, anew, skipped
             )
             if unusable or self._lost:
-                self._report(unusable)
-            friction = self._estimate[OBSERVED_FRICTION]
-            self._answer = joint_state_bytes(stamp, self._estimate, friction)
+                self._report(unusable, measurement)
+            self._answer = joint_state_bytes(stamp, estimate)
         self._publisher.publish(self._answer, stamp)
 
     def _skipped(self, interval: int) -> int:
@@ -92,9 +88,9 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
             )
         return skipped_samples(interval, self._sample_time) if deviates else 0
 
-    def _report(self, unusable: int) -> None:
+    def _report(self, unusable: int, measurement: Signals) -> None:
         """Log unusable readings, and loss and return of the estimate."""
-        phi, phi_dot, theta, theta_dot, torque = self._measurement.tolist()
+        phi, phi_dot, theta, theta_dot, torque = measurement
         given = f"position {[phi, theta]}, velocity {[phi_dot, theta_dot]}, effort {torque}"
         lost = bool(unusable & LOST)
         if lost and not self._lost:
@@ -117,19 +113,19 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
 @compiled
 def _step(
     memory: np.ndarray,
-    measurement: np.ndarray,
+    readings: Signals,
     estimator: np.ndarray,
-    estimate: np.ndarray,
     anew: bool,
     skipped: int,
-) -> int:
-    """Estimate the state after ``skipped`` samples without readings; return the unusable ones."""
+) -> tuple[int, Signals]:
+    """Unusable readings and the estimate, after ``skipped`` samples without readings."""
+    measurement, x = np.array(readings), np.empty(SIGNALS)
     if anew:
         restart(memory[0])
     if skipped > 0:
-        pass_skipped(memory[0], skipped, measurement, estimator[0], estimate)
-    estimate_state(memory[0], measurement, estimator[0], estimate)
-    return unusable_readings(memory[0])
+        pass_skipped(memory[0], skipped, measurement, estimator[0], x)
+    estimate_state(memory[0], measurement, estimator[0], x)
+    return unusable_readings(memory[0]), (x[0], x[1], x[2], x[3], x[4])
 
 
 def main() -> None:

@@ -17,14 +17,14 @@ from furuta_friction.compensation import (
 )
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
-from furuta_model.state import LARGEST_VALUE, OBSERVED_FRICTION, SIGNALS
+from furuta_model.state import LARGEST_VALUE, is_possible
 from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import read_joint_state
+from furuta_ros.messages import RefusedError, typed_joint_state
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NEVER, starts_anew
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
-from furuta_ros.wire import value_bytes
+from furuta_ros.wire import NO_SIGNALS, Signals, unpack_joint_state, value_bytes
 
 # Time between two checks of what the compensation needs, and of the adapted levels [s].
 CHECK_PERIOD = 5.0
@@ -40,7 +40,7 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         super().__init__("friction_observer", ObserverParameters, overrides)
         self._memory = new_memory(CompensationMemory)
-        self._x, self._stamp, self._friction = np.zeros(SIGNALS), NEVER, 0.0
+        self._x, self._stamp, self._friction = NO_SIGNALS, NEVER, 0.0
         self.design_by(self._design)
         self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
         self.subscribe_to(JOINT_STATES, self.on_state)
@@ -53,10 +53,13 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
 
     def on_state(self, data: bytes) -> None:
         """Estimate the friction and publish it."""
-        stamp = read_joint_state(data, self._x, LARGEST_VALUE)
+        stamp, x = unpack_joint_state(data) or typed_joint_state(data)
         if stamp != self._stamp:
-            anew, self._stamp = starts_anew(stamp - self._stamp), stamp
-            self._friction = self._step(self._memory, self._x, self._compensator, anew)
+            anew = starts_anew(stamp - self._stamp)
+            friction = self._step(self._memory, x, self._compensator, anew)
+            if isnan(friction):
+                raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
+            self._stamp, self._x, self._friction = stamp, x, friction
         self._publisher.publish(value_bytes(self._friction), stamp)
 
     def _check(self) -> None:
@@ -75,11 +78,16 @@ class FrictionObserverNode(FurutaNode[ObserverParameters]):
 
     def _is_blind(self) -> bool:
         """Whether the newest state is known, and without its observed friction."""
-        return isnan(self._x[OBSERVED_FRICTION]) and not isnan(self._x[:OBSERVED_FRICTION].sum())
+        *x, observed = self._x
+        return isnan(observed) and not isnan(sum(x))
 
 
 @compiled
-def _step(memory: np.ndarray, x: np.ndarray, compensator: np.ndarray, anew: bool) -> float:
+def _step(memory: np.ndarray, state: Signals, compensator: np.ndarray, anew: bool) -> float:
+    """F̂ [V]; NaN, without a step, if a number is impossible."""
+    x = np.array(state)
+    if not is_possible(x):
+        return np.nan
     if anew:
         reset(memory[0])
     return estimate_friction(memory[0], x, compensator[0])

@@ -19,6 +19,10 @@ NaN marks a value that is not measured or not estimated.
 
 from typing import Final
 
+import numpy as np
+
+from furuta_model.compiled import inlined
+
 PHI: Final = 0
 PHI_DOT: Final = 1
 THETA: Final = 2
@@ -44,3 +48,12 @@ EFFORT: Final = 4
 
 # No sensor, drive or estimate gives a larger value [rad, rad/s, V].
 LARGEST_VALUE: Final = 1e6
+
+
+@inlined
+def is_possible(x: np.ndarray) -> bool:
+    """Whether no number of ``x`` is larger than that; NaN may be one."""
+    for value in x:  # noqa: SIM110 (numba compiles no generators)
+        if abs(value) > LARGEST_VALUE:
+            return False
+    return True

@@ -33,23 +33,17 @@ class LoopPublisher:
         self._publisher = node.create_publisher(topic.type, topic.name, QOS)
         self._send = sender(self._publisher)
         self._copy = node.create_publisher(copy.type, copy.name, QOS)
-        self._last = self._looked_up = -PERIOD
-        self._is_wanted = False
+        self._last = -PERIOD
 
     def publish(self, data: bytes, stamp: int) -> None:
         """Publish the message of the sample at ``stamp`` [ns]."""
         self._send(data)
-        if not 0 <= stamp - self._last < PERIOD:
+        if not self._last <= stamp < self._last + PERIOD:
             self._last = stamp
             if self._copy.get_subscription_count() > 0:
                 self._copy.publish(data)
 
-    def is_wanted(self, stamp: int) -> bool:
-        """Whether somebody subscribes to either, looked up once in ``PERIOD`` of the samples."""
-        if not 0 <= stamp - self._looked_up < PERIOD:
-            self._looked_up = stamp
-            self._is_wanted = (
-                self._publisher.get_subscription_count() > 0
-                or self._copy.get_subscription_count() > 0
-            )
-        return self._is_wanted
+    def is_wanted(self) -> bool:
+        """Whether somebody subscribes to either."""
+        publishers = self._publisher, self._copy
+        return any(each.get_subscription_count() > 0 for each in publishers)

@@ -1,9 +1,9 @@
-"""Reads the messages of the loop, in their usual layout or in any that the middleware reads.
+"""Reads messages of the loop that the middleware must read, and values of Float64.
 
-A signal array (5,) is the state x = (φ, φ̇, θ, θ̇), followed by the effort of the arm.
+See :mod:`furuta_ros.wire` for the usual layout.
 """
 
-from math import inf, nan
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -12,38 +12,24 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
 from furuta_model.parameters import shortened
-from furuta_model.state import EFFORT, LARGEST_VALUE, PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import LARGEST_VALUE
 from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import JOINTS
-from furuta_ros.wire import unpack_joint_state, unpack_value
+from furuta_ros.wire import ENCODING, FLOAT64, Signals, unpack_joint_state
 
 
 class RefusedError(ValueError):
     """A message is invalid; the error says why."""
 
 
-def read_joint_state(data: bytes, x: np.ndarray, largest: float = inf) -> int:
-    """Write the signals of a serialised JointState to ``x`` (5,); return its stamp [ns].
-
-    NaN is an unknown value, as is an effort that is not given.
+def typed_joint_state(data: bytes) -> tuple[int, Signals]:
+    """Stamp [ns] and signals of a JointState in any layout, by the names of the joints.
 
     Raises:
-        RefusedError: It is none, or the values together exceed ``largest``; ``x`` is unchanged.
+        RefusedError: It is none, or has no position and velocity of both joints. An effort that is
+            not given is NaN.
     """
-    stamp, phi, phi_dot, theta, theta_dot, effort = unpack_joint_state(data) or _signals(
-        deserialized(data, JointState)
-    )
-    if abs(phi) + abs(phi_dot) + abs(theta) + abs(theta_dot) + abs(effort) > largest:
-        raise RefusedError(
-            f"values must be finite and at most {largest:g} together, given position "
-            f"{[phi, theta]}, velocity {[phi_dot, theta_dot]}, effort {effort}"
-        )
-    x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], x[EFFORT] = phi, phi_dot, theta, theta_dot, effort
-    return stamp
-
-
-def _signals(message: JointState) -> tuple[int, float, float, float, float, float]:
-    """Stamp [ns], φ, φ̇, θ, θ̇ and the effort of the arm, by the names of the joints."""
+    message: JointState = deserialized(data, JointState)
     position, velocity, efforts = message.position, message.velocity, message.effort
     if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
         raise RefusedError(
@@ -56,20 +42,28 @@ def _signals(message: JointState) -> tuple[int, float, float, float, float, floa
         given = shortened(list(message.name))
         raise RefusedError(f"joint names must be {JOINTS}, given {given}")
     arm, pendulum = map(message.name.index, JOINTS)
-    stamp, effort = stamp_nanoseconds(message), efforts[arm] if efforts else nan
-    return stamp, position[arm], velocity[arm], position[pendulum], velocity[pendulum], effort
+    of_arm, of_pendulum = (position[arm], velocity[arm]), (position[pendulum], velocity[pendulum])
+    return stamp_nanoseconds(message), (*of_arm, *of_pendulum, efforts[arm] if efforts else nan)
+
+
+def read_joint_state(data: bytes, x: np.ndarray) -> int:
+    """Write state and effort of a serialised JointState to ``x`` (5,); return its stamp [ns]."""
+    stamp, x[:] = unpack_joint_state(data) or typed_joint_state(data)
+    return stamp
 
 
 def value_of(data: bytes) -> float:
     """The value of a serialised Float64. Raises RefusedError if it is none."""
-    value = unpack_value(data)
-    return float(deserialized(data, Float64).data) if value is None else value
+    return float(deserialized(data, Float64).data)
 
 
 def read_value(data: bytes) -> float:
     """The value [V] of a serialised Float64, which must be finite and possible."""
-    value = value_of(data)
-    if not abs(value) <= LARGEST_VALUE:
+    if len(data) == FLOAT64.size and data[:4] == ENCODING:
+        _, value = FLOAT64.unpack(data)
+    else:
+        value = value_of(data)
+    if not -LARGEST_VALUE <= value <= LARGEST_VALUE:
         raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
     return value
 

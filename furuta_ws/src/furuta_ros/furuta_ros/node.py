@@ -86,9 +86,9 @@ class FurutaNode(Node, Generic[Group]):
         self._inputs.append(topic)
 
         @wraps(_data_and_info)
-        def checked(*taken: Any) -> None:
-            # The events executor of some builds passes both as one tuple.
-            data, info = taken if len(taken) == 2 else taken[0]
+        def checked(data: Any, info: Any = None) -> None:
+            if info is None:  # the events executor of some builds passes both as one tuple
+                data, info = data
             self.sent = sent = info["source_timestamp"]
             try:
                 if sent and time_ns() - sent > _OLDEST and not self.time_is_simulated():

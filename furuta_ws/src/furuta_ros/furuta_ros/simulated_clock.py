@@ -22,14 +22,13 @@ class SimulatedClock:
     def __init__(self, node: Node, topic: str = CLOCK.name) -> None:
         self._publisher = node.create_publisher(CLOCK.type, topic, QOS)
         self._message = Clock()
-        self._period = -1  # number of the last period with a message
+        self.due = 0  # when the next message is due [ns]
 
     def advance(self, time: int) -> None:
         """Publish ``time`` [ns] if it is in a later ``CLOCK_PERIOD`` than the last message."""
-        period = time // CLOCK_PERIOD
-        if period <= self._period:
+        if time < self.due:
             return
-        self._period = period
+        self.due = (time // CLOCK_PERIOD + 1) * CLOCK_PERIOD
         self._message.clock.sec, self._message.clock.nanosec = divmod(time, NANOSECONDS)
         self.repeat()
 

@@ -62,7 +62,8 @@ class LockStep:
     def _publish(self) -> None:
         self._is_waiting, self._is_repeated, self._command = True, False, None
         self._late = 0
-        self._clock.advance(self._plant.stamp)
+        if (stamp := self._plant.stamp) >= self._clock.due:
+            self._clock.advance(stamp)
         self._began = time_ns()
         self._plant.publish_sample()
 

@@ -16,7 +16,7 @@ from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, QOS
-from furuta_ros.wire import joint_state_bytes
+from furuta_ros.wire import Signals, joint_state_bytes
 from furuta_sim.lockstep import LockStep
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import (
@@ -32,6 +32,8 @@ from furuta_sim.realtime import RealTime
 
 # Time that a reset takes [s]. Longer than NEW_START_AFTER, so that the other nodes start anew.
 RESET_TIME = 0.2
+# Time between two looks whether somebody wants the true state, by the stamps [ns].
+LOOK_PERIOD = NANOSECONDS // 100
 
 
 class PlantNode(FurutaNode[PlantNodeParameters]):
@@ -60,9 +62,10 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self.period = round(self._rig.sample_time * NANOSECONDS)
         self.held, self._is_resetting = True, False
         self._memory, self._noise = initial_plant(self._rig), Noise(self._rig.seed)
-        self._measurement, self._torque, self._message = np.zeros(SIGNALS), 0.0, b""
+        self._torque, self._message = 0.0, b""
         self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
         self._truth = LoopPublisher(self, GROUND_TRUTH)
+        self._look_at, self._is_truth_wanted = 0, False
         self.create_service(Trigger, "~/reset", self._reset)
         is_lockstep = self.parameters.clock == "lockstep"
         self.parameter_service.limited = not is_lockstep  # run_until may be set for every step
@@ -77,7 +80,7 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self._rig = parameters.plant
         self._plant = block(design_plant(self._rig))
         no_noise = np.zeros(NOISE_CHANNELS)
-        self._read = for_types_of(_read, self._memory, no_noise, self._plant, self._measurement)
+        self._read = for_types_of(_read, self._memory, no_noise, 0.0, self._plant)
         self._move = for_types_of(_move, self._memory, 0.0, self._plant)
         self._paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
         self.pacing.resume()
@@ -106,11 +109,13 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         stamp = self.stamp
-        friction = self._read(self._memory, self._noise(), self._plant, self._measurement)
+        measurement, truth = self._read(self._memory, self._noise(), self._torque, self._plant)
         self._is_resetting = False
-        if self._truth.is_wanted(stamp):
-            self._truth.publish(joint_state_bytes(stamp, self.x, friction), stamp)
-        self._message = joint_state_bytes(stamp, self._measurement, self._torque)
+        if stamp >= self._look_at:
+            self._look_at, self._is_truth_wanted = stamp + LOOK_PERIOD, self._truth.is_wanted()
+        if self._is_truth_wanted:
+            self._truth.publish(joint_state_bytes(stamp, truth), stamp)
+        self._message = joint_state_bytes(stamp, measurement)
         self._send(self._message)
 
     def repeat_measurement(self) -> None:
@@ -142,11 +147,13 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
 
 @compiled
 def _read(
-    memory: np.ndarray, noise: np.ndarray, plant: np.ndarray, measurement: np.ndarray
-) -> float:
-    """Read the sensors; return the true friction [V]."""
-    read(memory[0], noise, plant[0], measurement)
-    return true_friction(memory[0], plant[0])
+    memory: np.ndarray, noise: np.ndarray, torque: float, plant: np.ndarray
+) -> tuple[Signals, Signals]:
+    """The measurement, and the true state and friction."""
+    y, x = np.empty(SIGNALS), memory[0].x
+    read(memory[0], noise, plant[0], y)
+    friction = true_friction(memory[0], plant[0])
+    return (y[0], y[1], y[2], y[3], torque), (x[0], x[1], x[2], x[3], friction)
 
 
 @compiled

@@ -20,7 +20,7 @@ from rclpy.qos import QoSProfile, QoSReliabilityPolicy
 from rclpy.subscription import Subscription
 from std_msgs.msg import UInt64MultiArray
 
-from furuta_model.state import LARGEST_VALUE, RIGID_STATES, SIGNALS
+from furuta_model.state import RIGID_STATES, SIGNALS, is_possible
 from furuta_ros import topic_names
 from furuta_ros.messages import RefusedError, deserialized, read_joint_state, value_of
 from furuta_ros.reduction_status import NAME_END
@@ -118,8 +118,10 @@ class LiveNode(Node):
         if 0 <= stamp - self._last_stamp < PERIOD:
             return
         try:
-            self._last_stamp = read_joint_state(serialized, self._x, LARGEST_VALUE)
+            self._last_stamp = read_joint_state(serialized, self._x)
         except RefusedError:
+            return
+        if not is_possible(self._x):
             return
         sample = np.full(COLUMNS, nan)
         sample[TIME] = self._last_stamp / NANOSECONDS

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from math import isfinite, nan, pi
 from pathlib import Path
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
@@ -223,8 +222,8 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self.samples += 1
         now = self.get_clock().now().nanoseconds
         stamp = self._sample_clock.stamp(sample.number, now)
-        x = np.array((sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan))
-        self._send(joint_state_bytes(stamp, x, sample.voltage))
+        readings = sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan, sample.voltage
+        self._send(joint_state_bytes(stamp, readings))
 
     def _on_command(self, data: bytes) -> None:
         command = value_of(data)

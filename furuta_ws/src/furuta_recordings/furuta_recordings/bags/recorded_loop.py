@@ -19,7 +19,7 @@ from furuta_ros.topic_names import (
     JOINT_STATES,
     MEASUREMENT,
 )
-from furuta_ros.wire import unpack_joint_state
+from furuta_ros.wire import Signals, unpack_joint_state
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 # Topics of the graph with and without a stamp, and their types; a bag with other types is of
@@ -108,7 +108,7 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
                 times.append(time)
                 values.append(bag.deserialize(data, topic.msgtype).data)
                 continue
-            stamp, *x = unpack_joint_state(data) or _signals(bag.deserialize(data, topic.msgtype))
+            stamp, x = unpack_joint_state(data) or _signals(bag.deserialize(data, topic.msgtype))
             if name == MEASUREMENT and stamp in rows:
                 continue
             if name == MEASUREMENT:
@@ -124,11 +124,11 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
     return RecordedLoop(stamps, np.array(arrivals), measurement, estimate, truth, numbers)
 
 
-def _signals(message: Any) -> tuple[int, float, float, float, float, float]:
+def _signals(message: Any) -> tuple[int, Signals]:
     """Stamp [ns], φ, φ̇, θ, θ̇ and the arm's effort in the graph's joint states, or NaN."""
     (phi, theta), (phi_dot, theta_dot) = message.position, message.velocity
     effort = message.effort[0] if len(message.effort) else np.nan
-    return stamp_nanoseconds(message), phi, phi_dot, theta, theta_dot, effort
+    return stamp_nanoseconds(message), (phi, phi_dot, theta, theta_dot, effort)
 
 
 def _by_row(rows: dict[int, int], stamps: array[int], values: array[float]) -> np.ndarray:
