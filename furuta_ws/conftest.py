@@ -96,8 +96,13 @@ def other_rig(tmp_path: Path) -> Path:
 @pytest.fixture
 def no_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The process accepts no parts of the user's own before the test, and none of its own after."""
+    from furuta_control.control import design_controller
+    from furuta_control.estimation import design_estimator
+    from furuta_friction.compensation import design_compensator
     from furuta_model import accepted_parts
 
+    for design in (design_controller, design_estimator, design_compensator):
+        design.cache_clear()  # type: ignore[attr-defined]
     monkeypatch.setattr(accepted_parts, "_accepted", {})
     monkeypatch.setattr(accepted_parts, "_imported_names", [])
 

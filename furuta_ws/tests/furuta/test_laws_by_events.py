@@ -60,7 +60,7 @@ def test_limit_cycle_of_a_law(law: str, number: int) -> None:
     own = {"lugre": 1, "dahl": 1}.get(law, 0)
     x = simulation.state[: 4 + own]
     if law == "maxwell_slip":
-        x = np.append(x, simulation._memory["plant"]["springs"][0, :springs])
+        x = np.append(x, simulation.memory["plant"]["springs"][0, :springs])
     gains = -np.array(controller.feedback_gain)
     loop = EventLoop(law, p, gains, springs if law == "maxwell_slip" else 0)
     cycle = loop.run(x, 3.2 * found.period_s, middle)

@@ -79,7 +79,7 @@ def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[d
     """The rows, which are counted by kind on their way."""
     for row in rows:
         counts["runs"] += 1
-        counts["fell"] += row["fell"]
+        counts["fell"] += bool(row["fell"])
         if row["error"]:
             counts["impossible"] += 1
         yield row
