@@ -1,10 +1,12 @@
 """The bridge as a managed node, on an emulated rig in its own process."""
 
+import subprocess
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
 from typing import Any
 
+import flood
 import pytest
 from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -92,6 +94,24 @@ def test_a_second_controller_stops_the_rig_and_keeps_it_from_arming(
     second.destroy_publisher(publisher)
     second.destroy_node()
     bench.spin(lambda: arm(bench) == (True, ""))
+
+
+def test_a_flood_of_commands_is_not_applied(bench: Bench, permissive_rig: str) -> None:
+    """Bursts of 10 V from another process stop the rig before one of them drives it."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
+    Loop(bench, 1.0)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    bench.spin(lambda: code(node) != 0)
+    highest = [code(node)]
+    apply = node.connection.drive
+    node.connection.drive = lambda volts: (highest.append(volts), apply(volts))
+    with subprocess.Popen(flood.COMMAND, stdout=subprocess.PIPE) as process:
+        bench.spin(lambda: not node.guard.armed)
+        process.kill()
+    assert "2 nodes publish command: " in node.guard.reason
+    assert max(highest[1:], default=0.0) <= 1.0
+    bench.spin(lambda: code(node) == 0)
 
 
 def test_autostart_takes_effect_when_the_node_spins(bench: Bench) -> None:

@@ -2,20 +2,10 @@
 
 import json
 import signal
-import sys
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
-import flood
-import numpy as np
 import pytest
-from std_srvs.srv import Trigger
-
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import load_settings
-from furuta_model.state import PHI
-from furuta_ros.spinning import spin_until
 
 
 @pytest.mark.parametrize(
@@ -62,40 +52,3 @@ def test_the_demo_beside_a_graph(processes: Any, tmp_path: Path) -> None:
     out, err = graph.communicate(timeout=60.0)
     assert graph.returncode == 0
     assert "rejected" not in err
-
-
-@pytest.mark.realtime
-@pytest.mark.parametrize("floods", [2, pytest.param(50, marks=pytest.mark.long)])
-def test_a_flood_of_commands_is_not_applied(ros: None, processes: Any, floods: int) -> None:
-    """Bursts of 10 V on a loaded machine: none is accepted; the arm within its limits, or 0 V.
-
-    A loop that the machine gives no processor lets the pendulum fall, and the arm coasts at 0 V.
-    """
-    running = SimulatedGraph(load_settings([], ["compensation=lugre"]))
-    plant, received = running.plant, []
-    applied = [0.0]
-    apply, move = plant.pacing.on_command, plant.move
-    plant.pacing.on_command = lambda command: (received.append(command), apply(command))
-    plant.move = lambda command: (applied.append(command), move(command))
-    load = [processes.start(sys.executable, "-c", "while True: pass") for _ in range(2)]
-    limit = 2 * np.pi
-    for _ in range(floods):
-        spin_until(running.executor, lambda: bool(received))
-        process = processes.start(*flood.COMMAND)
-        seen: list[str] = []
-        thread = Thread(target=lambda p=process, s=seen: s.append(p.stdout.readline()))
-        thread.start()
-        spin_until(running.executor, lambda s=seen: bool(s))
-        end = plant.time + 2.0
-        while plant.time < end:
-            running.executor.spin_once(timeout_sec=0.05)
-            assert abs(plant.x[PHI]) < limit or applied[-1] == 0.0
-        assert flood.VOLTS not in received
-        process.terminate()
-        process.wait()
-        thread.join()
-        received.clear()
-        plant._reset(Trigger.Request(), Trigger.Response())
-    for busy in load:
-        busy.kill()
-    running.close()

@@ -8,7 +8,6 @@ import os
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import flood
 import numpy as np
 from rclpy.parameter import Parameter
 
@@ -18,27 +17,25 @@ from furuta_graph.settings.settings import load_settings, loop
 from furuta_ros.context import ros_context
 from furuta_sim.simulation.closed_loop import simulate
 from soak.mutators import pick
-from soak.node_process import NodeProcess, end, flood_commands, second_graph
+from soak.node_process import NodeProcess, end, second_graph
 from soak.observer import Observer, motion, stamps, states
-from soak.oracles import applied, different_run, fallen, hanging_drive, not_recovered, out_of_bounds
+from soak.oracles import different_run, fallen, hanging_drive, not_recovered, out_of_bounds
 from soak.record import Record
 from soak.resources import ResourceMonitor
 
 NAMES = [each.name for each in graph_nodes()]
-# Step of the simulated drive's converter, which rounds what a second publisher sends [V].
-CONVERTER_STEP = 0.005
 # Time of the undisturbed run [s], and its wait in this machine's time.
 EXACT, EXACT_WAIT = 6.0, 90.0
 # Pauses within it.
 PAUSES = 8
-# Samples that the loop must make after an intrusion, and the time for them [s]: a killed node or
-# flood stays listed for some seconds, and several can follow each other.
+# Samples that the loop must make after an intrusion, and the time for them [s]: a killed node
+# stays listed for some seconds, and several can follow each other.
 SAMPLES, RECOVERY = 200, 120.0
 # Time in which the messages that were on their way at a kill have arrived [s].
 ON_THEIR_WAY = 1.0
 # Longest pause [s]: far below the time after which the middleware drops a participant.
 LONGEST_PAUSE = 0.6
-KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "flood", "second graph")
+KINDS = ("pause", "pause", "pause", "kill", "kill", "kill", "second graph")
 # Intrusions between two new graphs.
 INTRUSIONS = 30
 
@@ -114,10 +111,7 @@ class LockstepProcesses:
             observer.clear()
         else:
             observer.clear()
-            if kind == "flood":
-                flood_commands(self._random)
-            else:
-                second_graph(record, pick(self._random, ("", "another")))
+            second_graph(record, pick(self._random, ("", "another")))
         moved = observer.spin(lambda: len(observer.truths) > SAMPLES, RECOVERY)
         record.check("recovery", not_recovered(moved, f"{SAMPLES} samples", RECOVERY))
         self._check_motion()
@@ -138,7 +132,6 @@ class LockstepProcesses:
     def _check_motion(self) -> None:
         self._record.check("bounds", out_of_bounds(states(self._observer.truths)))
         theta, volts = motion(self._observer).T
-        self._record.check("stranger", applied(volts, flood.VOLTS, CONVERTER_STEP))
         self._record.check("hanging", hanging_drive(theta, volts, 0.001))
         if any(fallen(each) for each in theta):
             self._reset()

@@ -40,6 +40,7 @@ from furuta_ros.topics import (
     LATCHED,
     MEASUREMENT,
     QOS,
+    Topic,
 )
 from furuta_ros.wire import joint_state_bytes
 
@@ -131,7 +132,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
-            self.steady_timer(PUBLISHERS_PERIOD, self._stop_on_second_publisher),
+            self.steady_timer(PUBLISHERS_PERIOD, lambda: self._stop_on_second_publisher(LOOP)),
             self.steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
@@ -227,6 +228,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
     def _on_command(self, data: bytes) -> None:
         command = value_of(data)
+        self._stop_on_second_publisher((COMMAND,))
         if self.guarded_rig is not None:
             self.guarded_rig.command(command)
         if not isfinite(command):
@@ -251,9 +253,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if self.guarded_rig is not None:
             self.guarded_rig.check()
 
-    def _stop_on_second_publisher(self) -> None:
-        """Two controllers would take turns."""
-        several = self.second_publishers(LOOP) if self.guard.armed else ""
+    def _stop_on_second_publisher(self, topics: Sequence[Topic]) -> None:
+        """Stop the rig if somebody else publishes one of the topics too."""
+        several = self.second_publishers(topics) if self.guard.armed else ""
         if several and self.guarded_rig is not None:
             self.guarded_rig.stop(several)
 
