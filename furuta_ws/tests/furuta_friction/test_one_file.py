@@ -48,7 +48,7 @@ PART = Compensator(
 """
 RUN = """
 import json
-from furuta_sim.settings.settings import load_settings, loop
+from furuta_graph.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 given = loop(load_settings([], ["compensation=counting", "counting.step=0.25"]))
 print(json.dumps(simulate(given, 0.05).friction_estimate.tolist()))

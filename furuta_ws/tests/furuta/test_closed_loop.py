@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
+from furuta.oscillation import Oscillation, measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
@@ -13,7 +14,6 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, Record, Simulation, simulate
-from furuta_sim.simulation.oscillation import Oscillation, measure_oscillation
 
 # Two independent codes agree on these: continuous feedback of the exact state.
 PHI_SIZE, THETA_SIZE, PERIOD = 0.5106, 0.0918, 2.370
