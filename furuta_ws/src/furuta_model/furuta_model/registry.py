@@ -37,10 +37,11 @@ def groups_of(parts: Sequence[Any], module: str, kind: str) -> tuple[Any, Any, A
     """
     given = [part for part in parts if part.parameters is not None]
     parameters = {p.name: Annotated[p.parameters, INLINE if p.inline else ""] for p in given}
-    memories = [
+    memories: list[Any] = [
         (p.name, p.memory, field(default_factory=p.memory)) for p in parts if p.memory is not None
     ]
-    memory = make_dataclass(f"{kind}Memories", memories)
+    # numpy 1 ends the process on a structured type without fields.
+    memory = make_dataclass(f"{kind}Memories", memories or [("none", bool, False)])
     memory.__module__ = module
     return (
         _named_tuple(f"{kind}Parameters", module, parameters, [p.parameters() for p in given]),
