@@ -143,3 +143,21 @@ def test_kalman_needs_the_applied_torque(bench: Bench, capfd: Any) -> None:
     measurement.publish(message)
     bench.spin(lambda: len(states) == 2)
     assert not isnan(states[1].velocity[1])
+
+
+def test_single_late_measurements_are_no_other_sample_time(bench: Bench, capfd: Any) -> None:
+    """Only a hundred deviating intervals in a row are."""
+    bench.add(EstimatorNode())
+    states = bench.collect(JOINT_STATES)
+    measurement = bench.publisher(MEASUREMENT)
+
+    def send(intervals: list[int], stamp: int) -> None:
+        for interval in intervals:
+            count, stamp = len(states), stamp + interval * MS
+            measurement.publish(joint_state((0.0, 0.0, 0.1, nan), stamp))
+            bench.spin(lambda count=count: len(states) == count + 1)
+
+    send([2, 1] * 101, 0)
+    assert "measurements arrive" not in capfd.readouterr().err
+    send([2] * 101, 303 * MS)
+    assert "measurements arrive every 0.002 s" in capfd.readouterr().err

@@ -112,13 +112,12 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
-        self._is_answered = True
         command, mode, is_reduced = self._step(
             self._memory, self._x, friction, self._controller, self._is_anew, self._is_applied
         )
         if isnan(command):
             raise RefusedError(f"no value of x may be larger than {LARGEST_VALUE:g}: {self._x}")
-        self._command = command
+        self._command, self._is_answered = command, True
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()

@@ -68,7 +68,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         if stamp != self._stamp:
             interval, self._stamp = stamp - self._stamp, stamp
             anew = starts_anew(interval)
-            skipped = 0 if anew or interval == self._sample_time else self._skipped(interval)
+            skipped = 0 if anew else self._skipped(interval)
             unusable, estimate = self._step(
                 self._memory, measurement, self._estimator, anew, skipped
             )

@@ -54,15 +54,15 @@ def read_joint_state(data: bytes, x: np.ndarray) -> int:
 
 def value_of(data: bytes) -> float:
     """The value of a serialised Float64. Raises RefusedError if it is none."""
+    if len(data) == FLOAT64.size and data.startswith(ENCODING):
+        value: float = FLOAT64.unpack(data)[1]
+        return value
     return float(deserialized(data, Float64).data)
 
 
 def read_value(data: bytes) -> float:
     """The value [V] of a serialised Float64, which must be finite and possible."""
-    if len(data) == FLOAT64.size and data[:4] == ENCODING:
-        _, value = FLOAT64.unpack(data)
-    else:
-        value = value_of(data)
+    value = value_of(data)
     if not -LARGEST_VALUE <= value <= LARGEST_VALUE:
         raise RefusedError(f"data is {value}, must be finite and at most {LARGEST_VALUE:g}")
     return value
