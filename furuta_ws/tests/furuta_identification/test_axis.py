@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from furuta_identification.fitting.axis import identify_axis
+from furuta_identification.axis.identify import identify_axis
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.axis_table import read_axis
 from furuta_recordings.recording import Recording

@@ -42,7 +42,7 @@ from furuta.recordings import (
     write_series,
 )
 from furuta_hw.rigs.rig import Rig
-from furuta_identification.fitting.axis import identify_axis
+from furuta_identification.axis.identify import identify_axis
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles

@@ -3,7 +3,7 @@
 from math import isfinite
 
 from furuta.axis.axis import Axis
-from furuta_identification.fitting.axis import AxisFit
+from furuta_identification.axis.identify import AxisFit
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError

@@ -23,7 +23,7 @@ from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import show
-from furuta_identification.fitting.axis import identify_axis
+from furuta_identification.axis.identify import identify_axis
 from furuta_model.friction.laws import ANALYSED_LAWS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError

@@ -1,0 +1,1 @@
+"""Identifies a single axis: friction that truly sticks, and errors by segments."""

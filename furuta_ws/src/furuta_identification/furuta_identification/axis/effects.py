@@ -1,0 +1,266 @@
+"""Which effects a recording supports: each is tested by what the segments say of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from scipy.special import fdtrc
+
+from furuta_identification.axis.fitting import (
+    COARSE,
+    Fit,
+    Unknowns,
+    changed,
+    covariance,
+    fit,
+    linearised,
+    projection,
+    value_of,
+)
+from furuta_identification.axis.motion import MOST_WAVES, AxisModel
+from furuta_identification.axis.segments import Segmented
+
+# Largest probability of an effect by chance at which it is fitted; a wave is the best of many.
+BY_CHANCE, WAVE_BY_CHANCE = 0.01, 1e-5
+# Orders of waves that are tried, and turns of a wave that the axis must travel.
+ORDERS, TURNS = range(2, 49), 1.0
+# Levels of what stiction adds, relative to the Coulomb level, and Stribeck velocities relative to
+# the usual speed, that are tried.
+EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
+STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+# Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
+# speed in the Coulomb level, and of any other effect in the usual torque.
+ASYMMETRY, DRAG, EFFECT = 0.2, 0.1, 30.0
+FALL = ("alpha1", "stribeck_velocity")
+# Factors about a fall that is known; searches for a fall, and the probability
+# by chance above which an effect is not tried again.
+NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
+FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
+# Stribeck velocity, relative to the usual speed, of a fall that is over at once: stiction.
+AT_ONCE = 1e-6
+# Smallest fall, in the Coulomb level.
+SMALLEST_FALL = 0.01
+# Increase of the squares, in those that count, that contradicts stiction: two standard errors.
+HIDDEN = 4.0
+ALWAYS = ("inertia", "alpha0", "viscous", "delay", "spring", "asymmetry")
+GRAVITY = ("gravity_sin", "gravity_cos")
+
+
+class Scales:
+    """Usual torque, level, speed and travel of the recordings, from which sizes follow."""
+
+    def __init__(self, torque: float, level: float, speed: float, travel: float, length: float):
+        self.torque, self.level, self.speed = torque, max(level, 0.02 * torque), speed
+        self.travel, self.length = travel, length
+
+    def of(self, name: str, inertia: float, stribeck: float) -> tuple[float, float]:
+        """Size of a usual change of an unknown, and standard deviation of its prior."""
+        effect = EFFECT * self.torque
+        return {
+            "inertia": (inertia, np.inf),
+            "alpha0": (self.level, np.inf),
+            "viscous": (self.level / self.speed, np.inf),
+            "delay": (0.002, np.inf),
+            "spring": (self.level / self.travel, effect / self.travel),
+            "asymmetry": (0.1, ASYMMETRY),
+            "alpha1": (self.level, effect),
+            "stribeck_velocity": (max(stribeck, 1e-9), 10.0 * self.speed),
+            "viscous_difference": (self.level / self.speed, effect / self.speed),
+            "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
+            "drift": (self.level / self.length, effect / self.length),
+        }.get(name, (self.level, effect))
+
+
+def unknowns(names: Iterable[str], scales: Scales, inertia: float, stribeck: float) -> Unknowns:
+    """Unknowns by name, with sizes and priors."""
+    names = tuple(names)
+    pairs = np.array([scales.of(name, inertia, stribeck) for name in names]).reshape(-1, 2)
+    return Unknowns(names, pairs[:, 0], pairs[:, 1])
+
+
+def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
+    """The fit with all effects that the segments support."""
+    best = base
+    groups: list[tuple[str, ...]] = [(name,) for name in _smooth_effects(drift)]
+    groups += [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
+    for once in (True, False):
+        while groups and len(best.model.waves) < MOST_WAVES:
+            chances, gains = _chances(cut, best, groups, scales)
+            significant = chances < [_allowed(group) for group in groups]
+            if not np.any(significant):
+                break
+            chosen = groups[int(np.argmax(np.where(significant, gains, -1.0)))]
+            # What is far from significant now is not tried again.
+            groups = [
+                g for g, c in zip(groups, chances, strict=True) if g != chosen and c < HOPELESS
+            ]
+            best = _extended(cut, best, chosen, scales)
+        if once:
+            best = _falling(cut, best, scales) or best
+    return _reduced(cut, fit(cut, best.model, best.unknowns, best.first), scales)
+
+
+def _allowed(group: Sequence[str]) -> float:
+    return BY_CHANCE if len(group) == 1 else WAVE_BY_CHANCE
+
+
+def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
+    """The fit without the effects that are not significant after all."""
+    waves = [(f"cos {int(n)}", f"sin {int(n)}") for n in best.model.waves[:, 0]]
+    for group in (*((name,) for name in _smooth_effects(True)), *waves):
+        if group[0] in best.unknowns.names and chance_of(best, group) > _allowed(group):
+            names = [name for name in best.unknowns.names if name not in group]
+            model = changed(best.model, group, [0.0] * len(group))
+            about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
+            best = fit(cut, model, about, best.first)
+    return best
+
+
+def chance_of(best: Fit, group: Sequence[str]) -> float:
+    """Probability by chance that unknowns of a fit are as far from 0 as they are."""
+    rows = [best.unknowns.names.index(name) for name in group]
+    values = np.array([value_of(best.model, name) for name in group]) / best.unknowns.sizes[rows]
+    return significance(values, best.covariance[np.ix_(rows, rows)], len(best.scores))
+
+
+def _extended(cut: Segmented, best: Fit, more: Sequence[str], scales: Scales) -> Fit:
+    model = best.model
+    names = (*best.unknowns.names, *more)
+    about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
+    return fit(cut, model, about, best.first, COARSE)
+
+
+def _chances(
+    cut: Segmented, best: Fit, groups: Sequence[Sequence[str]], scales: Scales
+) -> tuple[np.ndarray, np.ndarray]:
+    """How much squares each group of further unknowns would explain, and whether by chance.
+
+    Returns the probabilities by chance (g,), and the decreases of the squares (g,), by one
+    Gauss-Newton step and its covariance by segments.
+    """
+    more = [name for group in groups for name in group]
+    known = best.unknowns.names
+    every = unknowns((*known, *more), scales, best.model.inertia, best.model.stribeck_velocity)
+    about = linearised(best.model, best.first, cut, every, best.residuals)
+    chances, gains = [], []
+    for group in groups:
+        rows = [*range(len(known)), *(len(known) + more.index(name) for name in group)]
+        part, last = np.ix_(rows, rows), len(group)
+        information, blocks = about.information[part], about.blocks[:, rows][:, :, rows]
+        step = np.linalg.solve(information, about.gradient[rows])
+        scores = about.scores[:, rows] - blocks @ step
+        chosen = Unknowns((), every.sizes[rows], every.priors[rows])
+        covered = covariance(information, blocks, scores, chosen)[-last:, -last:]
+        chances.append(significance(step[-last:], covered, len(scores)))
+        inverse = np.linalg.pinv(information)[-last:, -last:]
+        gains.append(step[-last:] @ np.linalg.pinv(inverse) @ step[-last:])
+    return np.array(chances), np.array(gains)
+
+
+def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: bool) -> np.ndarray:
+    """Covariance (p, p) of the unknowns in their sizes, with what is not in the model.
+
+    Where the model does not explain the recording, an effect that was not found may be there: how
+    its best value would change the others is part of their error.
+    """
+    covered, known = best.covariance, best.unknowns.names
+    for name in _smooth_effects(drift):
+        if name in known:
+            continue
+        every = unknowns((*known, name), scales, best.model.inertia, best.model.stribeck_velocity)
+        about = linearised(best.model, best.first, cut, every, best.residuals)
+        shift = np.linalg.solve(about.information, about.gradient)[:-1]
+        covered = covered + np.outer(shift, shift)
+    return covered
+
+
+def _smooth_effects(drift: bool) -> tuple[str, ...]:
+    return ("viscous_difference", "drag", *(("drift",) if drift else ()))
+
+
+def significance(values: np.ndarray, covered: np.ndarray, segments: int) -> float:
+    """Probability by chance that values (k,) of such a covariance are as far from 0 (Hotelling)."""
+    distance = float(values @ np.linalg.pinv(covered) @ values)
+    k = len(values)
+    return float(fdtrc(k, segments - k, distance / k * (segments - k) / (segments - 1)))
+
+
+def _falling(cut: Segmented, best: Fit, scales: Scales) -> Fit | None:
+    """The fit with friction that falls after breakaway, if the segments support that.
+
+    It acts not linearly, and on few segments: several falls are tried, and compared by their
+    squares, which count less by how far the residuals are from white noise.
+    """
+    result = best
+    for _ in range(FALLS):
+        tried: list[Fit] = [
+            fit_with_fall(cut, result, model, scales) for model in _best_falls(cut, result, scales)
+        ]
+        better = min(tried, key=lambda each: each.cost)
+        if better.cost > result.cost - COARSE * result.rms**2:
+            break
+        result = better
+    gain = (best.cost - result.cost) / max(result.rms, 1.0) ** 2 / result.inflation
+    falls = result.model.alpha1 > SMALLEST_FALL * scales.level
+    return result if falls and np.exp(-0.5 * gain) < BY_CHANCE else None
+
+
+def _best_falls(cut: Segmented, about: Fit, scales: Scales) -> list[AxisModel]:
+    """Models that explain most segments after a step of all other unknowns."""
+    project = projection(cut, about)
+    samples = np.diff(np.append(cut.data.starts, len(cut.data.time)))
+
+    def unexplained(model: AxisModel) -> float:
+        return float(np.sum(samples * np.log1p(project(model) / samples)))
+
+    best = []
+    for models in _falls(about.model, scales):
+        costs = [unexplained(model) for model in models]
+        best.append((min(costs), models[int(np.argmin(costs))]))
+    best.sort(key=lambda each: each[0])
+    return [model for _, model in best[:MOST_FALLS]]
+
+
+def fit_with_fall(
+    cut: Segmented, about: Fit, model: AxisModel, scales: Scales, enough: float = COARSE
+) -> Fit:
+    """The fit from a model; a fall that is over at once is held, because squares are its stairs."""
+    names = [name for name in about.unknowns.names if name not in FALL]
+    more = FALL if model.stribeck_velocity > 2.0 * AT_ONCE * scales.speed else ()
+    every = unknowns((*names, *more), scales, model.inertia, model.stribeck_velocity)
+    return fit(cut, model, every, about.first, enough)
+
+
+def _falls(model: AxisModel, scales: Scales) -> Iterable[list[AxisModel]]:
+    """Groups of models with other falls: about the one that the model has, or of each velocity."""
+
+    def fallen(excess: float, velocity: float) -> AxisModel:
+        return model._replace(alpha1=excess, stribeck_velocity=velocity)
+
+    if model.alpha1:
+        velocity = model.stribeck_velocity
+        at_once = velocity <= 2.0 * AT_ONCE * scales.speed
+        yield [fallen(k * model.alpha1, velocity) for k in NEAR if k != 1.0]
+        for factor in () if at_once else (0.5, 2.0):
+            yield [fallen(k * model.alpha1, factor * velocity) for k in NEAR]
+        return
+    for relative in STRIBECK:
+        excesses = FINELY if relative == 0.0 else EXCESSES
+        velocity = max(relative, AT_ONCE) * scales.speed
+        yield [fallen(excess * scales.level, velocity) for excess in excesses]
+
+
+def largest_hidden_fall(cut: Segmented, best: Fit, scales: Scales) -> float:
+    """The largest stiction above the Coulomb level that the segments do not contradict."""
+    project = projection(cut, best)
+    allowed = project(best.model).sum() + HIDDEN * best.inflation * max(best.rms, 1.0) ** 2
+    hidden = 0.0
+    for excess in FINELY:
+        model = best.model._replace(
+            alpha1=excess * scales.level, stribeck_velocity=AT_ONCE * scales.speed
+        )
+        if project(model).sum() > allowed:
+            break
+        hidden = model.alpha1
+    return float(hidden)

@@ -1,0 +1,355 @@
+"""Output error over segments, by Gauss-Newton with the segments' first states eliminated."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_identification.axis.motion import AxisData, AxisModel, positions
+from furuta_identification.axis.segments import Segmented
+from furuta_identification.axis.slopes import kinds_of, tangents
+
+MOST_ITERATIONS = 30
+# Most searches of the first speeds, and relative gain from which the fit is continued.
+SEARCHES, RESTART = 4, 1e-3
+# Squares of a segment, in those of the median one, from which its first speed is searched.
+BAD = 1.4
+# Largest change of a first state in an iteration, in its standard deviations.
+LARGEST = 2.0
+# Changes of a first speed that are tried where a fit has ended, in its standard deviations.
+SEARCHED = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+# Decrease of the squares, in those of a sample, at which a fit ends, and one on the way.
+FINE, COARSE = 0.05, 2.0
+
+
+class Unknowns(NamedTuple):
+    """What is fitted: names, the size of a usual change of each, and the prior's deviations.
+
+    A name is that of a field of :class:`AxisModel`, ``offset N`` of recording N, or ``cos n`` and
+    ``sin n`` of a wave.
+    """
+
+    names: tuple[str, ...]
+    sizes: np.ndarray
+    priors: np.ndarray
+
+
+class Fit(NamedTuple):
+    """A fit: the model, the segments' first states (s, 2), and what errors are computed from.
+
+    ``information`` (p, p) and ``scores`` (s, p) are in units of the unknowns' sizes. ``rms`` is the
+    root mean square of the residuals in the noise of the position, ``residuals`` (n,) all of them.
+    """
+
+    model: AxisModel
+    first: np.ndarray
+    unknowns: Unknowns
+    information: np.ndarray
+    inverse_blocks: np.ndarray
+    scores: np.ndarray
+    cost: float
+    rms: float
+    residuals: np.ndarray
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance (p, p) of the unknowns in their sizes, by segments."""
+        return covariance(self.information, self.inverse_blocks, self.scores, self.unknowns)
+
+    @property
+    def inflation(self) -> float:
+        """Variance by segments over that of white residuals of size 1, the median of SURE."""
+        white = np.diag(np.linalg.pinv(self.information))
+        own = np.diag(self.covariance)
+        kept = [k for k, name in enumerate(self.unknowns.names) if name in SURE]
+        return float(max(np.median(own[kept] / white[kept]), 1.0))
+
+
+# Unknowns that every segment with motion informs of.
+SURE = ("inertia", "alpha0", "viscous")
+LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0}
+
+
+def value_of(model: AxisModel, name: str) -> float:
+    """The value of an unknown."""
+    kind, _, number = name.partition(" ")
+    if kind == "offset":
+        return float(model.offsets[int(number)])
+    if kind in ("cos", "sin"):
+        rows = model.waves[model.waves[:, 0] == int(number)]
+        return float(rows[0, 1 if kind == "cos" else 2]) if len(rows) else 0.0
+    return float(getattr(model, name))
+
+
+def changed(model: AxisModel, names: Sequence[str], values: Sequence[float]) -> AxisModel:
+    """The model with other values of some unknowns; a wave that it has not yet is added."""
+    offsets, waves = model.offsets.copy(), model.waves.copy()
+    fields = {}
+    for name, value in zip(names, values, strict=True):
+        kind, _, number = name.partition(" ")
+        if kind == "offset":
+            offsets[int(number)] = value
+        elif kind in ("cos", "sin"):
+            if not np.any(waves[:, 0] == int(number)):
+                waves = np.vstack((waves, [float(number), 0.0, 0.0]))
+            waves[waves[:, 0] == int(number), 1 if kind == "cos" else 2] = value
+        else:
+            fields[name] = float(value)
+    return model._replace(offsets=offsets, waves=waves, **fields)
+
+
+def residuals(model: AxisModel, first: np.ndarray, data: AxisData) -> np.ndarray:
+    """Measured minus predicted position (n,), in the noise of the position."""
+    out = np.empty(len(data.time))
+    positions(model, first, data, out)
+    return (data.position - out) / data.noise
+
+
+class Linearised(NamedTuple):
+    """The least-squares problem about a model, first states eliminated."""
+
+    information: np.ndarray
+    gradient: np.ndarray
+    scores: np.ndarray
+    blocks: np.ndarray
+    back: np.ndarray
+    own: np.ndarray
+    columns: np.ndarray
+    states: np.ndarray
+
+
+def linearised(
+    model: AxisModel, first: np.ndarray, cut: Segmented, unknowns: Unknowns, base: np.ndarray
+) -> Linearised:
+    """Normal equations of the unknowns, each segment's own states eliminated."""
+    data, p = cut.data, len(unknowns.names)
+    slopes = np.empty((len(data.time), p + 2))
+    tangents(model, first, data, *kinds_of((*unknowns.names, "q", "v")), slopes)
+    lengths = np.diff(np.append(data.starts, len(data.time)))
+    columns = slopes[:, :p] * (unknowns.sizes / data.noise)
+    states = slopes[:, p:] * np.repeat(cut.spread / data.noise, lengths, axis=0)
+    return _eliminated(
+        columns, states, base, (cut.first - first) / cut.spread, cut, unknowns, model
+    )
+
+
+def _eliminated(
+    columns: np.ndarray,
+    states: np.ndarray,
+    base: np.ndarray,
+    prior: np.ndarray,
+    cut: Segmented,
+    unknowns: Unknowns,
+    model: AxisModel,
+) -> Linearised:
+    bounds = [*cut.data.starts, len(base)]
+    count, size = len(cut.data.starts), columns.shape[1]
+    blocks, scores = np.empty((count, size, size)), np.empty((count, size))
+    back, own = np.empty((count, 2, size)), np.empty((count, 2))
+    for s, (start, end) in enumerate(itertools.pairwise(bounds)):
+        a, b, r = columns[start:end], states[start:end], base[start:end]
+        cross = b.T @ a
+        solved = np.linalg.solve(b.T @ b + np.eye(2), np.column_stack((cross, b.T @ r + prior[s])))
+        back[s], own[s] = solved[:, :-1], solved[:, -1]
+        blocks[s] = a.T @ a - cross.T @ back[s]
+        scores[s] = a.T @ r - cross.T @ own[s]
+    weight = (unknowns.sizes / unknowns.priors) ** 2
+    values = np.array([value_of(model, name) for name in unknowns.names])
+    information = blocks.sum(axis=0) + np.diag(weight)
+    gradient = scores.sum(axis=0) - weight * values / unknowns.sizes
+    return Linearised(information, gradient, scores, blocks, back, own, columns, states)
+
+
+def fit(
+    cut: Segmented,
+    model: AxisModel,
+    unknowns: Unknowns,
+    first: np.ndarray | None = None,
+    enough: float = FINE,
+) -> Fit:
+    """Minimise the squared residuals from a start; first states are free about the measured."""
+    first = cut.first if first is None else first
+    base = residuals(model, first, cut.data)
+    state = _State(model, first, base, _cost(base, first, cut, model, unknowns))
+    for _ in range(SEARCHES):
+        state = _descended(cut, state, unknowns, enough)
+        first = _searched(state, cut)
+        base = residuals(state.model, first, cut.data)
+        cost = _cost(base, first, cut, state.model, unknowns)
+        gain, state = state.cost - cost, state._replace(first=first, residuals=base, cost=cost)
+        if gain < max(RESTART * cost, enough):
+            break
+    about = linearised(state.model, state.first, cut, unknowns, state.residuals)
+    rms = float(np.sqrt(np.mean(state.residuals**2)))
+    return Fit(
+        state.model,
+        state.first,
+        unknowns,
+        about.information,
+        about.blocks,
+        about.scores,
+        state.cost,
+        rms,
+        state.residuals,
+    )
+
+
+class _State(NamedTuple):
+    """Where a fit is."""
+
+    model: AxisModel
+    first: np.ndarray
+    residuals: np.ndarray
+    cost: float
+
+
+def _descended(cut: Segmented, state: _State, unknowns: Unknowns, enough: float) -> _State:
+    """Levenberg-Marquardt from a state."""
+    damping = 1e-3
+    for _ in range(MOST_ITERATIONS):
+        about = linearised(state.model, state.first, cut, unknowns, state.residuals)
+        better = None
+        for _ in range(8):
+            step = np.linalg.solve(
+                about.information + damping * np.diag(np.diag(about.information)), about.gradient
+            )
+            new = _stepped(state.model, unknowns, step)
+            shift = np.clip(about.own - np.einsum("sip,p->si", about.back, step), -LARGEST, LARGEST)
+            moved = state.first + shift * cut.spread
+            there = residuals(new, moved, cut.data)
+            value = _cost(there, moved, cut, new, unknowns)
+            if value >= state.cost:
+                moved, there = _best_starts(new, (moved, state.first), cut)
+                value = _cost(there, moved, cut, new, unknowns)
+            if value < state.cost:
+                better = _State(new, moved, there, value)
+                break
+            damping *= 5.0
+        if better is None:
+            break
+        gain, state = state.cost - better.cost, better
+        damping = max(damping / 5.0, 1e-9)
+        if gain < enough * max(state.cost / len(there), 1.0):
+            break
+    return state
+
+
+def _best_starts(
+    model: AxisModel, choices: Sequence[np.ndarray], cut: Segmented
+) -> tuple[np.ndarray, np.ndarray]:
+    """The best choice of first states for each segment, which are independent, and residuals.
+
+    Near rest a residual is no smooth function of the first speed: several are compared.
+    """
+    data = cut.data
+    outcomes = [residuals(model, choice, data) for choice in choices]
+    costs = [_segment_costs(r, c, cut) for r, c in zip(outcomes, choices, strict=True)]
+    best = np.argmin(costs, axis=0)
+    rows = np.repeat(best, np.diff(np.append(data.starts, len(data.time))))
+    states = np.array(choices)[best, np.arange(len(best))]
+    return states, np.array(outcomes)[rows, np.arange(len(rows))]
+
+
+def _segment_costs(r: np.ndarray, first: np.ndarray, cut: Segmented) -> np.ndarray:
+    """Squares of each segment's residuals and first state (s,)."""
+    own: np.ndarray = np.add.reduceat(r**2, cut.data.starts)
+    return own + np.sum(((first - cut.first) / cut.spread) ** 2, axis=1)
+
+
+def _searched(state: _State, cut: Segmented) -> np.ndarray:
+    """First states (s, 2); those of badly explained segments are the best of several speeds.
+
+    Each speed has the first position that suits it.
+    """
+    squares = _segment_costs(state.residuals, state.first, cut)
+    squares /= np.diff(np.append(cut.data.starts, len(cut.data.time)))
+    bad = np.flatnonzero(squares > BAD * max(float(np.median(squares)), 1.0))
+    first = state.first.copy()
+    if not len(bad):
+        return first
+    part = cut.chosen(bad)
+    data, choices = part.data, [first[bad]]
+    count = np.diff(np.append(data.starts, len(data.time)))
+    scale = data.noise / part.spread[:, 0]
+    for about in (first[bad], part.first):
+        for step in (0.0, *SEARCHED, *(-step for step in SEARCHED)):
+            choice = about + np.array([0.0, step]) * part.spread
+            r = residuals(state.model, choice, data)
+            pull = (part.first[:, 0] - choice[:, 0]) / part.spread[:, 0]
+            shift = (np.add.reduceat(r, data.starts) + pull * scale) / (count + scale**2)
+            choice[:, 0] += shift * data.noise
+            choices.append(choice)
+    first[bad], _ = _best_starts(state.model, choices, part)
+    return first
+
+
+def _stepped(model: AxisModel, unknowns: Unknowns, step: np.ndarray) -> AxisModel:
+    """The model after a step, within the bounds."""
+    values = []
+    for name, size, change in zip(unknowns.names, unknowns.sizes, step, strict=True):
+        old = value_of(model, name)
+        new = old + size * float(change)
+        if name in ("inertia", "stribeck_velocity"):
+            new = min(max(new, 0.4 * old), 2.5 * old)
+        values.append(max(new, LOWEST.get(name, -np.inf)))
+    return changed(model, unknowns.names, values)
+
+
+def _cost(
+    base: np.ndarray, first: np.ndarray, cut: Segmented, model: AxisModel, unknowns: Unknowns
+) -> float:
+    """Squares of residuals, of the first states about the measured ones, and of the priors."""
+    values = np.array([value_of(model, name) for name in unknowns.names])
+    return float(
+        base @ base
+        + np.sum(((first - cut.first) / cut.spread) ** 2)
+        + np.sum((values / unknowns.priors) ** 2)
+    )
+
+
+def projection(cut: Segmented, about: Fit) -> Callable[[AxisModel], np.ndarray]:
+    """A function of a model: squares of each segment (s,) after one Gauss-Newton step from it.
+
+    The slopes are those of the fit: the model must be near.
+    """
+    at = linearised(about.model, about.first, cut, about.unknowns, about.residuals)
+    columns, states = at.columns, at.states
+    bounds = [*cut.data.starts, len(about.residuals)]
+    pairs = list(itertools.pairwise(bounds))
+    bases = [np.linalg.qr(states[a:b])[0] for a, b in pairs]
+
+    def without(values: np.ndarray) -> np.ndarray:
+        return np.concatenate(
+            [values[a:b] - q @ (q.T @ values[a:b]) for (a, b), q in zip(pairs, bases, strict=True)]
+        )
+
+    basis, _ = np.linalg.qr(without(columns))
+
+    def squares(model: AxisModel) -> np.ndarray:
+        left = without(residuals(model, about.first, cut.data))
+        left -= basis @ (basis.T @ left)
+        return np.add.reduceat(left**2, cut.data.starts)
+
+    return squares
+
+
+def covariance(
+    information: np.ndarray, blocks: np.ndarray, scores: np.ndarray, unknowns: Unknowns
+) -> np.ndarray:
+    """Covariance (p, p) of the unknowns in their sizes, by the scores of the segments.
+
+    The cluster jackknife CR3 with one step per segment: what is left of an encoder's counts is no
+    white noise, and within a segment it may be correlated in any way. The priors' part is added.
+    """
+    shift = np.array(
+        [
+            np.linalg.lstsq(information - block, score, rcond=None)[0]
+            for block, score in zip(blocks, scores, strict=True)
+        ]
+    )
+    inverse = np.linalg.pinv(information)
+    of_prior = inverse @ np.diag((unknowns.sizes / unknowns.priors) ** 2) @ inverse
+    return (len(shift) - 1) / len(shift) * shift.T @ shift + of_prior
