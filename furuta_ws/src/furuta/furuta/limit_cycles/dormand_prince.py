@@ -1,5 +1,7 @@
 """Step of the Dormand–Prince pair 5(4) for a loop with friction."""
 
+from math import inf, isfinite
+
 import numpy as np
 
 from furuta.limit_cycles.friction_loop import FrictionLoop, rate
@@ -71,5 +73,7 @@ def step(
             - 1 / 40 * k[6, i]
         )
         scale = size * ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * max(abs(y[i]), abs(end[i]))
+        if not isfinite(error):  # the maximum would lose it
+            return inf
         worst = max(worst, abs(error) / scale)
     return worst

@@ -126,9 +126,10 @@ def next_mode(y: np.ndarray, mode: float, loop: FrictionLoop) -> float:
     if loop.law.bristle:
         return -mode
     hold = holding_force(y, loop)
-    if mode != 0.0 and -breakaway_level(-1.0, loop.law) <= hold <= breakaway_level(1.0, loop.law):
+    forward, backward = breakaway_level(1.0, loop.law), breakaway_level(-1.0, loop.law)
+    if mode != 0.0 and -backward <= hold <= forward:
         return 0.0
-    return 1.0 if hold > 0.0 else -1.0
+    return 1.0 if hold > 0.5 * (forward - backward) else -1.0
 
 
 def first_mode(y: np.ndarray, loop: FrictionLoop) -> float:

@@ -22,8 +22,11 @@ from furuta.limit_cycles.section import Return, Section
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
     EVENT,
+    FURTHER,
     HIGH,
     LOW,
+    MAX_STEPS,
+    STEPS,
     TOO_STIFF,
     UNBOUNDED,
 )
@@ -102,10 +105,12 @@ class _Search:
         """The final motion, if it is known after this return."""
         if end.ended == UNBOUNDED:
             return LimitCycle("unbounded")
-        if end.ended == TOO_STIFF:
+        stiff = number == 0 and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
+        if stiff or end.ended == TOO_STIFF:  # soon, if a later slide may need too many steps
             raise ParameterError(
-                "the bristle is too fast to follow: sigma0 is too large or the friction level "
-                "too small; a stick-slip law (coulomb, stiction, stribeck) has no bristle"
+                "the bristle is too fast to follow: sigma0 is too large, or the friction level of "
+                "a direction too small (asymmetry near 1); a stick-slip law (coulomb, stiction, "
+                "stribeck) has no bristle"
             )
         if self._excursions:
             self._excursions[-1].include(end)

@@ -4,8 +4,6 @@ The Dormand–Prince pair 5(4) with error control ends exactly at the event: a r
 breakaway of the stuck arm.
 """
 
-from math import isfinite
-
 import numpy as np
 
 from furuta.limit_cycles.dormand_prince import step
@@ -30,7 +28,7 @@ TOO_STIFF = 3  # the bristle is too fast: the steps become too small
 AT_REST = 4  # closer to a rest than any disturbance
 NEAR_REST = 5  # within the distance from which a rest is the origin
 LEFT_REST = 6  # no longer so
-MAX_STEPS = 1_000_000  # of one piece of motion
+MAX_STEPS = 1_000_000  # of one extent
 # Distances from a rest: where it becomes and ceases to be the origin, and where it is reached.
 # Disturbances of the last size decide how long the arm stays at an unstable rest.
 NEAR, FAR, REACHED = 1e-6, 1e-5, 1e-14
@@ -39,7 +37,7 @@ MIN_STEP = 1e-12  # [s]
 
 # Rows of an extent (3, n): extremes of each state, and in the last one further numbers:
 LOW, HIGH, FURTHER = range(3)
-STUCK, CLOSEST = range(2)  # time stuck [s], least distance from a rest
+STUCK, CLOSEST, STEPS = range(3)  # time stuck [s], least distance from a rest, steps
 
 
 def extent_at(y: np.ndarray) -> np.ndarray:
@@ -66,18 +64,18 @@ def integrate(
     """
     k = np.empty((7, len(y)))
     end = np.empty(len(y))
-    t, h, rows, steps = 0.0, 1e-4, 0, 0
+    t, h, rows = 0.0, 1e-4, 0
     size = rest_distance(y, mode, loop) if near else 1.0
     rate(y, mode, loop, k[0])
     while t < time_limit:
-        steps += 1
-        if steps > MAX_STEPS:
+        extent[FURTHER, STEPS] += 1.0
+        if extent[FURTHER, STEPS] > MAX_STEPS:
             return TOO_STIFF, t, rows
         h = min(h, longest_step(mode, loop), time_limit - t)
         error = step(y, h, mode, loop, size, k, end)
-        if not isfinite(error):
-            return UNBOUNDED, t, rows
-        if error > 1.0 and h > MIN_STEP:
+        if not error <= 1.0:
+            if h <= MIN_STEP:
+                return TOO_STIFF, t, rows
             h *= max(0.2, 0.9 * error**-0.2)
             continue
         ended = before_event(end, mode, loop) < 0.0
