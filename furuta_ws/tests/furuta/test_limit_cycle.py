@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import reference
+from event_reference import EventLoop
 
 from furuta.limit_cycles.continuation import Branch, BranchPoint, fold_value
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, trace
+from furuta.loops import LACKS, ideal_loop, left_out, make_loop
 from furuta.studies.feedback_map import map_feedbacks
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.parameters import Friction
@@ -88,6 +90,24 @@ def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
     held = np.abs(motion.friction[stuck])
     assert held.max() == pytest.approx(0.31, abs=1e-9)
     assert np.abs(motion.friction[~stuck]) == pytest.approx(0.21)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "stiction"])
+def test_friction_of_one_direction_only(law: str) -> None:
+    """The arm slides back without friction; an integration with events moves alike."""
+    friction = Friction(alpha1=0.1, asymmetry=1.0)
+    cycle = limit_cycle(ideal(friction, law))
+    middle = cycle.point[0] - 0.5 * cycle.phi_peak_to_peak_rad
+    events = EventLoop(law, friction, np.array(_gain()))
+    found = events.run(np.array(cycle.point[:4]), 3.2 * cycle.period_s, middle)
+    assert cycle.phi_peak_to_peak_rad == pytest.approx(found.peak_to_peak, rel=1e-7)
+    assert cycle.period_s == pytest.approx(found.period, rel=1e-7)
+
+
+@pytest.mark.parametrize("asymmetry", [1.0 - 1e-9, 1.0, -1.0])
+def test_a_bristle_without_level_is_refused(asymmetry: float) -> None:
+    with pytest.raises(ParameterError, match="level of a direction too small"):
+        limit_cycle(ideal(Friction(asymmetry=asymmetry)))
 
 
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
@@ -171,6 +191,27 @@ def test_a_point_of_a_map_is_a_limit_cycle() -> None:
 
     mapped = list(map_feedbacks(loop_at, [5.0, 7.0], [7.0, 9.0]))
     assert mapped[2].cycle == limit_cycle(loop_at(7.0, 7.0))
+
+
+@pytest.mark.parametrize("name", LACKS)
+def test_a_part_that_the_ideal_loop_lacks_is_refused(name: str) -> None:
+    """Every parameter of the plant, also a new one, unless it is declared to change nothing."""
+    kind = type(LACKS[name])
+    given = {f"plant.{name}": [0.01] if kind is tuple else kind(1) * (0.1 if kind is float else 1)}
+    if name == "coupling.backlash":
+        given["plant.coupling.frequency"] = 1.0
+    with pytest.raises(ParameterError, match=f"leave out .*plant.{name} = "):
+        ideal_loop(make_loop(given))
+
+
+def test_what_changes_nothing_is_accepted_and_what_is_idealised_named() -> None:
+    """Without cogging its phase has no effect; perfect sensors have no counts."""
+    given = make_loop(
+        {"cogging.phase": 1.0, "coupling.damping": 0.5, "plant.sensors.encoder_counts": 7}
+    )
+    assert ideal_loop(given) == ideal_loop()
+    assert left_out(given) == ["plant.sensors.encoder_counts"]
+    assert left_out(make_loop()) == []
 
 
 def test_impossible_loops_are_rejected() -> None:

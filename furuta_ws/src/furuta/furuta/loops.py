@@ -12,8 +12,20 @@ from furuta_hw.rigs.rig import Rig
 from furuta_model.accepted_parts import part_name
 from furuta_model.friction.law import Law
 from furuta_model.friction.laws import analysed_law
-from furuta_model.parameters import ParameterError
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, declared, shortened, values
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
+
+# Parameters of the plant that the ideal loop has, and what is ideal in it: sensors, sampling and
+# converter. It is released by its user. It refuses all others unless they change nothing.
+HAS = ("model.", "friction.law", *(f"friction.{name}" for name in Friction._fields))
+IDEAL = ("sensors.", "sensor_faults.", "actuator.", "sample_time", "seed", "initial.", "pushes.")
+LACKS = {
+    each.name: each.default
+    for each in declared(PlantParameters)
+    if not (each.about.shape or each.name.startswith((*HAS, *IDEAL)))
+}
 
 # A function of the user's own, or a law made of some.
 Part = Callable[..., Any] | Law
@@ -118,11 +130,12 @@ def ideal_loop(
         The ideal loop.
 
     Raises:
-        ParameterError: The law is not one of these, or the feedback is not four finite numbers or
-            does not stabilise the pendulum; :func:`place_poles` gives L of u = -L·x, with the
-            other sign.
+        ParameterError: The law is not one of these, the plant has what the ideal loop lacks, or
+            the feedback is not four finite numbers or does not stabilise the pendulum;
+            :func:`place_poles` gives L of u = -L·x, with the other sign.
     """
     loop = loop or Loop()
+    _require_plain(loop.plant)
     friction = loop.plant.friction
     analysed = analysed_law(law or friction.law, friction.parameters)
     if feedback is None:
@@ -131,6 +144,26 @@ def ideal_loop(
     ideal = IdealLoop(loop.plant.model, analysed, *checked_feedback(list(feedback)), linear)
     require_stabilising(ideal)
     return ideal
+
+
+def _require_plain(plant: PlantParameters) -> None:
+    """Reject a plant that has what the ideal loop lacks."""
+    given = values(plant)
+    acting = [name for name, off in LACKS.items() if np.any(np.array(given[name]) != off)]
+    if acting:
+        raise ParameterError(
+            "exact cycles and describing functions leave out "
+            + ", ".join(f"plant.{name} = {shortened(given[name])}" for name in acting)
+            + f": simulate, or set {'it' if len(acting) == 1 else 'them'} to 0"
+        )
+
+
+def left_out(loop: Loop) -> list[str]:
+    """Names of the parameters that the ideal loop idealises, where they are not the default."""
+    given, usual = values(loop.plant), values(PlantParameters())
+    changed = [name for name in usual if name.startswith(IDEAL) and given[name] != usual[name]]
+    compensated = ["friction_observer.compensation"] * (loop.observer.compensation != "none")
+    return [f"plant.{name}" for name in changed] + compensated
 
 
 def require_stabilising(ideal: IdealLoop) -> None:

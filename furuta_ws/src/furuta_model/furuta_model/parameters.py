@@ -43,9 +43,10 @@ class ParameterError(ValueError):
 class About:
     """Meaning, unit and allowed values of a parameter.
 
-    ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start. With
-    ``own`` a name with a colon is allowed beside the choices: that of a part of one's own, which
-    the group's ``check`` compiles (:mod:`furuta_model.own_functions`).
+    ``low`` and ``high`` are inclusive. ``read_only`` parameters can be set only at start. A
+    ``shape`` has no effect while the others of its group are at their defaults. With ``own`` a
+    name with a colon is allowed beside the choices: that of a part of one's own, which the group's
+    ``check`` compiles (:mod:`furuta_model.own_functions`).
     """
 
     meaning: str
@@ -54,6 +55,7 @@ class About:
     high: float = math.inf
     choices: tuple[str, ...] = ()
     read_only: bool = False
+    shape: bool = False
     own: bool = False
 
     @property

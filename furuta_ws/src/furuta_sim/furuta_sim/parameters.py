@@ -42,7 +42,9 @@ class PlantFriction(NamedTuple):
         "lugre"
     )
     parameters: Annotated[Friction, INLINE] = Friction()
-    springs: Annotated[int, About("maxwell_slip: number of springs", "", 1, MAX_SPRINGS)] = 4
+    springs: Annotated[
+        int, About("maxwell_slip: number of springs", "", 1, MAX_SPRINGS, shape=True)
+    ] = 4
     variation: FrictionVariation = FrictionVariation()
 
     def check(self) -> None:

@@ -9,14 +9,27 @@ from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import trace
+from furuta.loops import LACKS, ideal_loop
 from furuta.transfer import transfer
 from furuta_graph.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
-from furuta_model.friction.laws import analysed_law
+from furuta_model.friction.laws import friction_law
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.simulation.closed_loop import Loop
 
 # What the motion depends on; other parameters need no new computation.
-RELEVANT = ("model.", "friction.", "omega", "zeta", "gain", "alpha", "sigma", "stribeck", "viscous")
+RELEVANT = (
+    "model.",
+    "friction.",
+    "omega",
+    "zeta",
+    "gain",
+    "alpha",
+    "sigma",
+    "stribeck",
+    "viscous",
+    *LACKS,
+)
 
 # Values by node and full parameter name.
 Values = Mapping[str, Mapping[str, Any]]
@@ -82,13 +95,10 @@ def predicted_size(values: Values) -> tuple[float, float] | None:
 def _ideal_loop(values: Values) -> IdealLoop:
     controller = _built(CONTROLLER, values)
     if PLANT in values:
-        plant = _built(PLANT, values).plant
-        model, law, friction = plant.model, plant.friction.law, plant.friction.parameters
-    else:
-        observer = _built(FRICTION_OBSERVER, values)
-        model, law, friction = controller.model, "lugre", observer.friction
+        return ideal_loop(Loop(_built(PLANT, values).plant, controller=controller))
+    friction = _built(FRICTION_OBSERVER, values).friction
     l1, l2, l3, l4 = (-gain for gain in controller.feedback_gain)
-    return IdealLoop(model, analysed_law(law, friction), l1, l2, l3, l4)
+    return IdealLoop(controller.model, friction_law("lugre", friction), l1, l2, l3, l4)
 
 
 def _built(node: str, values: Values) -> Any:

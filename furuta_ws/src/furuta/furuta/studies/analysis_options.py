@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.loops import ideal_loop
+from furuta.loops import LACKS, ideal_loop, left_out
 from furuta.transfer import checked_feedback
+from furuta_graph.settings.nodes import PLANT
 from furuta_graph.settings.parameter_names import parameters_named
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
@@ -38,6 +39,10 @@ class AnalysisOptions(NamedTuple):
         gains = self.feedback or ideal.gains
         l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, gains, strict=True))
         return ideal.with_gains((l1, l2, l3, l4))
+
+    def left_out(self) -> list[str]:
+        """Names of the given parameters that the ideal loop idealises."""
+        return left_out(loop(load_settings(self.files, self.assignments)))
 
     def checked_loop(self) -> IdealLoop:
         """The ideal loop, if its feedback is finite."""
@@ -73,6 +78,8 @@ def parse_range(text: str, default_count: int) -> tuple[str, np.ndarray]:
     if not 2 <= count <= MAX_VALUES:
         raise ParameterError(f"{name}: COUNT must be 2 to {MAX_VALUES}, given {count}")
     name = name.strip()
-    if name not in GAINS:
-        parameters_named(name)  # rejects an unknown name before anything is computed
+    if name not in GAINS:  # an unknown name is rejected before anything is computed
+        for node, parameter in parameters_named(name):
+            if node == PLANT and parameter.name in LACKS:
+                raise ParameterError(f"the ideal loop has no plant.{parameter.name} to vary")
     return name, np.linspace(low, high, count)

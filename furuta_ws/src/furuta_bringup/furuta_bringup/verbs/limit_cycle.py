@@ -64,7 +64,8 @@ def command(
     """Compute the exact periodic motion of the ideal loop, including sticking.
 
     In the ideal loop all states are measured, and the feedback u = l·x is neither sampled nor
-    saturated. A branch is followed through folds and along unstable cycles. The prediction,
+    saturated: left_out names what was set otherwise. Other parts of the plant, such as drive.lag,
+    are refused. A branch is followed through folds and along unstable cycles. The prediction,
     1 + G(jω) N(A, ω) = 0, uses first harmonics only.
 
     Example: furuta limit-cycle --over omega1=2:12 --over omega2=2:12
@@ -80,7 +81,7 @@ def command(
         report = _map(options, ranges, release, out, quiet=as_json)
     else:
         report = _cycle(options, ranges, release, out)
-    show(report, as_json)
+    show(report | {"left_out": options.left_out()}, as_json)
 
 
 def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:

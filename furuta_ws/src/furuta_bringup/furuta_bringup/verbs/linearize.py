@@ -56,8 +56,9 @@ def command(
         raise click.UsageError("--out needs --nyquist or --figure-4")
     nominal = loop(load_settings(files, assignments))
     report = linear_report(nominal.controller, feedback)
-    ideal = AnalysisOptions(files, assignments, "lugre", feedback).checked_loop()
+    options = AnalysisOptions(files, assignments, "lugre", feedback)
     if nyquist:
+        ideal = options.checked_loop()
         feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
         cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
         if out is not None:
@@ -66,7 +67,7 @@ def command(
             draw_nyquist(cases, out)
         report |= nyquist_report(cases)
     if passivity:
-        report |= _passivity(ideal, nominal)
+        report |= _passivity(options.checked_loop(), nominal)
     show(report, as_json)
 
 

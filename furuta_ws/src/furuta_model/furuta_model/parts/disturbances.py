@@ -127,7 +127,9 @@ def with_tilt(push: Push, p: Tilt) -> Push:
 class TorqueWaves(NamedTuple):
     """The waves: three lists of one length."""
 
-    orders: Annotated[Numbers, About("waves per turn of each wave", "", 0, 10_000)] = (0.0,)
+    orders: Annotated[Numbers, About("waves per turn of each wave", "", 0, 10_000, shape=True)] = (
+        0.0,
+    )
     cosine: Annotated[Numbers, About("factor of cos(order φ)", "V", -10, 10)] = (0.0,)
     sine: Annotated[Numbers, About("factor of sin(order φ)", "V", -10, 10)] = (0.0,)
 

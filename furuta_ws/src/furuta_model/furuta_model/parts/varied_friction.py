@@ -31,14 +31,20 @@ class FrictionVariation(NamedTuple):
     angle: Annotated[
         float, About("change of the level over the arm's turn: amplitude", "", 0, 1)
     ] = 0.0
-    angle_periods: Annotated[int, About("periods of this change per turn", "", 1, 1000)] = 1
-    angle_phase: Annotated[float, About("phase of this change at arm angle 0", "rad", -pi, pi)] = (
-        0.0
-    )
+    angle_periods: Annotated[
+        int, About("periods of this change per turn", "", 1, 1000, shape=True)
+    ] = 1
+    angle_phase: Annotated[
+        float, About("phase of this change at arm angle 0", "rad", -pi, pi, shape=True)
+    ] = 0.0
     drift: Annotated[float, About("change of the level with time, at the end", "", -1, 10)] = 0.0
-    drift_time: Annotated[float, About("time constant of the drift", "s", 1e-3, 1e6)] = 60.0
+    drift_time: Annotated[
+        float, About("time constant of the drift", "s", 1e-3, 1e6, shape=True)
+    ] = 60.0
     heat: Annotated[float, About("change of the level per heat", "1/(V rad)", -100, 100)] = 0.0
-    cooling_time: Annotated[float, About("time constant of cooling", "s", 1e-3, 1e6)] = 60.0
+    cooling_time: Annotated[
+        float, About("time constant of cooling", "s", 1e-3, 1e6, shape=True)
+    ] = 60.0
     load: Annotated[float, About("change of the level per torque of the drive", "1/V", 0, 10)] = 0.0
 
 
