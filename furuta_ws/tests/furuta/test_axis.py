@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from joint_reference import ReferenceJoint
+from scipy.integrate import solve_ivp
 
 import furuta
-from furuta.axis.axis import Controller
+from furuta.axis.axis import Controller, servo_motions
+from furuta.axis.compensations import residual
 from furuta.axis.identification import parse_friction
 from furuta.limit_cycles.joint import JointCycle
 
@@ -71,6 +74,49 @@ def test_slow_motion_sticks_and_slips() -> None:
     run = furuta.simulate_axis(AXIS, PID, seconds=20.0 * slow.period_s, reference=0.02)
     error = run.error[len(run.error) // 2 :]
     assert np.ptp(error) == pytest.approx(slow.peak_to_peak, rel=0.1)
+
+
+def test_both_final_motions_of_a_slow_reference() -> None:
+    """From rest the axis sticks and slips; beside that it moves steadily. LSODA gives the same."""
+    p = furuta.Friction(1e5, 316.2278, 1.0, 0.5, stribeck_velocity=0.001, viscous=0.4)
+    motions = servo_motions(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
+    assert {start: motion.kind for start, motion in motions.items()} == {
+        "rest": "limit_cycle",
+        "steady motion": "steady",
+    }
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        level = p.alpha0 + p.alpha1 * np.exp(-((y[1] / p.stribeck_velocity) ** 2))
+        z_dot = y[1] - p.sigma0 * abs(y[1]) / level * y[2]
+        force = p.sigma0 * y[2] + p.sigma1 * z_dot + p.viscous * y[1]
+        return [0.1 - y[1], 2.0 * y[0] - force, z_dot]
+
+    steps = {"rtol": 1e-9, "atol": [1e-11, 1e-11, 1e-14], "max_step": 0.02}
+    run = solve_ivp(rate, (0.0, 30.0), np.zeros(3), "LSODA", **steps)
+    slips = run.t[1:][np.diff(np.sign(run.y[1] - 0.05)) > 0.0]
+    period = run.t > slips[-1] - motions["rest"].period_s
+    assert np.diff(slips)[-1] == pytest.approx(motions["rest"].period_s, abs=0.02)
+    assert np.ptp(run.y[0][period]) == pytest.approx(motions["rest"].peak_to_peak, rel=1e-4)
+    cycle = furuta.servo_cycle(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
+    assert cycle.start == motions["rest"].start
+
+
+def test_compensations_are_compared_by_the_final_motion() -> None:
+    """A heavy axis is released for minutes; where it then rests is that of an integration."""
+    friction = furuta.Friction(alpha0=0.1, alpha1=0.05)
+    axis, pd = furuta.Axis(10.0, friction, "stiction"), furuta.Pid(4.0, 0.0, 1.0)
+    closed = np.array([[-0.1, 0.4], [-1.0, 0.0]])
+    exact = ReferenceJoint(closed, np.array([0.1, 0.0]), np.zeros(2), "stiction", friction)
+    assert exact.run(np.array([0.0, 0.75]), 1e3, np.zeros(2)).kind == "rest"
+    found = residual(axis, axis, pd, "none", counts=0)
+    assert found.settled
+    assert found.error_rad == pytest.approx(abs(exact.at_rest[1]), rel=0.05)
+    assert residual(axis, axis, pd, "stiction").error_rad < 0.2 * found.error_rad
+
+
+def test_what_does_not_settle_says_so() -> None:
+    axis = furuta.Axis(1e4, furuta.Friction(alpha0=1e-3, alpha1=0.0), "coulomb")
+    assert not residual(axis, axis, furuta.Pid(1.0, 0.0, 1.0), "none", sample_time=0.02).settled
 
 
 def test_bad_input_is_refused() -> None:

@@ -13,17 +13,22 @@ Units are kg m², rad and N m, or kg, m and N.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.joint import Joint, JointCycle, joint, joint_cycle
+from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
+from furuta.limit_cycles.linear_loop import BRISTLE, W
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 
 # Error at the start, as a multiple of that which friction can hold without integral action.
 RELEASED_AT = 20.0
+# A small disturbance, relative to that error, or of the steady motion; difference of motions that
+# are one.
+DISTURBANCE, SAME = 1e-3, 1e-3
 
 
 class Axis(NamedTuple):
@@ -136,12 +141,46 @@ def released(axis: Axis, controller: Controller, states: int) -> np.ndarray:
 
 
 def servo_cycle(axis: Axis, controller: Controller, speed: float = 0.0) -> JointCycle:
-    """The final motion of the axis, released at rest away from its reference.
+    """The final motion of the axis from rest: away from a reference at rest, on one that moves.
 
     ``peak_to_peak`` is that of the error. Raises what :func:`servo_joint` raises.
     """
     loop = servo_joint(axis, controller, speed)
-    return joint_cycle(loop, released(axis, controller, len(loop.loop.b)))
+    return final_motion(loop, next(_starts(axis, controller, loop, speed))[1])
+
+
+def servo_motions(axis: Axis, controller: Controller, speed: float = 0.0) -> dict[str, JointCycle]:
+    """The different final motions of the axis by start, first that of :func:`servo_cycle`.
+
+    The second start is a small disturbance, of rest on the reference or of steady motion with it.
+    """
+    loop = servo_joint(axis, controller, speed)
+    motions: dict[str, JointCycle] = {}
+    for name, y in _starts(axis, controller, loop, speed):
+        motion = final_motion(loop, y)
+        if not any(_alike(motion, other) for other in motions.values()):
+            motions[name] = motion
+    return motions
+
+
+def _starts(
+    axis: Axis, controller: Controller, loop: Joint, speed: float
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Starts by name, as states of the engine."""
+    away = loop.state(released(axis, controller, len(loop.loop.b)))
+    if speed == 0.0:
+        yield "released", away
+        yield "rest", DISTURBANCE * away
+        return
+    yield "rest", np.zeros_like(away)
+    y = loop.steady(speed)
+    y[W:BRISTLE] *= 1.0 + DISTURBANCE
+    yield "steady motion", y
+
+
+def _alike(one: JointCycle, other: JointCycle) -> bool:
+    a, b = ((each.peak_to_peak, each.period_s) for each in (one, other))
+    return one.kind == other.kind and np.allclose(a, b, rtol=SAME, atol=0.0, equal_nan=True)
 
 
 def poles(axis: Axis, controller: Controller) -> np.ndarray:
@@ -151,8 +190,13 @@ def poles(axis: Axis, controller: Controller) -> np.ndarray:
     return np.linalg.eigvals(a)
 
 
-def axis_report(cycle: JointCycle) -> dict[str, Any]:
-    """The cycle of an axis by the names of the command line."""
-    report = cycle.report()
-    report["peak_to_peak_rad"] = report.pop("peak_to_peak")
-    return report
+def axis_report(motions: dict[str, JointCycle]) -> dict[str, Any]:
+    """The final motions of an axis by the names of the command line."""
+    reports = []
+    for start, motion in motions.items():
+        report = {"start": start, **motion.report()}
+        report["peak_to_peak_rad"] = report.pop("peak_to_peak")
+        reports.append(report)
+    shown = ("start", "kind", "peak_to_peak_rad", "period_s", "stable")
+    others = [{name: report[name] for name in shown} for report in reports[1:]]
+    return reports[0] | {"other_motions": others}

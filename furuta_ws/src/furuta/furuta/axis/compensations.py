@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, servo_cycle
+from furuta.axis.axis import Axis, Controller, poles, servo_cycle
 from furuta.axis.sampled_loop import CANDIDATES
 from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
@@ -16,23 +16,33 @@ from furuta_model.parameters import ParameterError
 
 # True levels of friction, relative to those that the compensators assume.
 LEVELS = (0.8, 1.0, 1.25)
-# Length of a simulation in periods of the cycle, and its limits [s]; the last half is measured.
-PERIODS = 20.0
+# First length of a simulation in periods of the cycle and in time constants of the slowest pole,
+# and its limits [s]. It is doubled until the errors of its third and fourth quarter differ by no
+# more than a part, or a count.
+PERIODS, TIME_CONSTANTS = 12.0, 8.0
 SHORTEST, LONGEST = 10.0, 600.0
+SETTLED = 0.1
 # An error above the smallest one that is as good: by this factor, or by half a count.
 AS_GOOD = 1.1
 
 
 class Residual(NamedTuple):
-    """What remains with a compensation, the worst over the true levels of friction [rad]."""
+    """What remains with a compensation, the worst over the true levels of friction [rad].
+
+    ``settled`` says whether the error does not change any more.
+    """
 
     compensation: str
     error_rad: float
     peak_to_peak_rad: float
+    settled: bool
 
 
 class AxisComparison(NamedTuple):
-    """The residual of each candidate, and the recommended one: the simplest of the best."""
+    """The residual of each candidate, and the recommended one: the simplest of the best.
+
+    If none has settled, the recommended one has not either.
+    """
 
     residuals: tuple[Residual, ...]
     recommended: Residual
@@ -64,31 +74,81 @@ def compare_on_axis(
     cycle = cycle or servo_cycle(axis, controller, speed)
     if cycle.kind == "unbounded":
         raise ParameterError("the axis is unbounded without compensation: change the gains")
-    seconds = SHORTEST if np.isnan(cycle.period_s) else PERIODS * cycle.period_s
-    seconds = min(max(seconds, SHORTEST), LONGEST, MOST_SAMPLES * sample_time)
     residuals = []
     for compensation in CANDIDATES:
-        errors = []
-        for level in LEVELS:
-            record = simulate_axis(
-                _with_level(axis, level),
-                controller,
-                seconds=seconds,
-                reference=speed,
-                compensation=compensation,
-                model=axis,
-                counts=counts,
-                sample_time=sample_time,
-            )
-            errors.append(record.error[len(record.error) // 2 :])
-        largest = float(np.max(np.abs(errors)))
-        residuals.append(Residual(compensation, largest, float(np.max(np.ptp(errors, axis=1)))))
-    best = min(residual.error_rad for residual in residuals)
+        _, errors, sizes, settled = zip(
+            *(
+                residual(
+                    with_level(axis, level),
+                    axis,
+                    controller,
+                    compensation,
+                    speed=speed,
+                    counts=counts,
+                    sample_time=sample_time,
+                    period=cycle.period_s,
+                )
+                for level in LEVELS
+            ),
+            strict=True,
+        )
+        residuals.append(Residual(compensation, max(errors), max(sizes), all(settled)))
+    final = [each for each in residuals if each.settled] or residuals
+    best = min(each.error_rad for each in final)
     good = max(AS_GOOD * best, best + (np.pi / counts if counts else 0.0))
-    return AxisComparison(tuple(residuals), next(r for r in residuals if r.error_rad <= good))
+    return AxisComparison(tuple(residuals), next(r for r in final if r.error_rad <= good))
 
 
-def _with_level(axis: Axis, factor: float) -> Axis:
+def residual(
+    true: Axis,
+    model: Axis,
+    controller: Controller,
+    compensation: str,
+    *,
+    speed: float = 0.0,
+    counts: int = 4096,
+    sample_time: float = 1e-3,
+    period: float = np.nan,
+) -> Residual:
+    """What remains on the ``true`` axis with a compensation that knows the ``model``.
+
+    It is simulated until the error has settled, or for :data:`LONGEST`; with the ``period`` [s] of
+    the cycle without compensation, if there is one, for several periods.
+    """
+    needed = _first_length(model, controller, period)
+    longest = min(LONGEST, MOST_SAMPLES * sample_time)
+    smallest = 2.0 * np.pi / counts if counts else 0.0
+    seconds = min(needed, longest)
+    while True:
+        record = simulate_axis(
+            true,
+            controller,
+            seconds=seconds,
+            reference=speed,
+            compensation=compensation,
+            model=model,
+            counts=counts,
+            sample_time=sample_time,
+        )
+        quarters = np.array_split(record.error, 4)[2:]
+        each = np.array([(np.abs(part).max(), np.ptp(part)) for part in quarters])
+        largest = each.max(axis=0)
+        agree = np.all(np.ptp(each, axis=0) <= np.maximum(SETTLED * largest, smallest))
+        settled = bool(agree and needed <= longest)
+        if settled or seconds >= longest:
+            return Residual(compensation, float(largest[0]), float(largest[1]), settled)
+        seconds = min(2.0 * seconds, longest)
+
+
+def with_level(axis: Axis, factor: float) -> Axis:
     """The axis with larger or smaller levels of dry friction."""
     p = axis.friction
     return axis._replace(friction=p._replace(alpha0=factor * p.alpha0, alpha1=factor * p.alpha1))
+
+
+def _first_length(axis: Axis, controller: Controller, period: float) -> float:
+    """Simulated time [s] in which the axis probably reaches its final motion."""
+    rates = np.abs(poles(axis, controller).real)
+    slowest = float(rates[rates > 1e-9 * rates.max()].min(initial=np.inf))
+    of_period = min(PERIODS * period, LONGEST) if period > 0.0 else 0.0
+    return max(SHORTEST, of_period, TIME_CONSTANTS / slowest)

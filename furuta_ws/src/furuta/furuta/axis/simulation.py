@@ -63,7 +63,8 @@ def simulate_axis(
         controller: Its gains; the filter of a PID is replaced by the observer's speed.
         seconds: Length of the simulation [s].
         reference: Its constant speed [rad/s], or its positions (n,) [rad] at all samples. With
-            positions the axis starts at the first of them, otherwise away from the reference.
+            positions the axis starts at the first of them, otherwise as :func:`servo_cycle` has
+            it: at rest away from a reference at rest, on one that moves.
         compensation: One of the compensators, or super_twisting.
         model: The axis as observer and compensator assume it; the true one by default.
         counts: Counts of the encoder per turn; 0 for a perfect sensor.
@@ -86,7 +87,7 @@ def simulate_axis(
     else:
         time = sample_time * np.arange(min(seconds / sample_time, MOST_SAMPLES + 1))
         positions = reference * time
-        offset = float(released(axis, controller, 2)[1])
+        offset = 0.0 if reference else float(released(axis, controller, 2)[1])
     if not (1 < len(positions) <= MOST_SAMPLES and np.all(np.isfinite(positions))):
         raise ParameterError(
             f"a simulation must have 2 to {MOST_SAMPLES} samples, all finite: choose other "

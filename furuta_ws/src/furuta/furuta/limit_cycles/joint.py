@@ -19,7 +19,7 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
 from furuta.limit_cycles.rest_stability import STILL
-from furuta_model.friction.laws import analysed_law
+from furuta_model.friction.laws import analysed_law, sliding_level, steady_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -62,6 +62,14 @@ class Joint(NamedTuple):
         if np.shape(x) != (len(self.loop.b),) or not np.all(np.isfinite(x)):
             raise ParameterError(f"the start must be {len(self.loop.b)} finite numbers, given {x}")
         return np.concatenate([[0.0], np.linalg.solve(self.units.basis, x), [0.0]])
+
+    def steady(self, speed: float) -> np.ndarray:
+        """The engine's state while the joint moves at ``speed``, which is not 0."""
+        loop, v = self.loop, speed / self.units.speed
+        force = steady_friction(v, loop.law)
+        others = np.linalg.lstsq(loop.a[:, 1:], loop.b * force - loop.r - loop.a[:, 0] * v)[0]
+        z = np.sign(v) * sliding_level(v, v, loop.law) / loop.law.parameters.sigma0
+        return np.concatenate([[0.0, v], others, [z if loop.law.bristle else 0.0]])
 
     def in_units(self, new: Units) -> Joint:
         """The same loop in the units of another one, so that their states can be compared."""
@@ -204,7 +212,12 @@ def friction_in(units: Units, p: Friction) -> Friction:
 
 def joint_cycle(given: Joint, start: np.ndarray | None = None) -> JointCycle:
     """The final motion from state x (n,), by default that of :meth:`Joint.state`."""
-    return _with_units(given, limit_cycle(given.loop, given.state(start)))
+    return final_motion(given, given.state(start))
+
+
+def final_motion(given: Joint, y: np.ndarray) -> JointCycle:
+    """The final motion from the engine's state ``y``."""
+    return _with_units(given, limit_cycle(given.loop, y))
 
 
 def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:

@@ -12,8 +12,8 @@ from furuta.axis.axis import (
     Controller,
     Pid,
     axis_report,
-    servo_cycle,
     servo_joint,
+    servo_motions,
 )
 from furuta.axis.compensations import SHORTEST, compare_on_axis
 from furuta.axis.identification import identified_axis, parse_friction
@@ -99,14 +99,16 @@ def command(
     else:
         axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
     counts = found if counts is None else counts
-    cycle = servo_cycle(axis, controller, reference_speed)
-    result |= {**axis_report(cycle), "compensations": [], "recommended": None}
+    motions = servo_motions(axis, controller, reference_speed)
+    cycle = next(iter(motions.values()))
+    result |= {**axis_report(motions), "compensations": [], "recommended": None}
     if cycle.kind != "unbounded":
         compared = compare_on_axis(
             axis, controller, speed=reference_speed, counts=counts, cycle=cycle
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
-        result["recommended"] = compared.recommended.compensation
+        best = compared.recommended
+        result["recommended"] = best.compensation if best.settled else None
     if prove:
         result["proof"] = _proof(axis, controller, reference_speed)
     if out is not None:
