@@ -18,24 +18,30 @@ TIGHT = {"rtol": 1e-10, "atol": 1e-12}
 
 def stribeck_fold(axis: Axis, pid: Pid, sizes: tuple[float, float]) -> float:
     """The largest k_d of a cycle that sticks, of amplitude within ``sizes``."""
-    p, m = axis.friction, axis.inertia
 
     def excess(kd: float, e: float) -> float:
-        """What the axis reaches beyond −e after it has stuck at e and slid."""
-
-        def rate(_: float, y: np.ndarray) -> list[float]:
-            v, error, integral = y
-            friction = p.alpha0 + p.alpha1 * np.exp(-((v / p.stribeck_velocity) ** 2))
-            return [(pid.kp * error + pid.ki * integral - kd * v - friction) / m, -v, error]
-
-        integral = (p.alpha0 + p.alpha1 - pid.kp * e) / pid.ki
-        v = pid.ki * e * NUDGE**2 / (2 * m)
-        start = [v, e - v * NUDGE / 3, integral + e * NUDGE]
-        reversal = _falling(0)
-        out = solve_ivp(rate, (0.0, 1e3), start, "DOP853", events=reversal, **TIGHT)
-        return float(-out.y[1, -1] - e)
+        return stribeck_reach(axis, pid._replace(kd=kd), e) - e
 
     return _largest(lambda e: brentq(excess, 0.8, 1.6, args=(e,), xtol=1e-9), sizes)
+
+
+def stribeck_reach(axis: Axis, pid: Pid, e: float) -> float:
+    """How far beyond its reference an axis slides that has stuck at e > 0; e again in a cycle."""
+    p, m, vs = axis.friction, axis.inertia, axis.friction.stribeck_velocity
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        v, error, integral = y
+        friction = p.alpha0 + p.alpha1 * np.exp(-((v / vs) ** 2)) + p.viscous * v
+        return [(pid.kp * error + pid.ki * integral - pid.kd * v - friction) / m, -v, error]
+
+    nudge = min(NUDGE, 1e-3 * vs)
+    integral = (p.alpha0 + p.alpha1 - pid.kp * e) / pid.ki
+    v = pid.ki * e * nudge**2 / (2 * m)
+    start = [v, e - v * nudge / 3, integral + e * nudge]
+    # Longer steps could pass over the speeds at which the level changes.
+    steps = {"max_step": vs * m / (p.alpha0 + p.alpha1), "rtol": 1e-10, "atol": 1e-13 * min(vs, 1)}
+    out = solve_ivp(rate, (0.0, 1e3), start, "DOP853", events=_falling(0), **steps)
+    return float(-out.y[1, -1])
 
 
 def lugre_fold(axis: Axis, pid: Pid, sizes: tuple[float, float]) -> float:

@@ -33,6 +33,7 @@ MAX_STEPS = 1_000_000  # of one extent
 # Disturbances of the last size decide how long the arm stays at an unstable rest.
 NEAR, FAR, REACHED = 1e-6, 1e-5, 1e-14
 MIN_STEP = 1e-12  # [s]
+SLOWING = 0.5  # largest change of the speed in a step, relative to it and the Stribeck velocity
 
 
 # Rows of an extent (3, n): extremes of each state, and in the last one further numbers:
@@ -71,7 +72,7 @@ def integrate(
         extent[FURTHER, STEPS] += 1.0
         if extent[FURTHER, STEPS] > MAX_STEPS:
             return TOO_STIFF, t, rows
-        h = min(h, longest_step(mode, loop), time_limit - t)
+        h = min(h, longest_step(mode, loop), _slowing(y, k[0], mode, loop), time_limit - t)
         error = step(y, h, mode, loop, size, k, end)
         if not error <= 1.0:
             if h <= MIN_STEP:
@@ -102,6 +103,15 @@ def integrate(
         k[0] = k[6]
         h *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     return TIME_OUT, t, rows
+
+
+@compiled
+def _slowing(y: np.ndarray, dy: np.ndarray, mode: float, loop: FrictionLoop) -> float:
+    """Longest step that does not pass over speeds at which the level changes."""
+    p = loop.law.parameters
+    if mode == 0.0 or p.stribeck_velocity == 0.0 or dy[PHI_DOT] == 0.0:
+        return np.inf
+    return SLOWING * (abs(y[PHI_DOT]) + p.stribeck_velocity) / abs(dy[PHI_DOT])
 
 
 @compiled
