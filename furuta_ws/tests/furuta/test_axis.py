@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hunting_reference import stribeck_reach
 from joint_reference import ReferenceJoint
 from scipy.integrate import solve_ivp
 
 import furuta
+import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, servo_motions
 from furuta.axis.compensations import residual
 from furuta.axis.identification import parse_friction
@@ -99,6 +101,53 @@ def test_both_final_motions_of_a_slow_reference() -> None:
     assert np.ptp(run.y[0][period]) == pytest.approx(motions["rest"].peak_to_peak, rel=1e-4)
     cycle = furuta.servo_cycle(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
     assert cycle.start == motions["rest"].start
+
+
+@pytest.mark.parametrize("law", ["stiction", "stribeck"])
+def test_size_of_stick_slip_with_a_moving_reference(law: str) -> None:
+    """The error is largest where the axis has the speed of the reference, within a slide."""
+    p = furuta.Friction(alpha0=0.1, alpha1=0.1, viscous=0.01, stribeck_velocity=0.1)
+    cycle = furuta.servo_cycle(furuta.Axis(0.05, p, law), furuta.Pid(1.0, 1.0, 0.05), 0.2)
+    _, error, integral = cycle.start
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        level = p.alpha0 + p.alpha1 * np.exp(-((y[0] / 0.1) ** 2)) * (law == "stribeck")
+        force = y[1] + y[2] + 0.05 * (0.2 - y[0]) - level - p.viscous * y[0]
+        return [force / 0.05, 0.2 - y[0], y[1]]
+
+    # Stuck: e = e₀ + V t, and the holding force is the breakaway level at its end.
+    ends = np.roots([0.1, 0.2 + error, error + integral + 0.01 - 0.2])
+    wait = float(ends[ends > 0.0].min())
+    start = [0.0, error + 0.2 * wait, integral + error * wait + 0.1 * wait**2]
+    fast, stop = (lambda t, y, v=v: y[0] - v for v in (0.2, 0.0))
+    stop.terminal, stop.direction = True, -1.0  # type: ignore[attr-defined]
+    start = np.add(start, 1e-9 * np.array([1.0, 0.0, 0.0]))
+    run = solve_ivp(rate, (0.0, 9.0), start, "DOP853", events=[fast, stop], rtol=1e-12, atol=1e-14)
+    errors = [*run.y_events[0][:, 1], error, start[1]]
+    assert wait + run.t[-1] == pytest.approx(cycle.period_s, rel=1e-6)
+    assert np.ptp(errors) == pytest.approx(cycle.peak_to_peak, rel=1e-7)
+
+
+@pytest.mark.parametrize("velocity", [1e-2, 1e-3])
+def test_no_step_passes_over_a_small_stribeck_velocity(velocity: float) -> None:
+    """An integration with short steps slides from one end of the cycle to the other."""
+    axis = furuta.Axis(0.01, FRICTION._replace(stribeck_velocity=velocity))
+    end = 0.5 * furuta.servo_cycle(axis, PID).peak_to_peak
+    assert stribeck_reach(axis, PID, end) == pytest.approx(end, rel=1e-8)
+
+
+def test_an_irregular_motion_says_what_was_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If a cycle is not recognised, its size is seen once the transient has passed."""
+    loop = furuta.Axis(0.05, FRICTION, "stiction"), furuta.Pid(1.0, 1.0, 0.05), 0.2
+    cycle = furuta.servo_cycle(*loop)
+    monkeypatch.setattr(engine, "NEARBY", 0.0)
+    monkeypatch.setattr(engine, "RETURNS", 20)
+    seen = furuta.servo_cycle(*loop)
+    assert seen.kind == "irregular"
+    assert seen.peak_to_peak == pytest.approx(cycle.peak_to_peak, rel=1e-5)
+    assert seen.observed_s == pytest.approx(10.0 * cycle.period_s, rel=1e-5)
+    assert seen.transient_s == pytest.approx(10.0 * cycle.period_s, rel=0.2)
+    assert seen.transient_s != pytest.approx(seen.observed_s, rel=1e-3)
 
 
 def test_compensations_are_compared_by_the_final_motion() -> None:

@@ -9,7 +9,7 @@ close it comes, however close that is.
 import numpy as np
 
 from furuta.limit_cycles.friction_loop import FrictionLoop, by_type, next_mode
-from furuta.limit_cycles.linear_flow import follow_exactly
+from furuta.limit_cycles.linear_flow import follow_exactly, moved_exactly
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta.limit_cycles.smooth_motion import (
@@ -19,6 +19,7 @@ from furuta.limit_cycles.smooth_motion import (
     LEFT_REST,
     LOW,
     NEAR_REST,
+    extent_at,
     integrate,
 )
 from furuta_model.compiled import compiled
@@ -66,6 +67,15 @@ def _follow_linear(
     ended, duration, rows = integrate(y, mode, time_limit, loop, False, extent, trace)
     # What disturbs a linear loop at rest does not grow there: see rest_stability.
     return AT_REST if ended == NEAR_REST else ended, duration, rows
+
+
+def state_after(y: np.ndarray, mode: float, time: float, loop: LinearLoop) -> np.ndarray:
+    """The state ``time`` after ``y`` in the piece of motion ``mode``, which does not end before."""
+    if mode == 0.0 or loop.law.constant_level:
+        return moved_exactly(y, mode, time, loop)
+    y = y.copy()
+    integrate(y, mode, time, loop, False, extent_at(y), np.empty((0, len(y) + 1)))
+    return y
 
 
 # ``follow_piece(y, mode, time_limit, extent, trace, loop)`` follows one piece of motion from ``y``,

@@ -15,6 +15,8 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from furuta.limit_cycles import continuation
+from furuta.limit_cycles.exact_motion import state_after
+from furuta.limit_cycles.friction_loop import rate
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
@@ -23,7 +25,7 @@ from furuta_model.friction.laws import analysed_law, sliding_level, steady_frict
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI
+from furuta_model.state import PHI, PHI_DOT
 
 POLES = 10.0  # geometric mean of the scaled poles
 MOTION = 30.0  # acceleration by the unit of force, so that amplitudes are of order 0.1
@@ -91,7 +93,8 @@ class JointCycle(NamedTuple):
     ``peak_to_peak`` is that of the position [m or rad], without its mean motion. ``start`` is the
     state x (n,) at the upper reversal. A rest, or a steady motion at constant speed, has a
     ``growth_rate_1_s`` instead of multipliers: -inf where nothing but other rests is near, 0 where
-    an integrator leaves the rest and comes back.
+    an integrator leaves the rest and comes back. An irregular motion was seen over ``observed_s``
+    after ``transient_s``.
     """
 
     kind: str
@@ -100,6 +103,8 @@ class JointCycle(NamedTuple):
     stuck_fraction: float = 0.0
     floquet_multipliers: tuple[complex, ...] = ()
     growth_rate_1_s: float = float("nan")
+    transient_s: float = float("nan")
+    observed_s: float = float("nan")
     start: tuple[float, ...] = ()
     scaled: LimitCycle | None = None
 
@@ -236,6 +241,8 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
         cycle.stuck_fraction,
         cycle.floquet_multipliers,
         cycle.growth_rate_1_s / units.time,
+        cycle.transient_s * units.time,
+        cycle.observed_s * units.time,
         start,
         cycle,
     )
@@ -244,14 +251,24 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
 def _peak_to_peak(loop: LinearLoop, cycle: LimitCycle) -> float:
     """Peak to peak of the position without its mean motion."""
     drift = cycle.rotation_rate_rad_s
-    if cycle.kind != "oscillation" or not STILL <= abs(drift) * cycle.period_s < np.inf:
+    lasts = cycle.observed_s if cycle.kind == "irregular" else cycle.period_s
+    if not STILL <= abs(drift) * lasts < np.inf:
         return cycle.phi_peak_to_peak_rad
     path = trace(loop, cycle)
     time, position, speed = path.time, path.state[:, PHI] - drift * path.time, path.state[:, 1]
-    extremes = CubicHermiteSpline(time, position, speed - drift).derivative().roots()
-    inside = extremes[np.isfinite(extremes) & (extremes > time[0]) & (extremes < time[-1])]
-    at_extremes = CubicHermiteSpline(time, position, speed - drift)(inside)
-    return float(np.ptp(np.concatenate([position, at_extremes])))
+    found = CubicHermiteSpline(time, position, speed - drift).derivative().roots()
+    inside = found[np.isfinite(found) & (found > time[0]) & (found < time[-1])]
+    extremes = [_extreme(loop, path, at, drift) for at in inside.tolist()]
+    return float(np.ptp(np.concatenate([position, extremes])))
+
+
+def _extreme(loop: LinearLoop, path: Trajectory, at: float, drift: float) -> float:
+    """The extreme of the position without its drift, near the time ``at``, by the exact motion."""
+    k = int(np.searchsorted(path.time, at)) - 1
+    mode = float(np.sign(path.state[k, 1] + path.state[k + 1, 1]))
+    y, dy = state_after(path.state[k], mode, at - path.time[k], loop), np.empty(loop.states)
+    rate(y, mode, loop, dy)
+    return float(y[PHI] - drift * at - 0.5 * (y[PHI_DOT] - drift) ** 2 / dy[PHI_DOT])
 
 
 def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:

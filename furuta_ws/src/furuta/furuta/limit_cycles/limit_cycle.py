@@ -27,6 +27,7 @@ from furuta.limit_cycles.smooth_motion import (
     LOW,
     MAX_STEPS,
     STEPS,
+    STUCK,
     TOO_STIFF,
     UNBOUNDED,
 )
@@ -78,6 +79,7 @@ class _Search:
         self._mode: float | None = first_mode(y, loop)
         self._section = Section(loop)
         self._points: list[np.ndarray] = []  # section points since the last disturbance
+        self._seen: list[tuple[np.ndarray, Return]] = []  # start and end of each return
         self._largest = 0.0
         self._windows = 0
         self._failures = self._next_attempt = 0
@@ -93,12 +95,33 @@ class _Search:
             time += end.time
             if number >= MIN_RETURNS and time > MOTION_RETURNS * self._loop.longest_return:
                 break
-        return LimitCycle("irregular", phi_peak_to_peak_rad=self._largest)
+        return self._irregular()
+
+    def _irregular(self) -> LimitCycle:
+        """What was seen in the last half of the returns; those before are the transient."""
+        half = len(self._seen) // 2
+        ends = [end for _, end in self._seen[half:]]
+        start, observed = self._seen[half][0], sum(end.time for end in ends)
+        low = np.min([end.extent[LOW] for end in ends], axis=0)
+        sizes = np.max([end.extent[HIGH] for end in ends], axis=0) - low
+        return LimitCycle(
+            "irregular",
+            float(sizes[PHI]),
+            float(sizes[THETA]),
+            rotation_rate_rad_s=float(ends[-1].y[PHI] - start[PHI]) / observed,
+            stuck_fraction=float(sum(end.extent[FURTHER, STUCK] for end in ends)) / observed,
+            turns=len(ends),
+            point=tuple(start),
+            smallest_slide=self._section.smallest,
+            transient_s=sum(end.time for _, end in self._seen[:half]),
+            observed_s=observed,
+        )
 
     def _follow(self) -> Return:
         """Follow to the next return; from an unstable rest, to where a disturbance leads."""
         end = self._section.follow(self._y, self._mode)
         self._mode, self._start, self._y = None, self._y, end.y
+        self._seen.append((self._start, end))
         return end
 
     def _after(self, end: Return, number: int) -> LimitCycle | None:
@@ -166,7 +189,7 @@ class _Search:
             if slides and not self._loop.may_rotate:  # very slowly, to where friction holds it
                 return self._at_rest()
             grows = slides and abs(v) > abs(self._start[PHI_DOT])
-            return LimitCycle("unbounded" if grows else "irregular")
+            return LimitCycle("unbounded") if grows else self._irregular()
         if not slides and self._windows > 1:
             # The arm oscillates by less than what counted as a slide.
             self._section = Section(self._loop, SLIDE * _size(end))

@@ -96,6 +96,12 @@ def follow_exactly(
 
 
 @compiled
+def moved_exactly(y: np.ndarray, mode: float, time: float, loop: LinearLoop) -> np.ndarray:
+    """The state ``time`` after ``y`` in the piece of motion ``mode``."""
+    return (_exponential(_generator(mode, loop), time) @ np.append(y, 1.0))[:-1]
+
+
+@compiled
 def _generator(mode: float, loop: LinearLoop) -> np.ndarray:
     """The matrix (n + 1, n + 1) of the motion: d(y, 1)/dt = M (y, 1)."""
     n = len(loop.b) + 2

@@ -32,6 +32,9 @@ class LimitCycle(NamedTuple):
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
     0 at a rest that an integrator leaves and comes back to.
 
+    An irregular motion was seen over ``observed_s`` from ``point`` on, with ``turns`` upper
+    reversals, after ``transient_s``; sizes and ``stuck_fraction`` are those of what was seen.
+
     With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
     however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
     """
@@ -48,6 +51,8 @@ class LimitCycle(NamedTuple):
     smallest_slide: float = 0.0
     rest_distance: float = float("nan")
     growth_rate_1_s: float = float("nan")
+    transient_s: float = float("nan")
+    observed_s: float = float("nan")
 
     @property
     def stable(self) -> bool:
@@ -127,8 +132,8 @@ class Trajectory(NamedTuple):
 
 
 def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
-    """The motion of an oscillation over one period, at the steps of the integration."""
-    if not np.isfinite(cycle.period_s):
+    """The motion over one period, or of an irregular one what was seen, at the steps."""
+    if cycle.period_s == np.inf:
         raise ParameterError("a motion with an infinite period cannot be traced over one period")
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
