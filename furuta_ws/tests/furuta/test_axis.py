@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import furuta
 import furuta.limit_cycles.limit_cycle as engine
-from furuta.axis.axis import Controller, servo_motions
+from furuta.axis.axis import Controller
 from furuta.axis.compensations import residual
 from furuta.axis.identification import parse_friction
 from furuta.limit_cycles.joint import JointCycle
@@ -81,7 +81,7 @@ def test_slow_motion_sticks_and_slips() -> None:
 def test_both_final_motions_of_a_slow_reference() -> None:
     """From rest the axis sticks and slips; beside that it moves steadily. LSODA gives the same."""
     p = furuta.Friction(1e5, 316.2278, 1.0, 0.5, stribeck_velocity=0.001, viscous=0.4)
-    motions = servo_motions(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
+    motions = furuta.servo_motions(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
     assert {start: motion.kind for start, motion in motions.items()} == {
         "rest": "limit_cycle",
         "steady motion": "steady",
@@ -126,6 +126,20 @@ def test_size_of_stick_slip_with_a_moving_reference(law: str) -> None:
     errors = [*run.y_events[0][:, 1], error, start[1]]
     assert wait + run.t[-1] == pytest.approx(cycle.period_s, rel=1e-6)
     assert np.ptp(errors) == pytest.approx(cycle.peak_to_peak, rel=1e-7)
+
+
+@pytest.mark.parametrize("velocity", [1e-2, 1e-3, 3e-4, 1e-4])
+def test_steady_motion_near_the_stribeck_velocity(velocity: float) -> None:
+    """Its growth rate is that of the slope of the Stribeck curve, however steep that is."""
+    p = furuta.Friction(alpha0=1.0, alpha1=0.5, viscous=0.4, stribeck_velocity=velocity)
+    speed = 3.5 * velocity
+    axis, pd = furuta.Axis(1.0, p, "stribeck"), furuta.Pid(2.0, 0.0, 3.0)
+    steady = furuta.servo_motions(axis, pd, speed)
+    motion = steady.get("steady motion", steady["rest"])
+    slope = p.viscous - 7.0 / velocity * p.alpha1 * np.exp(-(3.5**2))
+    exact = np.linalg.eigvals([[-3.0 - slope, 2.0], [-1.0, 0.0]]).real.max()
+    assert motion.kind == "steady"
+    assert motion.growth_rate_1_s == pytest.approx(exact, rel=1e-6)
 
 
 @pytest.mark.parametrize("velocity", [1e-2, 1e-3])

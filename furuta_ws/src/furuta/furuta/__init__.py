@@ -13,7 +13,7 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 
 from importlib.metadata import version
 
-from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle
+from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle, servo_motions
 from furuta.axis.compensations import compare_on_axis
 from furuta.axis.identification import identified_axis
 from furuta.axis.simulation import simulate_axis
@@ -96,6 +96,7 @@ __all__ = [
     "read_recording",
     "rig_names",
     "servo_cycle",
+    "servo_motions",
     "simulate",
     "simulate_axis",
     "simulated_series",

@@ -150,9 +150,19 @@ def servo_cycle(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
 
 
 def servo_motions(axis: Axis, controller: Controller, speed: float = 0.0) -> dict[str, JointCycle]:
-    """The different final motions of the axis by start, first that of :func:`servo_cycle`.
+    """The different final motions of an axis, from two starts.
 
-    The second start is a small disturbance, of rest on the reference or of steady motion with it.
+    Args:
+        axis: The axis.
+        controller: Its gains.
+        speed: Speed of the reference [rad/s].
+
+    Returns:
+        The motions by start. The first is that of :func:`servo_cycle`. The other start is a small
+        disturbance, of rest on the reference or of steady motion with it.
+
+    Raises:
+        ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
     """
     loop = servo_joint(axis, controller, speed)
     motions: dict[str, JointCycle] = {}

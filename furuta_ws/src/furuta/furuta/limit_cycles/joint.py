@@ -69,7 +69,7 @@ class Joint(NamedTuple):
         """The engine's state while the joint moves at ``speed``, which is not 0."""
         loop, v = self.loop, speed / self.units.speed
         force = steady_friction(v, loop.law)
-        others = np.linalg.lstsq(loop.a[:, 1:], loop.b * force - loop.r - loop.a[:, 0] * v)[0]
+        others = np.linalg.lstsq(loop.a[:, 1:], loop.b * force - loop.r - loop.a[:, 0] * v, None)[0]
         z = np.sign(v) * sliding_level(v, v, loop.law) / loop.law.parameters.sigma0
         return np.concatenate([[0.0, v], others, [z if loop.law.bristle else 0.0]])
 

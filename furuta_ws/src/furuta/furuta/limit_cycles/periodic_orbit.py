@@ -137,12 +137,12 @@ def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
         raise ParameterError("a motion with an infinite period cannot be traced over one period")
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
-    extent, buffer = extent_at(y), np.empty((MAX_TRACE, loop.states + 1))
+    buffer = np.empty((MAX_TRACE, loop.states + 1))
     elapsed = 0.0
     for _ in range(cycle.turns):
         mode = next_mode(y, 1.0, loop)
         _, duration, n = follow_to_upper_reversal(
-            y, mode, loop.longest_return, loop, cycle.smallest_slide, extent, buffer
+            y, mode, loop.longest_return, loop, cycle.smallest_slide, extent_at(y), buffer
         )
         part = buffer[:n].copy()
         part[:, 0] += elapsed

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.friction_loop import FrictionLoop, rate
+from furuta.limit_cycles.friction_loop import FrictionLoop, rate, rest_distance
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta_model.friction.laws import breakaway_level, sliding_level
@@ -43,8 +43,10 @@ from furuta_model.state import (
 
 FRICTIONLESS = 1e-9  # largest level of friction that is none
 DIFFERENCE = 1e-6  # of the finite differences
+DIFFERENCE_OF_VELOCITY = 3e-4  # of that of a linear loop's speed, relative to the Stribeck velocity
 ZERO = 1e-4  # an eigenvalue of this size belongs to a line of rests
 STILL = 1e-5  # speed of a joint at rest
+NEWTON_STEPS = 10
 
 
 class RestStability(NamedTuple):
@@ -74,7 +76,9 @@ def rest_state(y: np.ndarray, loop: FrictionLoop) -> np.ndarray:
     """The rest that the motion has reached at ``y``."""
     if isinstance(loop, LinearLoop):
         rest = y.copy()
-        if abs(y[PHI_DOT]) < STILL and not loop.law.bristle:
+        if abs(y[PHI_DOT]) > STILL:
+            return _steady(rest, loop)
+        if not loop.law.bristle:
             rest[PHI_DOT] = 0.0
         return rest
     law = loop.law
@@ -84,6 +88,22 @@ def rest_state(y: np.ndarray, loop: FrictionLoop) -> np.ndarray:
     if law.bristle:
         rest[BRISTLE] = held / law.parameters.sigma0
     return rest
+
+
+def _steady(y: np.ndarray, loop: LinearLoop) -> np.ndarray:
+    """The steady motion near ``y``: close to the Stribeck velocity its stability needs all digits.
+
+    By Newton's method; what is no closer than ``y`` is not taken.
+    """
+    mode, dy = float(np.sign(y[PHI_DOT])), np.empty(loop.states)
+    for _ in range(NEWTON_STEPS):
+        rate(y, mode, loop, dy)
+        slopes, before = _slopes(y, mode, loop), y.copy()
+        moved = slice(PHI_DOT, PHI_DOT + len(slopes))
+        y[moved] -= np.linalg.lstsq(slopes, dy[moved], rcond=None)[0]
+        if not rest_distance(y, mode, loop) < rest_distance(before, mode, loop):
+            return before
+    return y
 
 
 def _linear(y: np.ndarray, loop: LinearLoop) -> RestStability:
@@ -107,13 +127,15 @@ def _slopes(y: np.ndarray, mode: float, loop: LinearLoop) -> np.ndarray:
     """dẏ/dy of v, w and, under a law with a bristle, z."""
     last = loop.states if loop.law.bristle else loop.states - 1
     columns = []
+    steepest = DIFFERENCE_OF_VELOCITY * loop.law.parameters.stribeck_velocity or DIFFERENCE
     for i in range(PHI_DOT, last):
+        size = min(DIFFERENCE, steepest) if i == PHI_DOT else DIFFERENCE
         ends = np.empty((2, loop.states))
-        for end, step in zip(ends, (DIFFERENCE, -DIFFERENCE), strict=True):
+        for end, step in zip(ends, (size, -size), strict=True):
             moved = y.copy()
             moved[i] += step
             rate(moved, mode, loop, end)
-        columns.append((ends[0] - ends[1])[PHI_DOT:last] / (2.0 * DIFFERENCE))
+        columns.append((ends[0] - ends[1])[PHI_DOT:last] / (2.0 * size))
     return np.array(columns).T
 
 
