@@ -12,6 +12,7 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
 """
 
 from importlib.metadata import version
+from inspect import isfunction
 
 from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle, servo_motions
 from furuta.axis.compensations import compare_on_axis
@@ -43,6 +44,7 @@ from furuta.recordings import (
 )
 from furuta_hw.rigs.rig import Rig
 from furuta_identification.axis.identify import identify_axis
+from furuta_model.arguments import checked
 from furuta_model.friction.law import Law
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
@@ -104,3 +106,10 @@ __all__ = [
     "tune",
     "write_series",
 ]
+
+# Every function rejects an argument that its annotation does not allow. Inside the library none
+# does, so loops over a function cost nothing.
+for _name in __all__:
+    if isfunction(globals()[_name]):
+        globals()[_name] = checked(globals()[_name])
+        globals()[_name].__module__ = __name__  # where pickle finds it

@@ -1,6 +1,7 @@
 """Makes closed loops from parameters by name and from rigs."""
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from furuta_model.accepted_parts import part_name
 from furuta_model.friction.law import Law
 from furuta_model.friction.laws import analysed_law
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError, declared, shortened, values
+from furuta_model.parameters import ParameterError, declared, shortened, validated, values
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -68,9 +69,9 @@ def make_loop(
     """A closed loop from parameters by name, a rig and parameter files.
 
     Args:
-        values: Parameters by name, in the units that docs/parameters.md lists. ``alpha0`` sets the
-            parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction. A choice
-            of a part, such as ``friction.law``, can be a function or :class:`furuta.Law`.
+        values: Parameters by name, in the units of the installed parameter files. ``alpha0`` sets
+            the parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction. A
+            choice of a part, such as ``friction.law``, can be a function or :class:`furuta.Law`.
         rig: A rig, its name or its file; by default the rig of the paper.
         files: ROS parameter files. Later ones take precedence, ``values`` over all of them.
 
@@ -86,18 +87,25 @@ def make_loop(
         rig = load_rig(rig)
     base = None if rig is None else settings.rig_settings(rig)
     given = settings.collect_settings(map(Path, files), [], base)
-    return settings.loop_with(given, {k: _plain(value) for k, value in (values or {}).items()})
+    return settings.loop_with(given, {k: plain_value(value) for k, value in (values or {}).items()})
+
+
+@lru_cache
+def checked_loop(loop: Loop | None) -> Loop:
+    """The loop, by default the paper's; ParameterError if a value is out of its range."""
+    parts: Any = loop or Loop()
+    return Loop(*map(validated, parts))
 
 
 def with_parts(
-    loop: Loop,
+    loop: Loop | None,
     friction: Part | None = None,
     compensation: Part | None = None,
     controller: Part | None = None,
     estimator: Part | None = None,
 ) -> Loop:
     """The loop with parts of one's own, which :func:`furuta.simulate` describes."""
-    plant, estimation, observer, control = loop
+    plant, estimation, observer, control = checked_loop(loop)
     if friction is not None:
         law = plant.friction._replace(law=part_name(friction))
         plant = plant._replace(friction=law)
@@ -134,7 +142,7 @@ def ideal_loop(
             the feedback is not four finite numbers or does not stabilise the pendulum;
             :func:`place_poles` gives L of u = -L·x, with the other sign.
     """
-    loop = loop or Loop()
+    loop = checked_loop(loop)
     _require_plain(loop.plant)
     friction = loop.plant.friction
     analysed = analysed_law(law or friction.law, friction.parameters)
@@ -177,10 +185,10 @@ def require_stabilising(ideal: IdealLoop) -> None:
         )
 
 
-def _plain(value: Any) -> Any:
+def plain_value(value: Any) -> Any:
     """A value without numpy: text, or a number or list. A part is its name."""
     if isinstance(value, str):
-        return value
+        return str(value)
     if callable(value) or isinstance(value, Law):
         return part_name(value)
     plain = np.asarray(value).tolist()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -17,20 +17,20 @@ from furuta.limit_cycles.linear_system import matrices
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.limit_cycles.predicted_joint import predict_joint
-from furuta.loops import Part, ideal_loop, with_parts
+from furuta.loops import Part, checked_loop, ideal_loop, with_parts
 from furuta.outcomes import Outcome, outcome
 from furuta.transfer import transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_sim.parameters import MOST_SECONDS
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Record
 
 if TYPE_CHECKING:
     from furuta.studies.tuning.plan import TuningResult
-    from furuta.studies.tuning.tuning import ProgressCallback
 
 
-def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part) -> Record:
+def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part | None) -> Record:
     """Simulate a loop sample by sample, with its sensors and drive, from its initial state.
 
     Args:
@@ -46,14 +46,19 @@ def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part) -> 
         where there is no sensor.
 
     Raises:
-        ParameterError: ``seconds`` is not above 0 and finite, or a part cannot be compiled.
+        ParameterError: ``seconds`` is not above 0, or above 1e6, a part cannot be compiled, or the
+            series do not fit into memory.
     """
-    _check_seconds(seconds)
-    return closed_loop.simulate(with_parts(loop or Loop(), **parts), seconds)
+    check_seconds(seconds)
+    try:
+        return closed_loop.simulate(with_parts(loop, **parts), seconds)
+    except MemoryError:
+        reason = f"the series of {seconds:g} s do not fit into memory; measure() keeps none"
+        raise ParameterError(reason) from None
 
 
 def measure(
-    loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.5, **parts: Part
+    loop: Loop | None = None, seconds: float = 60.0, settled: float = 0.5, **parts: Part | None
 ) -> Outcome:
     """Simulate a loop and measure its oscillation, without keeping the series.
 
@@ -71,10 +76,10 @@ def measure(
         ParameterError: ``seconds`` or ``settled`` is outside its range, or a part cannot be
             compiled.
     """
-    _check_seconds(seconds)
+    check_seconds(seconds)
     if not 0.0 < settled <= 1.0:
         raise ParameterError(f"settled must be above 0 and at most 1, given {settled:g}")
-    return outcome(with_parts(loop or Loop(), **parts), seconds, settled)
+    return outcome(with_parts(loop, **parts), seconds, settled)
 
 
 def friction_joint(
@@ -178,7 +183,7 @@ def predict_cycles(loop: Loop | IdealLoop | Joint | None = None) -> Prediction:
 def tune(
     loop: Loop | None = None,
     seconds: float = 240.0,
-    report: ProgressCallback | None = None,
+    report: Callable[[str, float], None] | None = None,
 ) -> TuningResult:
     """Find the compensation with the smallest remaining limit cycle, by simulation.
 
@@ -199,14 +204,19 @@ def tune(
     from furuta.studies.tuning.plan import SIMULATED
     from furuta.studies.tuning.tuning import tune_simulated
 
+    check_seconds(seconds)
     plan = SIMULATED._replace(seconds=seconds, rivals=True)
-    return tune_simulated(loop or Loop(), plan, report or (lambda message, seconds: None))
+    return tune_simulated(checked_loop(loop), plan, report or (lambda message, seconds: None))
 
 
 def _ideal(loop: Loop | IdealLoop | None) -> IdealLoop:
-    return loop if isinstance(loop, IdealLoop) else ideal_loop(loop)
+    ideal = loop if isinstance(loop, IdealLoop) else ideal_loop(loop)
+    ideal.check()
+    return ideal
 
 
-def _check_seconds(seconds: float) -> None:
-    if not 0.0 < seconds < inf:
-        raise ParameterError(f"seconds must be above 0 and finite, given {seconds:g}")
+def check_seconds(seconds: float) -> None:
+    """Reject a simulated time [s] that is out of its range."""
+    if not 0.0 < seconds <= MOST_SECONDS:
+        limits = f"above 0 and at most {MOST_SECONDS:g}"
+        raise ParameterError(f"seconds must be {limits}, given {seconds:g}")

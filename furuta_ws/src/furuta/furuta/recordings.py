@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from furuta_identification.model import Model
+from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 from furuta_sim.simulation.closed_loop import Record
-
-if TYPE_CHECKING:
-    from furuta_identification.model import Model
 
 
 def read_recording(
@@ -71,6 +70,8 @@ def identify(
     from furuta_identification.options import Options
 
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if not given:
+        raise ParameterError("recordings must be at least one recording, given none")
     return fit(given, Options(zero, window, angles, command_scale))
 
 

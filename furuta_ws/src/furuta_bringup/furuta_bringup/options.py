@@ -17,6 +17,7 @@ from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
 from furuta_ros.topic_names import full_namespace
+from furuta_sim.parameters import MOST_SECONDS
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -28,7 +29,7 @@ def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Func
 
 
 # Pendulum time [s] of a simulation, and of one that is measured after its transients.
-SIMULATED_SECONDS = FiniteRange(0, 1e6, min_open=True)
+SIMULATED_SECONDS = FiniteRange(0, MOST_SECONDS, min_open=True)
 MEASURED_SECONDS = FiniteRange(5, 3600)
 SEED = click.IntRange(0, 2**62)
 

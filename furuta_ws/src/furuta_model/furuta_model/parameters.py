@@ -27,10 +27,18 @@ SELECTS = "selects"
 # Mark of a field whose zero means that a part is off; other values are numbers.
 OFF_AT_ZERO = "off at zero"
 LARGEST = sys.float_info.max
-# Bits of an integer that is larger; Python refuses to print one of many more.
+# Bits of an integer that is not printed.
 LARGEST_EXPONENT = 2 * sys.float_info.max_exp
 
-_SHORT = reprlib.Repr()
+
+class _Short(reprlib.Repr):
+    def repr_int(self, x: int, level: int) -> str:
+        """An integer; of a large one, which Python may refuse to print, only its bits."""
+        large = x.bit_length() > LARGEST_EXPONENT
+        return f"an integer of {x.bit_length()} bits" if large else super().repr_int(x, level)
+
+
+_SHORT = _Short()
 _SHORT.maxstring = _SHORT.maxother = 80
 _SHORT.maxlist = _SHORT.maxtuple = 8
 
@@ -125,8 +133,6 @@ class Declared(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
             kind = "an integer" if whole else "a number"
             raise ParameterError(f"{self.name} must be {kind}, given {shortened(value)}")
-        if isinstance(value, int) and value.bit_length() > LARGEST_EXPONENT:
-            raise ParameterError(f"{self.name} must be finite, given {value.bit_length()} bits")
         if abs(value) > LARGEST or math.isnan(value):
             raise ParameterError(f"{self.name} must be finite, given {shortened(value)}")
         if not about.low <= value <= about.high:
@@ -175,7 +181,7 @@ def declared(group: type[NamedTuple], prefix: str = "") -> tuple[Declared, ...]:
 
 
 @cache
-def _fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
+def group_fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
     """Name, type and annotation metadata of each field."""
     return tuple(
         (field, get_args(hint)[0], get_args(hint)[1:])
@@ -186,7 +192,7 @@ def _fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], 
 
 
 def _declared(group: type[NamedTuple], prefix: str) -> Iterator[Declared]:
-    for field, kind, metadata in _fields(group):
+    for field, kind, metadata in group_fields(group):
         if _is_group(kind):
             yield from declared(kind, prefix if INLINE in metadata else f"{prefix}{field}.")
         else:
@@ -205,7 +211,7 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
-    for field, kind, metadata in _fields(group):
+    for field, kind, metadata in group_fields(group):
         if _is_group(kind):
             inner = prefix if INLINE in metadata else f"{prefix}{field}."
             fields[field] = build(kind, given, inner)
@@ -221,16 +227,22 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     return built
 
 
-def values(group: NamedTuple, prefix: str = "") -> dict[str, Any]:
+def values(group: Any, prefix: str = "") -> dict[str, Any]:
     """All values of a group by full name: the inverse of :func:`build`."""
     result: dict[str, Any] = {}
-    for field, kind, metadata in _fields(type(group)):
+    of: Any = type(group)
+    for field, kind, metadata in group_fields(of):
         value = getattr(group, field)
         if _is_group(kind):
             result |= values(value, prefix if INLINE in metadata else f"{prefix}{field}.")
         else:
             result[prefix + field] = list(value) if isinstance(value, tuple) else value
     return result
+
+
+def validated(group: Group) -> Group:
+    """The group, if each value is in its range and all fit together."""
+    return build(type(group), values(group))
 
 
 def _is_group(kind: Any) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_model.converter import Actuator, drive
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 
 CHANNELS = ("arm angle", "arm speed", "pendulum angle", "pendulum speed")
 UNITS = ("rad", "rad/s", "rad", "rad/s")
@@ -25,10 +25,10 @@ class Recording(NamedTuple):
     """
 
     name: str
-    time: np.ndarray
-    measured: np.ndarray
-    command_time: np.ndarray
-    command: np.ndarray
+    time: Annotated[np.ndarray, "n"]
+    measured: Annotated[np.ndarray, "n", RIGID_STATES]
+    command_time: Annotated[np.ndarray, "m"]
+    command: Annotated[np.ndarray, "m"]
     in_radians: bool = False
     number: int = 0
     findings: tuple[str, ...] = ()

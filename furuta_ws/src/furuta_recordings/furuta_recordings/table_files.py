@@ -45,8 +45,9 @@ def write_columns(path: Path, columns: Columns) -> None:
     """
     write, _ = _format(path)
     shapes = {np.shape(values) for values in columns.values()}
-    if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
-        raise ParameterError(f"series for {path} must have one and the same length, given {shapes}")
+    if any(len(shape) != 1 for shape in shapes) or len(shapes) != 1:
+        given = shapes or "none"
+        raise ParameterError(f"series for {path} must have one and the same length, given {given}")
     with whole_file(path) as new:
         write(new, {name: np.ascontiguousarray(values) for name, values in columns.items()})
 

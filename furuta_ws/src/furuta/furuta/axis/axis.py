@@ -88,6 +88,15 @@ def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
     Raises:
         ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
     """
+    check_axis(axis, controller, speed)
+    a, r = _closed(controller, axis.inertia, speed)
+    b = np.zeros(len(a))
+    b[0] = 1.0 / axis.inertia
+    return joint(a, b, np.eye(len(a))[0], axis.friction, axis.law, r)
+
+
+def check_axis(axis: Axis, controller: Controller, speed: float = 0.0) -> None:
+    """Reject numbers of an axis that are not finite, and negative ones."""
     numbers = np.array([axis.inertia, speed, *controller, *axis.friction])
     if not (np.all(np.isfinite(numbers)) and axis.inertia > 0.0):
         raise ParameterError(
@@ -95,10 +104,6 @@ def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
         )
     if min(controller) < 0.0 or highest_level(axis.friction) <= 0.0:
         raise ParameterError("gains, times and levels of friction must not be negative")
-    a, r = _closed(controller, axis.inertia, speed)
-    b = np.zeros(len(a))
-    b[0] = 1.0 / axis.inertia
-    return joint(a, b, np.eye(len(a))[0], axis.friction, axis.law, r)
 
 
 def _closed(controller: Controller, inertia: float, speed: float) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, released
+from furuta.axis.axis import Axis, Controller, check_axis, released
 from furuta.axis.sampled_loop import CANDIDATES, LoopMemory, design_loop, paper_units, run_loop
 from furuta_model.block import new_memory
 from furuta_model.friction.laws import LAWS
@@ -77,6 +77,8 @@ def simulate_axis(
     for name, (given, known) in choices.items():
         if given not in known:
             raise ParameterError(f"{name} must be one of {', '.join(known)}, given {given}")
+    for each in (axis, model or axis):
+        check_axis(each, controller)
     if not (counts >= 0 and 1e-6 <= sample_time <= 0.1 and seconds > 0.0):
         raise ParameterError(
             "counts must be at least 0, sample_time 1e-6 to 0.1 s and seconds above 0, given "
@@ -88,7 +90,8 @@ def simulate_axis(
         time = sample_time * np.arange(min(seconds / sample_time, MOST_SAMPLES + 1))
         positions = reference * time
         offset = 0.0 if reference else float(released(axis, controller, 2)[1])
-    if not (1 < len(positions) <= MOST_SAMPLES and np.all(np.isfinite(positions))):
+    usable = positions.ndim == 1 and np.all(np.isfinite(positions))
+    if not (usable and 1 < len(positions) <= MOST_SAMPLES):
         raise ParameterError(
             f"a simulation must have 2 to {MOST_SAMPLES} samples, all finite: choose other "
             "seconds, sample_time or reference"
@@ -101,6 +104,8 @@ def simulate_axis(
     memory[0]["x"][PHI] = memory[0]["estimate"][0] = (positions[0] - offset) / units.position
     series = np.empty((3, len(positions)))
     run_loop(memory, positions / units.position, speeds / units.speed, design, series)
+    if not np.all(np.isfinite(series)):
+        raise ParameterError("the motion grows beyond all numbers: choose other gains or reference")
     position, measured, torque = series * [[units.position], [units.position], [units.force]]
     times: np.ndarray = sample_time * np.arange(len(positions))
     return AxisRecord(times, positions, position, measured, torque)

@@ -24,7 +24,7 @@ from furuta.limit_cycles.rest_stability import STILL
 from furuta_model.friction.laws import analysed_law, sliding_level, steady_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, shortened
 from furuta_model.state import PHI, PHI_DOT
 
 POLES = 10.0  # geometric mean of the scaled poles
@@ -62,7 +62,8 @@ class Joint(NamedTuple):
         if x is None:
             x = self.units.basis @ np.append(0.0, np.ones(len(self.loop.b) - 1))
         if np.shape(x) != (len(self.loop.b),) or not np.all(np.isfinite(x)):
-            raise ParameterError(f"the start must be {len(self.loop.b)} finite numbers, given {x}")
+            number, given = len(self.loop.b), shortened(np.asarray(x).tolist())
+            raise ParameterError(f"the start must be {number} finite numbers, given {given}")
         return np.concatenate([[0.0], np.linalg.solve(self.units.basis, x), [0.0]])
 
     def steady(self, speed: float) -> np.ndarray:

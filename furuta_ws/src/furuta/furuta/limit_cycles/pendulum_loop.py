@@ -18,10 +18,11 @@ import numpy as np
 
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw, sliding_level
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, validated
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
+LARGEST_GAIN = 1e12
 MAX_SPEED = 1e3  # [rad/s]
 MAX_STEP = 5e-3  # [s]
 LONGEST_RETURN = 300.0  # [s]; without a reversal for this time the arm rotates or rests
@@ -71,9 +72,11 @@ class IdealLoop(NamedTuple):
 
     def check(self) -> None:
         """Raise :class:`ParameterError` if it cannot be followed."""
-        self.body.check()
-        if not np.all(np.isfinite(self.gains)):
-            raise ParameterError(f"feedback must be finite, given {self.gains}")
+        validated(self.body)
+        numbers = (*self.gains, self.held)
+        if not all(abs(number) <= LARGEST_GAIN for number in numbers):
+            limit = f"finite and at most {LARGEST_GAIN:g}"
+            raise ParameterError(f"feedback and held friction must be {limit}, given {numbers}")
 
     def with_gains(self, gains: tuple[float, float, float, float]) -> IdealLoop:
         """The same loop with other feedback gains."""

@@ -12,10 +12,10 @@ from furuta_graph.settings.recommended import is_recommended, recommended_values
 from furuta_graph.settings.rig_parameters import rig_parameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
-from furuta_model.parameters import ParameterError, build
+from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.parameter_files import is_of_ros, sections
 from furuta_ros.yaml_files import parse_yaml, read_yaml
-from furuta_sim.simulation.closed_loop import Loop
+from furuta_sim.simulation.closed_loop import PARTS, Loop
 
 # Most unknown names of a section that are reported; each is compared with all known ones.
 MOST_REPORTED = 10
@@ -66,10 +66,10 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     return name.strip(), _value(value, name)
 
 
-def settings_with(settings: Settings, values: Iterable[tuple[str, Any]]) -> Settings:
+def settings_with(settings: Settings, given: Iterable[tuple[str, Any]]) -> Settings:
     """Settings with further values, each by a name as on the command line."""
     changed = merge_settings(settings, default_settings())
-    for name, value in values:
+    for name, value in given:
         if is_recommended(name, value):
             changed = settings_with(changed, recommended_values(changed).items())
             continue
@@ -91,6 +91,12 @@ def parameters_of(settings: Settings) -> dict[str, Any]:
 def loop(settings: Settings) -> Loop:
     """The same parameters for the loop without ROS."""
     return _loop(parameters_of(settings))
+
+
+def loop_settings(of: Loop) -> Settings:
+    """Settings that describe a loop: the inverse of :func:`loop`."""
+    nodes = zip(PARTS, of, strict=True)
+    return default_settings() | {node: values(group) for node, group in nodes}
 
 
 def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:

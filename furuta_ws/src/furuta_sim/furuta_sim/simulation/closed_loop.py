@@ -5,7 +5,7 @@ one call of compiled code, which releases the interpreter lock.
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
+from furuta_model.parameters import values
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import APPLIED_TORQUE, RIGID_STATES, SIGNALS
 from furuta_sim.parameters import PlantParameters
@@ -43,6 +44,12 @@ class LoopMemory:
     torque: float = 0.0
 
 
+# The nodes that have the parameters of a loop, in the loop's order.
+PARTS = "plant", "estimator", "friction_observer", "controller"
+# Most values that a loop prints.
+MOST_PRINTED = 6
+
+
 class Loop(NamedTuple):
     """Parameters of plant, estimator, friction observer and controller."""
 
@@ -50,6 +57,18 @@ class Loop(NamedTuple):
     estimator: EstimatorParameters = EstimatorParameters()
     observer: ObserverParameters = ObserverParameters()
     controller: ControllerParameters = ControllerParameters()
+
+    def __repr__(self) -> str:
+        """What differs from the loop of the paper, by the names of the nodes' parameters."""
+        changed = [
+            f"{part}.{name}=" + (f"{value:.6g}" if isinstance(value, float) else repr(value))
+            for part, group in zip(PARTS, self, strict=True)
+            for name, value in values(group).items()
+            if value != values(type(group)()).get(name)
+        ]
+        more = f"and {len(changed) - MOST_PRINTED} more"
+        shown = changed[:MOST_PRINTED] + [more] * (len(changed) > MOST_PRINTED)
+        return f"Loop({', '.join(shown)})"
 
 
 class Record(NamedTuple):
@@ -61,12 +80,12 @@ class Record(NamedTuple):
     """
 
     sample_time: float
-    state: np.ndarray
-    estimate: np.ndarray
-    friction: np.ndarray
-    friction_estimate: np.ndarray
-    command: np.ndarray
-    measurement: np.ndarray
+    state: Annotated[np.ndarray, "n", RIGID_STATES]
+    estimate: Annotated[np.ndarray, "n", SIGNALS]
+    friction: Annotated[np.ndarray, "n"]
+    friction_estimate: Annotated[np.ndarray, "n"]
+    command: Annotated[np.ndarray, "n"]
+    measurement: Annotated[np.ndarray, "n", SIGNALS]
 
     @property
     def time(self) -> np.ndarray:
