@@ -13,26 +13,30 @@ task ``balance`` beyond ``FALL_ANGLE``. gymnasium is not among the library's req
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import pi
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
 from furuta.loops import make_loop
 from furuta.studies.comparison.rigs import JUDGING, TUNING, RandomRigs
 from furuta_graph.settings.settings import default_settings
+from furuta_model.arguments import check, checked
 from furuta_model.block import block
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
-from furuta_model.parameters import ParameterError
+from furuta_model.optional import needed_by
+from furuta_model.parameters import ParameterError, shortened
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, design_plant, initial_plant, move, read
+
+with needed_by("furuta.gym"):
+    import gymnasium
+    from gymnasium.spaces import Box
+    from gymnasium.vector import AutoresetMode, VectorEnv
+    from gymnasium.vector.utils import batch_space
 
 VOLTAGE = 10.0  # of the action 1 [V]
 FALL_ANGLE = 0.7  # [rad]
@@ -46,6 +50,7 @@ SAMPLES = 10_000
 RIGS = {"balance": "paper", "swing_up": "paper_full_turn"}
 
 
+@checked
 def random_plants(
     number: int, seed: int = 0, disturbances: Sequence[str] = (), training: bool = True
 ) -> list[PlantParameters]:
@@ -78,22 +83,38 @@ class _Rigs:
         states: np.ndarray = self._memory["x"][:, :RIGID_STATES]
         return states
 
+    def check_reset(self, seed: Any, options: Any) -> np.ndarray | None:
+        """Reject arguments of ``reset``; the plants (indices) that the options name, if they do."""
+        if check("seed", seed, int | None) is not None and seed < 0:
+            raise ParameterError(f"seed must be at least 0, given {seed}")
+        options = check("options", options, Mapping[str, Any] | None) or {}
+        if unknown := options.keys() - {"plants"}:
+            raise ParameterError(f"the only option is plants, given {', '.join(sorted(unknown))}")
+        if "plants" not in options:
+            return None
+        given, last = np.asarray(options["plants"]), len(self._designs) - 1
+        right = given.shape == self._memory.shape and given.dtype.kind in "iu"
+        if not (right and given.min() >= 0 and given.max() <= last):
+            wanted = f"{len(self._memory)} indices from 0 to {last}"
+            raise ParameterError(f"plants must be {wanted}, given {shortened(options['plants'])}")
+        return given
+
     def start(
-        self, which: np.ndarray, random: np.random.Generator, options: dict[str, Any] | None = None
+        self, which: np.ndarray, random: np.random.Generator, plants: np.ndarray | None = None
     ) -> np.ndarray:
         """Start the rigs ``which`` (indices) anew; returns their observations.
 
-        The option ``plants`` says with which of the plants (indices) instead of a random one.
+        They are those with the indices ``plants``, or random ones.
         """
         chosen = random.integers(len(self._designs), size=len(which))
-        chosen = np.array((options or {}).get("plants", chosen))
-        memory, plants = np.repeat(self._initial, len(which)), self._designs[chosen]
+        designs = self._designs[chosen if plants is None else plants]
+        memory = np.repeat(self._initial, len(which))
         memory["x"][:, :RIGID_STATES] = START * random.uniform(-1.0, 1.0, (len(which), len(START)))
         memory["x"][:, THETA] += 0.0 if self._balances else pi
-        self._memory[which], self._plants[which] = memory, plants
+        self._memory[which], self._plants[which] = memory, designs
         observations = np.zeros((len(which), OBSERVED), np.float32)
         noise = random.standard_normal((len(which), NOISE_CHANNELS))
-        _read(memory, plants, noise, observations)
+        _read(memory, designs, noise, observations)
         return observations
 
     def step(
@@ -101,6 +122,9 @@ class _Rigs:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Observations, rewards, and which episodes have ended, after a sample."""
         n = len(self._memory)
+        if actions.size != n or actions.dtype.kind not in "iuf" or not np.isfinite(actions).all():
+            given = shortened(actions.tolist())
+            raise ParameterError(f"each of {n} actions must be a finite number, given {given}")
         observations = np.empty((n, OBSERVED), np.float32)
         rewards, ended = np.empty(n), np.empty(n, bool)
         noise = random.standard_normal((n, NOISE_CHANNELS))
@@ -123,6 +147,7 @@ class FurutaEnv(gymnasium.Env[np.ndarray, np.ndarray]):
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - as gymnasium declares it
     observation_space, action_space = _OBSERVATIONS, _ACTIONS
 
+    @checked
     def __init__(self, task: str = "balance", plants: Sequence[PlantParameters] = ()) -> None:
         self._rigs = _Rigs(1, task, plants)
 
@@ -130,8 +155,9 @@ class FurutaEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Start anew; see :meth:`FurutaVectorEnv.reset`."""
+        plants = self._rigs.check_reset(seed, options)
         super().reset(seed=seed)
-        return self._rigs.start(np.array([0]), self.np_random, options)[0], {}
+        return self._rigs.start(np.array([0]), self.np_random, plants)[0], {}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move by a sample."""
@@ -144,6 +170,7 @@ class FurutaVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
 
+    @checked
     def __init__(
         self,
         num_envs: int = 1,
@@ -151,6 +178,9 @@ class FurutaVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         plants: Sequence[PlantParameters] = (),
         max_episode_steps: int = SAMPLES,
     ) -> None:
+        if min(num_envs, max_episode_steps) < 1:
+            given = f"{num_envs} and {max_episode_steps}"
+            raise ParameterError(f"num_envs and max_episode_steps must be above 0, given {given}")
         self.num_envs, self._last = num_envs, max_episode_steps
         self.single_observation_space, self.single_action_space = _OBSERVATIONS, _ACTIONS
         self.observation_space = batch_space(_OBSERVATIONS, num_envs)
@@ -166,10 +196,14 @@ class FurutaVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start all anew, with plants at random or as the option ``plants`` (indices) says."""
+        """Start all anew, with plants at random or as the option ``plants`` (indices) says.
+
+        One ``seed`` is for all: they share one generator.
+        """
+        plants = self._rigs.check_reset(seed, options)
         super().reset(seed=seed)
         self._samples[:], self._done[:] = 0, False
-        return self._rigs.start(np.arange(self.num_envs), self.np_random, options), {}
+        return self._rigs.start(np.arange(self.num_envs), self.np_random, plants), {}
 
     def step(
         self, actions: np.ndarray

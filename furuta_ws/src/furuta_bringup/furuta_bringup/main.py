@@ -12,6 +12,7 @@ import click
 
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.printing import printable
+from furuta_model.optional import missing
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_ros.process_start import INTERRUPTED, end_with_parent, exit_on_interrupt
@@ -40,15 +41,6 @@ VERBS = {
 }
 
 
-# What pip calls a package that is imported by another name.
-DISTRIBUTIONS = {
-    "flint": "python-flint",
-    "serial": "pyserial",
-    "urdf_parser_py": "urdf-parser-py",
-    "yaml": "pyyaml",
-}
-
-
 def _load(verb: str) -> click.Command:
     try:
         module = importlib.import_module(f"furuta_bringup.verbs.{verb.replace('-', '_')}")
@@ -66,11 +58,8 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
-    package = "'furuta[ros]'" if of_ros else DISTRIBUTIONS.get(name, name)
-    ros = "ROS 2 Jazzy, or on Linux x86-64 " if of_ros else ""
-    return UserError(
-        f"furuta {verb} needs {name}, which is not installed: {ros}pip install {package}"
-    )
+    ros = "ROS 2 Jazzy, or on Linux x86-64 pip install 'furuta[ros]'" if of_ros else ""
+    return UserError(missing(name, f"furuta {verb}", ros))
 
 
 class Verbs(HelpfulGroup):

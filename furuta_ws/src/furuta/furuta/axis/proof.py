@@ -21,11 +21,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_mat, ctx
 
 from furuta.axis.axis import Axis, Cascade, Controller, Pid, servo_cycle, servo_joint
 from furuta.limit_cycles.joint import trace_joint
+from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError
+
+with needed_by("furuta.axis.proof"):
+    from flint import arb, arb_mat, ctx
 
 BITS = 128  # of the balls' centres
 RADIUS = 1e-15  # of the box, relative to its centre

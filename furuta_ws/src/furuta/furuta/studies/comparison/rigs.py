@@ -20,7 +20,7 @@ from furuta_graph.settings.settings import Settings, loop
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
 from furuta_model.friction.laws import LAWS
-from furuta_model.parameters import build, values
+from furuta_model.parameters import ParameterError, build, shortened, values
 from furuta_model.parts.coupling import SIDES
 from furuta_sim.parameters import PlantParameters
 
@@ -42,6 +42,7 @@ BELTS = {"arm": (20, 50, 60, 80, 150), "motor": (20, 60, 150)}
 BACKLASH = {"arm": (5,), "motor": (1, 5, 17, 30)}  # [mrad]
 GEAR_FREQUENCY = 150.0  # [Hz]
 
+MOST_RIGS = 1_000_000
 # Streams of rigs to judge by and of rigs to tune on.
 JUDGING, TUNING = 0, 1
 NOMINAL = Rig()
@@ -133,7 +134,8 @@ def _coupling(frequency: float, sensors: str, **others: float) -> PlantValues:
 class RandomRigs:
     """The first ``size`` random rigs of a ``seed`` about the plant of the settings.
 
-    ``uncertainty`` is that of a ``rig`` file.
+    ``disturbances`` are some of :data:`DISTURBANCES`, or all. ``uncertainty`` is that of a ``rig``
+    file.
     """
 
     settings: Settings
@@ -143,6 +145,18 @@ class RandomRigs:
     rig: Rig = NOMINAL
     uncertainty: Uncertainty = CERTAIN
     purpose: int = JUDGING
+
+    def __post_init__(self) -> None:
+        """Reject what would mean no rigs, or others than the names say."""
+        for name in self.disturbances:
+            if name not in (*DISTURBANCES, "all"):
+                known = ", ".join(DISTURBANCES)
+                raise ParameterError(f"disturbances are {known} or all, given {shortened(name)}")
+        if not (0 < self.size <= MOST_RIGS and self.seed >= 0):
+            raise ParameterError(
+                f"the number of rigs must be 1 to {MOST_RIGS} and the seed at least 0, given "
+                f"{shortened(self.size)} and {shortened(self.seed)}"
+            )
 
     def __len__(self) -> int:
         """The number of rigs."""
@@ -158,7 +172,7 @@ class RandomRigs:
             else:
                 chosen = self._truth(number, nominal)
             for stream, name in enumerate(DISTURBANCES, start=1):
-                if name in self.disturbances:
+                if {name, "all"} & {*self.disturbances}:
                     chosen |= _disturbance(name, self._stream(number, stream), nominal)
             yield SimulatedRig(str(number), chosen)
 
