@@ -1,30 +1,64 @@
 """The linear model, pole placement and friction laws."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.loops import checked_loop
 from furuta_model.friction import laws
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
 from furuta_model.linear import linearize as linear_model
 from furuta_model.linear import place_poles as placed
-from furuta_model.parameters import ParameterError
+from furuta_model.optional import needed_by
+from furuta_model.parameters import ParameterError, validated
 from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.simulation.closed_loop import Loop
+
+if TYPE_CHECKING:
+    import control
+
+# Names of x.
+STATES = ["phi", "phi_dot", "theta", "theta_dot"]
 
 
-def linearize(pendulum: FurutaPendulum) -> tuple[np.ndarray, np.ndarray]:
-    """Linear model ẋ = Ax + B(u − F) about upright, eqs. (2), (3).
+def linearize(loop: Loop | IdealLoop | FurutaPendulum | None = None) -> control.StateSpace:
+    """The linear model about upright, eqs. (2), (3), of a closed loop or of the pendulum alone.
 
     Args:
-        pendulum: Coefficients α, β, γ [V s²/rad] and δ [V/rad] of eq. (1).
+        loop: A loop, by default that of the paper, whose feedback u = −Lx acts on the true state,
+            without sampling and compensation. Viscous friction of its plant is part of the model.
+            Or a pendulum, without feedback and friction.
 
     Returns:
-        A (4, 4) and B (4,), in s, rad and V.
+        ẋ = Ax + Bτ with A (4, 4) and B (4, 1), as python-control takes it. The input τ [V] is added
+        to the command: −F for the rest of friction, u − F for a pendulum. The outputs are x.
 
     Raises:
-        ParameterError: The inertia matrix is not positive definite.
+        ParameterError: A value is out of its range.
+        ModuleNotFoundError: The package control is not installed.
     """
-    pendulum.check()
-    return linear_model(pendulum)
+    with needed_by("furuta.linearize"):
+        import control
+    body, feedback, viscous = _parts(loop)
+    a, b = linear_model(validated(body), viscous)
+    names = {"inputs": ["torque"], "outputs": STATES, "states": STATES}
+    identity, zero = np.eye(len(b)), np.zeros((len(b), 1))
+    return control.ss(a + np.outer(b, feedback), b[:, None], identity, zero, **names)
+
+
+def _parts(loop: Loop | IdealLoop | FurutaPendulum | None) -> tuple[FurutaPendulum, Any, float]:
+    """Pendulum, l (4,) of u = l·x and viscous friction [V s/rad]."""
+    if isinstance(loop, FurutaPendulum):
+        return loop, np.zeros(len(STATES)), 0.0
+    if isinstance(loop, IdealLoop):
+        return loop.body, loop.gains, loop.law.parameters.viscous
+    loop = checked_loop(loop)
+    feedback = -np.array(loop.controller.feedback_gain)
+    return loop.plant.model, feedback, loop.plant.friction.parameters.viscous
 
 
 def place_poles(pendulum: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
@@ -38,10 +72,9 @@ def place_poles(pendulum: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
         L (4,) [V/rad, V s/rad, V/rad, V s/rad].
 
     Raises:
-        ParameterError: The inertia matrix is not positive definite.
+        ParameterError: A value is out of its range, or the inertia matrix is not positive definite.
     """
-    pendulum.check()
-    return placed(pendulum, poles)
+    return placed(validated(pendulum), validated(poles))
 
 
 def friction_law(name: str, parameters: Friction | None = None) -> laws.FrictionLaw:
