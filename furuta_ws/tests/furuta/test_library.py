@@ -1,9 +1,10 @@
 """The library: what it loads, that its answers are right, and its errors."""
 
+import pickle
 import re
 import subprocess
 import sys
-from math import pi
+from math import inf, nan, pi
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import furuta
+from furuta_model.parameters import shortened
 
 
 def test_example_of_the_docstring() -> None:
@@ -42,10 +44,28 @@ def test_closed_forms() -> None:
     law = furuta.friction_law("coulomb", furuta.Friction(alpha0=0.3))
     assert furuta.describing_function(2.0, 5.0, law) == pytest.approx(4 * 0.3 / (pi * 2.0))
     pendulum = furuta.FurutaPendulum()
-    a, b = furuta.linearize(pendulum)
+    model = furuta.linearize(pendulum)
     gain = furuta.place_poles(pendulum, furuta.DesiredPoles(7.0, 0.7, 5.0, 0.7))
-    poles = np.linalg.eigvals(a - np.outer(b, gain))
+    poles = np.linalg.eigvals(model.A - model.B * gain)
     assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 7.0, 7.0])
+
+
+@pytest.mark.parametrize("rig", ["paper", "qube_servo_2"])
+def test_linearized_loop_has_the_placed_poles(rig: str) -> None:
+    """Also with viscous friction, of which pole placement knows."""
+    poles = furuta.linearize(furuta.make_loop({"omega1": 9.0}, rig=rig)).poles()
+    assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 9.0, 9.0])
+
+
+def test_linearized_loop_hunts_as_the_ideal_one() -> None:
+    """From the torque to the arm's speed it is a loop to which friction can be added."""
+    ideal = furuta.ideal_loop(law="stribeck", linear=True)
+    exact = furuta.limit_cycle(ideal)
+    for loop in (None, ideal):
+        joint = furuta.friction_joint(furuta.linearize(loop)[1, 0], ideal.law.parameters)
+        cycle = furuta.limit_cycle(joint)
+        assert cycle.peak_to_peak == pytest.approx(exact.phi_peak_to_peak_rad, rel=1e-6)
+        assert cycle.period_s == pytest.approx(exact.period_s, rel=1e-6)
 
 
 def test_rig_reaches_every_node() -> None:
@@ -71,13 +91,125 @@ def test_recording_of_a_simulation_is_what_its_sensors_measured(tmp_path: Path) 
     assert np.all(np.isnan(run.measurement[:, 3]))
 
 
+def test_sweep_is_a_table_of_measurements() -> None:
+    """The last parameter changes fastest; what is impossible has a reason."""
+    levels, seconds = np.array([0.1, -5.0]), 1.0
+    table = furuta.sweep({"plant.friction.alpha0": levels, "omega1": range(6, 8)}, seconds=seconds)
+    assert {values.shape for values in table.values()} == {(4,)}
+    assert table["omega1"].tolist() == [6, 7, 6, 7]
+    for row in (0, 1):
+        loop = furuta.make_loop({name: table[name][row] for name in list(table)[:2]})
+        for name, value in furuta.measure(loop, seconds)._asdict().items():
+            assert table[name][row] == value or np.isnan([table[name][row], value]).all()
+    assert table["error"][2] == "friction.alpha0 must be 0 to 100 V, given -5"
+    assert np.isnan(table["steps"][2:]).all()
+
+
+def test_comparison_of_random_rigs_is_a_table() -> None:
+    """Rigs by their number are those of a table, and each is a loop."""
+    rigs = furuta.random_rigs(2, disturbances=["coupling"])
+    loop = furuta.make_loop({name: values[1] for name, values in rigs.items()})
+    assert loop.plant.coupling.backlash == rigs["plant.coupling.backlash"][1] > 0.0
+    rigs = furuta.random_rigs(2)
+    mine = {"none": {}, "stiff": {"compensation": "lugre", "sigma0": np.int64(1000)}}
+    runs = furuta.compare(candidates=mine, rigs=rigs, seconds=5.0, by_run=True)
+    texts = ["none", "stiff=compensation=lugre,sigma0=1000"]
+    table = furuta.compare(candidates=texts, rigs=2, seconds=5.0, pushes=[0.0])
+    for name, worst in zip(table["candidate"], table["residual_worst_rad"], strict=True):
+        assert worst == runs["phi_peak_to_peak_rad"][runs["candidate"] == name].max()
+    assert table["recommended"].sum() == 1
+    assert table["pushes"].tolist() == [0, 0]
+
+
+def test_loop_prints_what_differs() -> None:
+    assert repr(furuta.Loop()) == "Loop()"
+    loop = furuta.make_loop({"plant.friction.alpha0": 0.3, "omega1": 6.0})
+    assert repr(loop) == "Loop(plant.friction.alpha0=0.3, controller.omega1=6)"
+    assert len(repr(furuta.make_loop(rig="qube_servo_2"))) < 300
+
+
+def test_paths_can_be_text(tmp_path: Path) -> None:
+    """And are found by pickle, with which processes share the work."""
+    axis = furuta.Axis(1.0, furuta.Friction(alpha0=1.0))
+    run = furuta.simulate_axis(axis, furuta.Pid(4.0, 0.0, 1.0), seconds=0.1)
+    for path in (str(tmp_path / "axis.csv"), tmp_path / "axis.csv"):
+        furuta.write_series(path, run.columns)
+        assert np.array_equal(furuta.read_axis(path).time, run.time)
+    assert pickle.loads(pickle.dumps(furuta.measure)) is furuta.measure
+
+
+NUMBERS = [nan, inf, "a", None, [1.0], True, 10**5000]
+RUN = furuta.simulate(seconds=0.01)
+RECORDING = furuta.Recording("mine", *(np.zeros(shape) for shape in (3, (3, 4), 3, 2)))
+
+
+@pytest.mark.parametrize("value", [None, "a", nan, furuta.FurutaPendulum, [], np.zeros(3)])
+@pytest.mark.parametrize("name", ["linearize", "limit_cycle", "measure", "predict_cycles", "tune"])
+def test_what_is_no_loop_is_a_parameter_error(name: str, value: Any) -> None:
+    with pytest.raises(furuta.ParameterError, match=r"loop(\.controller)? must be .*, given"):
+        getattr(furuta, name)(furuta.Loop(controller=value) if value is None else value)
+
+
+@pytest.mark.parametrize("value", NUMBERS, ids=shortened)
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda value: furuta.simulate(seconds=value),
+        lambda value: furuta.limit_cycle(theta=value),
+        lambda value: furuta.describing_function(1.0, value, furuta.friction_law("coulomb")),
+        lambda value: furuta.place_poles(furuta.FurutaPendulum(), furuta.DesiredPoles(value)),
+        lambda value: furuta.linearize(furuta.FurutaPendulum(gamma=value)),
+        lambda value: furuta.servo_cycle(
+            furuta.Axis(value, furuta.Friction()), furuta.Pid(1.0, 1.0, 1.0)
+        ),
+        lambda value: furuta.friction_law("lugre", furuta.Friction(alpha0=value)),
+        lambda value: furuta.ideal_loop(feedback=[1.0, value, 1.0, 1.0]),
+    ],
+)
+def test_what_is_no_number_is_a_parameter_error(call: Any, value: Any) -> None:
+    with pytest.raises(furuta.ParameterError) as error:
+        call(value)
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize(
     ("call", "reason"),
     [
+        (
+            lambda: furuta.place_poles(furuta.FurutaPendulum(gamma=0), furuta.DesiredPoles()),
+            "gamma must be at least 1e-09 V s²/rad, given 0",
+        ),
+        (lambda: furuta.simulate(seconds=1e300), "above 0 and at most 1e+06, given 1e+300"),
+        (lambda: furuta.linearize(furuta.Loop(plant=None)), "plant must be PlantParameters"),
+        (lambda: furuta.make_loop({1: 2}), "a name in values must be text, given 1"),
+        (lambda: furuta.make_loop(files=[None]), "files[0] must be text or a path, given None"),
+        (lambda: furuta.identify([]), "at least one recording"),
+        (
+            lambda: furuta.simulated_series(RUN._replace(state=np.zeros((10, 3)))),
+            "record.state must have shape (10, 4), given (10, 3)",
+        ),
+        (lambda: furuta.identify(RECORDING), "command must have shape (3,), given (2,)"),
+        (
+            lambda: furuta.servo_cycle(
+                furuta.Axis(1.0, furuta.Friction()), furuta.Pid(1e300, 1.0, 1.0)
+            ),
+            "too large or too small",
+        ),
+        (lambda: furuta.sweep({"alfa0": [1.0]}), "did you mean alpha0"),
+        (lambda: furuta.sweep({"alpha0": []}), "alpha0 must be at least one, given none"),
+        (lambda: furuta.sweep({"alpha0": "0.1"}), "alpha0 must be a list, given '0.1'"),
+        (lambda: furuta.sweep({"alpha0": [-1.0]}, seconds=0.1), "no run is possible: "),
+        (lambda: furuta.random_rigs(0), "the number of rigs must be 1 to 1000000"),
+        (lambda: furuta.random_rigs(disturbances=["x"]), "disturbances are delay, lag, noise"),
+        (lambda: furuta.compare(candidates=["x"]), "one of none, coulomb"),
+        (lambda: furuta.compare(candidates={"x": {"seed": 1}}), "which only the plant has"),
+        (lambda: furuta.compare(candidates={"x": 3}), "candidate x must be a mapping, given 3"),
+        (lambda: furuta.compare(rigs={"plant.alfa": [1.0]}), "plant has no parameter alfa"),
+        (lambda: furuta.compare(rigs={}), "columns of one and the same length"),
         (lambda: furuta.make_loop({"alfa0": 0.1}), "did you mean alpha0"),
         (lambda: furuta.make_loop({"alpha0": None}), "must be a number, text or list"),
         (lambda: furuta.make_loop(rig="nobody"), "no rig nobody; rigs are"),
-        (lambda: furuta.simulate(seconds=-1.0), "seconds must be above 0 and finite, given -1"),
+        (lambda: furuta.simulate(seconds=-1.0), "above 0 and at most 1e+06, given -1"),
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
         (lambda: furuta.ideal_loop(feedback=[1, 2]), "feedback must be four finite numbers"),
         (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),

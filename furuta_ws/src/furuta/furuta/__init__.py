@@ -42,6 +42,7 @@ from furuta.recordings import (
     simulated_series,
     write_series,
 )
+from furuta.tables import compare, random_rigs, sweep
 from furuta_hw.rigs.rig import Rig
 from furuta_identification.axis.identify import identify_axis
 from furuta_model.arguments import checked
@@ -77,6 +78,7 @@ __all__ = [
     "Rig",
     "__version__",
     "branch",
+    "compare",
     "compare_on_axis",
     "describing_function",
     "friction_joint",
@@ -94,6 +96,7 @@ __all__ = [
     "measure",
     "place_poles",
     "predict_cycles",
+    "random_rigs",
     "read_axis",
     "read_recording",
     "rig_names",
@@ -102,6 +105,7 @@ __all__ = [
     "simulate",
     "simulate_axis",
     "simulated_series",
+    "sweep",
     "trace_cycle",
     "tune",
     "write_series",

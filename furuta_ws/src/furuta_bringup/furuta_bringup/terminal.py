@@ -13,6 +13,7 @@ from rich.table import Table
 from furuta_bringup.printing import escaped, finite
 
 Item = TypeVar("Item")
+WIDEST = 10_000  # of a table [characters]
 
 
 def with_progress(
@@ -37,4 +38,9 @@ def print_table(title: str, rows: Iterable[Mapping[str, Any]], headings: Mapping
         values = (finite(row[name]) for name in headings)
         texts = (f"{value:.3g}" if isinstance(value, float) else value for value in values)
         table.add_row(*("–" if text is None else escape(escaped(str(text))) for text in texts))
-    Console().print(table)
+    console().print(table)
+
+
+def console() -> Console:
+    """Standard output; a pipe or a file is as wide as a table, so that no number is cut."""
+    return Console(width=None if sys.stdout.isatty() else WIDEST)

@@ -1,4 +1,4 @@
-"""Writes the table of a study, a row per run, as CSV or Parquet.
+"""The table of a study, a row per run: as columns, or as a CSV or Parquet file.
 
 Rows are written as they come, so memory does not grow with their number. The file appears only
 when it is complete.
@@ -9,6 +9,8 @@ from collections.abc import Iterable, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any, get_type_hints
+
+import numpy as np
 
 from furuta.outcomes import Outcome
 from furuta_model.parameters import ParameterError
@@ -45,3 +47,18 @@ def write_runs(rows: Iterable[Mapping[str, Any]], out: Path) -> None:
                 writer = csv.DictWriter(file, list(first))
                 writer.writeheader()
                 writer.writerows(every)
+
+
+def columns(rows: Iterable[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """The rows as columns (n,) by name, in which NaN is no value."""
+    rows = list(rows)
+    return {name: _column([row[name] for row in rows]) for name in rows[0]}
+
+
+def _column(values: list[Any]) -> np.ndarray:
+    """An array (n,), of objects if the values are lists."""
+    column = np.array([np.nan if value is None else value for value in values])
+    if column.ndim > 1:
+        column = np.empty(len(values), object)
+        column[:] = values
+    return column

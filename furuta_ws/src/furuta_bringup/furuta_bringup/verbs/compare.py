@@ -6,11 +6,17 @@ from pathlib import Path
 
 import click
 from click.core import ParameterSource
-from rich.console import Console
 
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
 from furuta.studies.comparison.comparison import Comparison, Table, encoder_resolution
-from furuta.studies.comparison.rigs import DISTURBANCES, NOMINAL, TUNING, RandomRigs, named_rigs
+from furuta.studies.comparison.rigs import (
+    DISTURBANCES,
+    MOST_RIGS,
+    NOMINAL,
+    TUNING,
+    RandomRigs,
+    named_rigs,
+)
 from furuta.studies.comparison.scores import comparison_report, rank
 from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
 from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
@@ -25,7 +31,7 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_bringup.terminal import print_table, with_progress
+from furuta_bringup.terminal import console, print_table, with_progress
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.known_rigs import find_uncertain_rig, rig_file
 from furuta_hw.rigs.uncertainty import CERTAIN
@@ -54,7 +60,7 @@ HEADINGS = {
 @click.command()
 @option("--truths", is_flag=True,
     help="Take the named rigs of docs/comparison.md, and list each.")  # fmt: skip
-@option("--rigs", "number", type=click.IntRange(1, 1_000_000), default=100,
+@option("--rigs", "number", type=click.IntRange(1, MOST_RIGS), default=100,
     help="Number of random rigs.")  # fmt: skip
 @option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
     help="A further disturbance of random rigs; repeatable.")  # fmt: skip
@@ -107,8 +113,7 @@ def command(
         check_table(table)
     settings = load_settings((rig_file(rig), *files) if rig else files, assignments)
     about, uncertainty = find_uncertain_rig(rig) if rig else (NOMINAL, CERTAIN)
-    disturbances = tuple(name for name in DISTURBANCES if {name, "all"} & set(disturb))
-    random = RandomRigs(settings, number, seed, disturbances, about, uncertainty)
+    random = RandomRigs(settings, number, seed, disturb, about, uncertainty)
     candidates = parse_candidates(texts or STANDARD, settings, bool(tune_budget))
     tuned = []
     if tune_budget:
@@ -119,8 +124,7 @@ def command(
         pairs = zip(candidates, tuned, strict=True)
         candidates = tuple(candidate._replace(settings=best.settings) for candidate, best in pairs)
     chosen = named_rigs(settings) if truths else random
-    different = tuple(push for push in dict.fromkeys(pushes) if push)
-    comparison = Comparison(settings, chosen, candidates, seconds, different)
+    comparison = Comparison(settings, chosen, candidates, seconds, pushes)
     rows = with_progress("comparing", comparison.rows(), comparison.size, quiet=as_json)
     if table is not None:
         write_runs(rows, table)
@@ -157,7 +161,7 @@ def _print_truths(table: Table) -> None:
         {"rig": rig, **dict(zip(table.candidates, map(float, sizes), strict=True))}
         for rig, sizes in rigs
     ]
-    columns = max(1, (Console().width - RIG_WIDTH) // CANDIDATE_WIDTH)
+    columns = max(1, (console().width - RIG_WIDTH) // CANDIDATE_WIDTH)
     for first in range(0, len(table.candidates), columns):
         names = table.candidates[first : first + columns]
         headings = {"rig": "rig"} | {name: name.replace("_", " ") for name in names}

@@ -4,7 +4,7 @@ A candidate does not change the plant. Parameters with a range are tuned within 
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from furuta_friction.compensation import COMPENSATIONS
@@ -91,6 +91,16 @@ def parse_candidates(
     return candidates
 
 
+def candidate_of(name: str, given: Mapping[str, Any], settings: Settings) -> Candidate:
+    """A candidate with these values by name, or without any the standard one of this name."""
+    if not given:
+        return _parse(name, settings, tuned=False)
+    matches = [(match, value) for key, value in given.items() for match in _beside_plant(key)]
+    candidate = Candidate(name, {_full(m): m.parameter.parsed(value) for m, value in matches}, {})
+    candidate.applied_to(settings)
+    return candidate
+
+
 def current_values(settings: Settings, names: Iterable[str]) -> list[float]:
     """Values of numeric parameters by full name."""
     nodes = {node: values(build(about.parameters, settings[node])) for node, about in NODES.items()}
@@ -136,11 +146,15 @@ def _set(candidate: Candidate, setting: str) -> None:
             f"given {setting!r}"
         )
     for match in _beside_plant(name):
-        full = f"{match.node}.{match.parameter.name}"
+        full = _full(match)
         if ":" in value and match.parameter.kind is not str:
             candidate.ranges[full] = _checked_range(match.parameter, value)
         else:
             candidate.settings[full] = match.parameter.parsed(parse_yaml(value, name))
+
+
+def _full(match: Match) -> str:
+    return f"{match.node}.{match.parameter.name}"
 
 
 def _beside_plant(name: str) -> list[Match]:

@@ -2,7 +2,7 @@
 
 from array import array
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf, pi
 from typing import Any, NamedTuple
 
@@ -48,8 +48,8 @@ class Table(NamedTuple):
 class Comparison:
     """Candidates on rigs that they do not know, in runs of ``seconds`` [s].
 
-    Each of ``pushes`` [V] acts on the arm in the middle of a run of its own. ``impossible`` are the
-    reasons why some of the rigs are left out, by their names.
+    Each of ``pushes`` [V] but 0 acts on the arm in the middle of a run of its own. ``impossible``
+    are the reasons why some of the rigs are left out, by their names.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Comparison:
         rigs: list[SimulatedRig] | RandomRigs,
         candidates: tuple[Candidate, ...],
         seconds: float,
-        pushes: tuple[float, ...] = (),
+        pushes: Iterable[float] = (),
     ) -> None:
         self.impossible: dict[str, str] = {}
         self._settings = settings
@@ -67,7 +67,7 @@ class Comparison:
             candidate.name: loop(candidate.applied_to(settings)) for candidate in candidates
         }
         self._seconds = seconds
-        self._pushes = pushes
+        self._pushes = [push for push in dict.fromkeys(pushes) if push]
         self._simulated: list[str] = []
         self._measured = array("d")
 
