@@ -1,27 +1,67 @@
-"""The page on the library lists what there is."""
+"""The page on the library lists what there is; the Python of every page runs."""
 
 import re
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import commands
+import numpy as np
 import pytest
 from sources import ROOT
 
 import furuta
 
-PAGE = (ROOT / "docs" / "library.md").read_text()
+LIBRARY = ROOT / "docs" / "library.md"
+# A block of Python with the comments above it. One with a title is a file of its own.
+BLOCK = re.compile(r"((?:^<!-- .* -->\n+)*)^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+PAGES = [file for file in commands.page_files() if "```python\n" in file.read_text()]
+
+
+class Table:
+    """What the pages use of pandas, if it is not installed."""
+
+    def __init__(self, given: Any) -> None:
+        self.columns = dict(given)
+        assert {np.ndim(column) for column in self.columns.values()} == {1}
+        assert len({len(column) for column in self.columns.values()}) == 1
+
+    def plot(self, x: str, y: list[str]) -> None:
+        """Only the columns must exist."""
+        assert {x, *y} <= self.columns.keys()
 
 
 def test_library_page_has_every_name() -> None:
     """And names nothing else."""
-    listed = re.search(r"## What there is\n(.*?)\n## ", PAGE, re.DOTALL)
+    listed = re.search(r"## What there is\n(.*?)\n## ", LIBRARY.read_text(), re.DOTALL)
     assert listed is not None
     assert {*re.findall(r"`(\w+)`", listed[1])} == {*furuta.__all__} - {"__version__"}
+    assert set(re.findall(r"furuta\.(\w+)", LIBRARY.read_text())) <= {"gym", *dir(furuta)}
 
 
-@pytest.mark.parametrize("number", [1, 2, 3, 4])
-def test_examples_run(number: int) -> None:
-    """The examples that need no file; the others only name functions that exist."""
-    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    if "gymnasium" in blocks[number]:
-        pytest.importorskip("gymnasium")
-    exec("import furuta\n" + blocks[number].replace("60.0", "1.0"), {})
-    assert set(re.findall(r"furuta\.(\w+)", PAGE)) <= {"gym", *dir(furuta)}
+def test_pages_with_python_are_found() -> None:
+    """Those of the course run by themselves."""
+    assert {LIBRARY, ROOT / "README.md", ROOT / "docs" / "studies.md"} <= set(PAGES)
+
+
+def blocks(page: Path) -> list[str]:
+    """The blocks of a page that can run here: no note and no file of another rig forbids it."""
+    found = [(code, tuple(commands.NOTE.findall(n))) for n, code in BLOCK.findall(page.read_text())]
+    usable = [code for code, notes in found if not commands.reason_not_to_run(code, notes)]
+    return [code for code in usable if "gymnasium" not in code or find_spec("gymnasium")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Block after block, as a reader types them; with shorter simulations."""
+    monkeypatch.chdir(tmp_path)
+    if find_spec("pandas") is None:
+        monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=Table))
+    furuta.write_series("run.csv", furuta.simulated_series(furuta.simulate(seconds=0.1)))
+    names: dict[str, Any] = {}
+    for code in blocks(page):
+        short = re.sub(r"\b[36]0\.0\b", "5.0", code).replace("rigs(100", "rigs(2")
+        exec(compile(short, page.name, "exec"), names)
+    assert names
