@@ -140,8 +140,8 @@ def compare(
     loop = checked_loop(loop)
     settings = loop_settings(loop)
     if isinstance(candidates, Mapping):
-        given = {name: _plain(name, values) for name, values in candidates.items()}
-        chosen = tuple(candidate_of(name, values, settings) for name, values in given.items())
+        pairs = ((name, _plain(name, values)) for name, values in candidates.items())
+        chosen = tuple(candidate_of(*pair, settings) for pair in pairs)
     else:
         chosen = parse_candidates(STANDARD if candidates is None else candidates, settings, False)
     simulated = RandomRigs(settings, rigs) if isinstance(rigs, int) else _rigs_of(rigs)

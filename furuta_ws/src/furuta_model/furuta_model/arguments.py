@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, lru_cache, wraps
 from inspect import Parameter, signature
 from itertools import zip_longest
-from math import inf, isfinite
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType, UnionType
@@ -17,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 
-from furuta_model.parameters import ParameterError, group_fields, shortened
+from furuta_model.parameters import LARGEST, ParameterError, group_fields, shortened
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -67,7 +66,10 @@ def check(name: str, value: Any, hint: Any) -> Any:
 def _with_content(name: str, value: Any, hint: Any) -> Any:
     """The value with its fields, names or elements checked."""
     if hasattr(hint, "_fields"):
-        return (_known_group if _is_hashable(value) else _group)(name, value, hint)
+        try:
+            return _known_group(name, value, hint)
+        except TypeError:  # arrays have no hash
+            return _group(name, value, hint)
     origin = get_origin(hint)
     if origin is Mapping:
         for each in value:
@@ -75,14 +77,6 @@ def _with_content(name: str, value: Any, hint: Any) -> Any:
     elif origin in (Iterable, Sequence):
         return [check(f"{name}[{k}]", each, *get_args(hint)) for k, each in enumerate(value)]
     return value
-
-
-def _is_hashable(value: Any) -> bool:
-    try:
-        hash(value)
-    except TypeError:
-        return False
-    return True
 
 
 def _group(name: str, group: Any, hint: Any) -> Any:
@@ -140,14 +134,8 @@ def _kind(origin: Any) -> _Kind:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and isfinite(_as_float(value))
-
-
-def _as_float(value: Any) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return inf
+    is_real = isinstance(value, Real) and not isinstance(value, bool)
+    return is_real and bool(abs(value) <= LARGEST)
 
 
 def _is_array(value: Any) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta_model.arguments import check
 from furuta_model.parameters import ParameterError
 
 Matrices = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -23,7 +24,8 @@ def matrices(system: Any) -> Matrices:
             the force acts on the speed without delay.
     """
     if isinstance(system, tuple | list) and len(system) == 3:
-        a, b, c = (np.atleast_1d(np.asarray(part, dtype=float)) for part in system)
+        parts = zip("Abc", system, strict=True)
+        a, b, c = (np.atleast_1d(check(name, part, float | np.ndarray)) for name, part in parts)
         return np.atleast_2d(a), b.ravel(), c.ravel()
     if getattr(system, "dt", None):
         raise ParameterError(f"the loop must be in continuous time, given dt = {system.dt}")

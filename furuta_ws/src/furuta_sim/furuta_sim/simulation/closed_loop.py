@@ -5,7 +5,7 @@ one call of compiled code, which releases the interpreter lock.
 """
 
 from dataclasses import dataclass, field
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -60,15 +60,21 @@ class Loop(NamedTuple):
 
     def __repr__(self) -> str:
         """What differs from the loop of the paper, by the names of the nodes' parameters."""
+        usual = _named(Loop())
         changed = [
-            f"{part}.{name}=" + (f"{value:.6g}" if isinstance(value, float) else repr(value))
-            for part, group in zip(PARTS, self, strict=True)
-            for name, value in values(group).items()
-            if value != values(type(group)()).get(name)
+            f"{name}={value:.6g}" if isinstance(value, float) else f"{name}={value!r}"
+            for name, value in _named(self).items()
+            if value != usual.get(name)
         ]
         more = f"and {len(changed) - MOST_PRINTED} more"
         shown = changed[:MOST_PRINTED] + [more] * (len(changed) > MOST_PRINTED)
         return f"Loop({', '.join(shown)})"
+
+
+def _named(loop: Loop) -> dict[str, Any]:
+    """The values of a loop by the names of the nodes' parameters."""
+    parts = zip(PARTS, loop, strict=True)
+    return {f"{part}.{name}": each for part, group in parts for name, each in values(group).items()}
 
 
 class Record(NamedTuple):

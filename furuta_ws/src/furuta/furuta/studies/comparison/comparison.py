@@ -13,7 +13,7 @@ from furuta.outcomes import Outcome, outcome
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
 from furuta_graph.settings.settings import Settings, loop
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, validated
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY
 from furuta_sim.parameters import PlantParameters
@@ -60,6 +60,8 @@ class Comparison:
         seconds: float,
         pushes: Iterable[float] = (),
     ) -> None:
+        if not candidates:
+            raise ParameterError("a comparison needs at least one candidate, given none")
         self.impossible: dict[str, str] = {}
         self._settings = settings
         self._rigs = rigs
@@ -123,7 +125,8 @@ class Comparison:
         yield 0.0, plant
         middle = (self._seconds / 2,)
         for push in self._pushes:
-            yield push, plant._replace(pushes=Pushes(middle, (PUSH_DURATION,), (push,)))
+            pushed = validated(Pushes(middle, (PUSH_DURATION,), (push,)))
+            yield push, plant._replace(pushes=pushed)
 
 
 def delay_margin(control: Loop) -> float:
