@@ -35,7 +35,10 @@ def checked(function: Function) -> Function:
 
     @wraps(function)
     def call(*given: Any, **options: Any) -> Any:
-        bound = about.bind(*given, **options)
+        try:
+            bound = about.bind(*given, **options)
+        except TypeError as error:
+            raise TypeError(f"{function.__name__}() {error}") from None
         for name, value in bound.arguments.items():
             parameter = about.parameters[name]
             hint = _evaluated(parameter.annotation, function)
