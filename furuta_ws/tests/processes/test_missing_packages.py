@@ -81,14 +81,20 @@ def test_pyarrow_that_does_not_fit_numpy(replace: Any, run_there: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("missing", "imported"), [("gymnasium", "furuta.gym"), ("flint", "furuta.axis.proof")]
+    ("missing", "user", "call"),
+    [
+        ("gymnasium", "furuta.gym", "import furuta.gym"),
+        ("flint", "furuta.axis.proof", "import furuta.axis.proof"),
+        ("control", "furuta.linearize", "furuta.linearize()"),
+    ],
 )
-def test_the_library(replace: Any, missing: str, imported: str) -> None:
-    """Only the module that needs the package cannot be imported, and Python says why."""
+def test_the_library(replace: Any, missing: str, user: str, call: str) -> None:
+    """Only what needs the package fails, and says so."""
     replace(missing, NOT_INSTALLED)
-    script = f"import furuta; furuta.make_loop(); import {imported}"
+    script = f"import furuta; furuta.make_loop(); {call}"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert done.returncode == 1
-    assert done.stderr.splitlines()[-1] == f"ModuleNotFoundError: No module named '{missing}'"
+    last = done.stderr.splitlines()[-1]
+    assert f"ModuleNotFoundError: {user} needs {missing}, which is not installed: pip" in last
