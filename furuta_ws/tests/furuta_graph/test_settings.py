@@ -42,6 +42,27 @@ def test_wildcard(file: Any) -> None:
     }
 
 
+TWO = """
+/**: {ros__parameters: {sample_time: 0.002}}
+/left/plant: {ros__parameters: {friction: {alpha0: 0.1}}}
+right: {plant: {ros__parameters: {friction: {alpha0: 0.4}}}}
+"""
+
+
+def test_each_graph_takes_the_sections_of_its_namespace(file: Any) -> None:
+    """Also nested ones; without a namespace those of the only one."""
+    two = file(TWO)
+    for namespace, level in (("/left", 0.1), ("/right", 0.4)):
+        expected = {"sample_time": 0.002, "friction.alpha0": level}
+        assert load_settings([two], [], namespace=namespace)["plant"] == expected
+    with pytest.raises(ParameterError, match="for several namespaces, /left, /right: start"):
+        load_settings([two], [])
+    one = file("/left/plant: {ros__parameters: {seed: 7}}")
+    assert load_settings([one], [])["plant"] == {"seed": 7}
+    with pytest.raises(ParameterError, match="no section for the namespace /right, only for /left"):
+        load_settings([one], [], namespace="/right")
+
+
 def test_later_wins(file: Any) -> None:
     """Files in their order, assignments after them."""
     first = file("estimator:\n  ros__parameters: {filter_bandwidth: 5e1, filter_damping: 1}\n")

@@ -76,13 +76,15 @@ def plan_graph(
     files, assignments = list(files), list(assignments)
     controlled = HARDWARE_BRIDGE if options.hardware else PLANT
     graph_nodes(controlled, options.without)  # raises an error for a wrong name
+    namespace = full_namespace(options.namespace)
     name = options.rig
     if options.hardware and not name:
-        name = collect_settings(files, assignments, base)[HARDWARE_BRIDGE].get("rig", "")
+        given = collect_settings(files, assignments, base, namespace)
+        name = given[HARDWARE_BRIDGE].get("rig", "")
     rig = find_rig(name) if name else Rig()
     if name:
         base = merge_settings(base or default_settings(), rig_settings(rig))
-    settings = load_settings(files, assignments, base)
+    settings = load_settings(files, assignments, base, namespace)
     if options.hardware:
         settings[HARDWARE_BRIDGE] |= _bridge_settings(options, name)
         of_rig, of_nodes = rig.line.sample_time, parameters_of(settings)[ESTIMATOR].sample_time
@@ -92,7 +94,7 @@ def plan_graph(
             )
     elif options.clock:
         settings[PLANT]["clock"] = options.clock
-    return Graph(controlled, options.without, settings, full_namespace(options.namespace))
+    return Graph(controlled, options.without, settings, namespace)
 
 
 def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:

@@ -32,6 +32,16 @@ class Section(NamedTuple):
         """Whether the section is for several nodes, such as ``/**``."""
         return "*" in self.key
 
+    @property
+    def namespace(self) -> str:
+        """The namespace of its node, such as ``/left``; empty without one."""
+        above = self.key.strip("/").rpartition("/")[0]
+        return f"/{above}" if above else ""
+
+    def is_in(self, namespace: str) -> bool:
+        """Whether ROS applies the section to a node in the namespace."""
+        return self.matches(f"{namespace}/{self.key.rpartition('/')[2].replace('*', '_')}")
+
     def matches(self, node: str) -> bool:
         """Whether ROS applies the section to the node of that full name."""
         pattern = re.escape("/" + self.key.lstrip("/"))
@@ -55,7 +65,8 @@ def sections(content: Any, file: Path, key: str = "") -> Iterator[Section]:
         raise ParameterError(f"{file}: {whose} {PARAMETERS}")
     for name, inner in content.items():
         if name != PARAMETERS:
-            yield from sections(inner, file, f"{key}/{name}" if key else str(name))
+            below = f"{key.rstrip('/')}/{str(name).lstrip('/')}" if key else str(name)
+            yield from sections(inner, file, below)
         elif isinstance(inner, Mapping):
             yield Section(str(file), key, dict(_by_full_name(inner)))
         else:

@@ -13,7 +13,7 @@ from furuta_graph.settings.rig_parameters import rig_parameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, values
-from furuta_ros.parameter_files import is_of_ros, sections
+from furuta_ros.parameter_files import Section, is_of_ros, sections
 from furuta_ros.yaml_files import parse_yaml, read_yaml
 from furuta_sim.simulation.closed_loop import PARTS, Loop
 
@@ -36,25 +36,33 @@ def rig_settings(rig: Rig) -> Settings:
 
 
 def load_settings(
-    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+    files: Iterable[Path],
+    assignments: Iterable[str],
+    base: Settings | None = None,
+    namespace: str = "",
 ) -> Settings:
     """Settings from ``base``, parameter files and assignments; later ones take precedence.
+
+    ``namespace`` is that of the graph, such as ``/left``.
 
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or nodes do not fit together.
     """
-    settings = collect_settings(files, assignments, base)
+    settings = collect_settings(files, assignments, base, namespace)
     check_graph(parameters_of(settings))
     return settings
 
 
 def collect_settings(
-    files: Iterable[Path], assignments: Iterable[str], base: Settings | None = None
+    files: Iterable[Path],
+    assignments: Iterable[str],
+    base: Settings | None = None,
+    namespace: str = "",
 ) -> Settings:
     """Like :func:`load_settings`, without the checks of several parameters together."""
     settings = base or default_settings()
     for file in files:
-        settings = merge_settings(settings, read_file(file))
+        settings = merge_settings(settings, read_file(file, namespace))
     return settings_with(settings, map(parse_assignment, assignments))
 
 
@@ -119,20 +127,40 @@ def _loop(made: Mapping[str, Any]) -> Loop:
     )
 
 
-def read_file(file: Path) -> Settings:
-    """Settings from a ROS parameter file, or from a rig file."""
+def read_file(file: Path, namespace: str = "") -> Settings:
+    """Settings of the graph in a namespace from a ROS parameter file, or from a rig file."""
     content = read_yaml(file, "parameter file")
     if isinstance(content, Mapping) and is_rig_file(content):
         rig, _ = rig_from_content(content, file)
         return rig_settings(rig)
     settings = default_settings()
-    for section in sections(content, file):
+    for section in _applied(list(sections(content, file)), file, namespace):
         _set_all(settings, _node_name(section.key, file), section.parameters, file)
     return settings
 
 
+def _applied(given: list[Section], file: Path, namespace: str) -> list[Section]:
+    """The sections for a graph in a namespace, as ROS applies them, and those without one.
+
+    A graph without a namespace takes those of the only namespace that the file names.
+    """
+    named = {section.namespace for section in given if "*" not in section.namespace} - {""}
+    if not namespace and len(named) > 1:
+        raise ParameterError(
+            f"{file} is for several namespaces, {', '.join(sorted(named))}: start the graph with "
+            "--namespace, or leave the sections of one only"
+        )
+    own = [s for s in given if not namespace or not s.namespace or s.is_in(namespace)]
+    if given and not own:
+        raise ParameterError(
+            f"{file} has no section for the namespace {namespace}, only for "
+            f"{', '.join(section.key for section in given)}"
+        )
+    return own
+
+
 def _node_name(key: str, file: Path) -> str:
-    """The node that a section of a file is for; a namespace before its name does not matter."""
+    """The node that a section of a file is for."""
     last = key.rpartition("/")[2]
     name = EVERY_NODE if last in ("*", "**") else last
     if name != EVERY_NODE and name not in NODES:
