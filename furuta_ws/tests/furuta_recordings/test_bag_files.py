@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import hostile_files
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -35,6 +36,7 @@ from furuta_recordings.bags.metadata import METADATA_FILE, SECTION, BagTopic, as
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
 from furuta_recordings.readers import Mapping, read
+from furuta_recordings.readers.axis_table import read_axis
 from furuta_ros.yaml_files import read_yaml
 
 TOPICS = [
@@ -467,3 +469,90 @@ def test_a_bag_in_the_working_directory_has_a_name(
 ) -> None:
     monkeypatch.chdir(hostile_files.sound_bag(tmp_path / "bag"))
     assert read(Path(), Mapping()).name == "bag"
+
+
+BEGIN, BOOT = 1_700_000_000_000_000_000, 7_000_000_000
+STEP = 10_000_000
+
+
+def joint_bag(
+    path: Path, messages: list[tuple[int, int, dict[str, tuple[float, ...]] | float]]
+) -> Path:
+    """A bag of messages (arrival, stamp [ns], content): joints with their numbers, or a command."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    make = types.types.__getitem__
+    with Writer(path, version=9) as writer:
+        kinds = ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64")
+        states, command = (
+            writer.add_connection(topic, kind, typestore=types)
+            for topic, kind in zip(("/joint_states", "/command"), kinds, strict=True)
+        )
+        for arrival, stamp, content in messages:
+            if isinstance(content, float):
+                topic, message = command, make(kinds[1])(content)
+            else:
+                time = make("builtin_interfaces/msg/Time")(*divmod(stamp, 10**9))
+                series = [np.array(each) for each in zip(*content.values(), strict=True)]
+                series += [np.zeros(0)] * (3 - len(series))
+                header = make("std_msgs/msg/Header")(time, "")
+                topic, message = states, make(kinds[0])(header, list(content), *series)
+            writer.write(topic, arrival, types.serialize_cdr(message, message.__msgtype__))
+    return path
+
+
+@pytest.mark.parametrize(("offset", "apart"), [(0, False), (BOOT - BEGIN, True)])
+def test_stamps_and_times_of_arrival_are_not_mixed(
+    tmp_path: Path, offset: int, apart: bool
+) -> None:
+    """Where commands have no stamp, those of another clock are not used."""
+    messages: list[Any] = []
+    for k in range(200):
+        at, late = BEGIN + k * STEP, STEP // 10 * (k % 2)
+        messages.append((at + late, at + offset, {"arm": (0.1 * k,), "pendulum": (3.0,)}))
+        messages.append((at + STEP // 5, 0, float(k)))
+    found = read(joint_bag(tmp_path / "bag", messages), Mapping())
+    delay = 1e-3 * (np.arange(200) % 2) if apart else 0.0
+    np.testing.assert_allclose(found.time, 0.01 * np.arange(200) + delay, atol=1e-9)
+    np.testing.assert_allclose(found.command_time, 0.01 * np.arange(200) + 0.002, atol=1e-9)
+    assert any("times of arrival used for both" in text for text in found.findings) == apart
+
+
+def test_joints_of_all_messages(tmp_path: Path) -> None:
+    """Another joint comes first, and arm and pendulum in turn."""
+    messages: list[Any] = [(BEGIN, BEGIN, {"gripper": (5.0,)})]
+    for k in range(400):
+        at = BEGIN + k * STEP
+        joint = {"pendulum": (0.02 * k,)} if k % 2 else {"arm": (0.01 * k,)}
+        messages.append((at, at, joint))
+        messages.append((at, 0, float(k)))
+    bag = joint_bag(tmp_path / "bag", messages)
+    found = read(bag, Mapping())
+    np.testing.assert_allclose(found.measured[:, 0], 0.01 * np.arange(2, 400, 2))
+    np.testing.assert_allclose(found.measured[:, 2], 2.0 * found.measured[:, 0])
+    with pytest.raises(ParameterError, match="no joint elbow; it has gripper, arm, pendulum"):
+        read(bag, Mapping(arm="elbow"))
+
+
+def test_an_axis_from_a_bag(tmp_path: Path) -> None:
+    """One joint that wraps, with velocity and effort; or the command of a topic."""
+    turns = np.linspace(0.0, 20.0, 300)
+    wrapped = (turns + np.pi) % (2.0 * np.pi) - np.pi
+    messages: list[Any] = []
+    for k, angle in enumerate(wrapped):
+        at = BEGIN + k * STEP
+        messages.append((at, at, {"a": (0.0, 0.0, 0.0), "b": (angle, 1.0, 0.5 * k)}))
+        messages.append((at, 0, 7.0))
+    bag = joint_bag(tmp_path / "bag", messages)
+    found = read_axis(bag, joint="b", torque_constant=2.0)
+    np.testing.assert_allclose(found.measured[:, 0], turns)
+    np.testing.assert_allclose(found.measured[:, 1], 1.0)
+    np.testing.assert_allclose(found.command, np.arange(300.0))
+    assert "begins anew after 6.28319" in found.findings[-1]
+    assert set(read_axis(bag, joint="b", command="command").command) == {7.0}
+    for options, words in (
+        ({}, "any of a, b may be the axis; name it with --joint"),
+        ({"joint": "c"}, "no joint c; it has a, b"),
+        ({"position": "b"}, "a bag has no columns"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            read_axis(bag, **options)

@@ -2,13 +2,16 @@
 
 from datetime import datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.readers import Mapping, read
+from furuta_recordings.readers.axis_table import read_axis
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import excerpts_of
 
@@ -58,12 +61,20 @@ def dated(start: str) -> str:
         table().replace(",", "\t").replace(".", ","),
         table().replace(",", "  "),
         "# made by a logger\n\n" + table(),
+        "sep=;\n" + table().replace(",", ";").replace(".", ","),
+        table().replace(",", "\t").replace(".", ",").encode("utf-16"),
+        table(HEADER.replace("command", "command,größe")).encode("cp1252"),
+        "\n".join('"' + line.replace(",", '","') + '"' for line in table().splitlines()),
+        "# " + table(),
+        table().replace("\n", "\ns,rad,rad/s,rad,rad/s,V\n", 1),
+        table() + ",,,,,\n\n" + table().splitlines()[0] + "\n",
         dated("2026-01-31T23:59:59.700"),
         dated("2026-01-31T23:59:59.700+02:00").replace("T", " "),
     ],
     ids=[
         "plain", "mark", "line ends", "semicolons", "decimal commas", "tabs", "blanks",
-        "comments", "dates", "dates with a zone",
+        "comments", "separator named", "UTF-16", "Windows", "quoted", "header in a comment",
+        "units below", "blank rows and another header", "dates", "dates with a zone",
     ],
 )  # fmt: skip
 def test_a_table_of_any_make(tmp_path: Path, text: str | bytes) -> None:
@@ -91,6 +102,17 @@ DEG, RPM = np.pi / 180.0, 2.0 * np.pi / 60.0
             "t (s),phi,phi dot,theta [°],theta dot [°/s],Motor Voltage [V]",
             (1.0, 1.0, 1.0, DEG, DEG, 1.0),
             Mapping("phi", "theta", "Motor Voltage"),
+        ),
+        (
+            "time,motor_pos_rad,motor_vel_rad_s,pendulum_pos_deg,pendulum_vel_deg_per_s,u",
+            (1.0, 1.0, 1.0, DEG, DEG, 1.0),
+            Mapping("motor", "pendulum"),
+        ),
+        (
+            "time,arm position,arm speed,pendulum position,pendulum speed,command\n"
+            "(ms),(deg),rpm,[rad],deg/s,mV",
+            (1e-3, DEG, RPM, 1.0, DEG, 1e-3),
+            NO_NAMES,
         ),
     ],
 )
@@ -144,7 +166,22 @@ def test_the_stamp_of_the_states(tmp_path: Path, ending: str) -> None:
         (table().replace("time", "time [parsec]"), "is not one of s, "),
         (table().replace(".", ","), "separate cells by semicolons"),
         (table().replace("command", "torque"), "name its column with --command"),
-        ("time,a\n", "no table in it"),
+        (
+            table().replace("arm/velocity", "battery_voltage").replace("command", "motor_voltage"),
+            "any of battery_voltage, motor_voltage may be the command; name it with --command",
+        ),
+        ("time,a\n", "no table in it, no row of numbers"),
+        (table().split("\n", 1)[1], "line 1 holds numbers, where the names"),
+        (table().replace("arm/velocity", "command"), "command is there twice, with different"),
+        (
+            table().replace("1.000000000\n", "abc\n"),
+            "200 cells in column command are not numbers, first 'abc' in line 2",
+        ),
+        (
+            table().replace("arm/position", "arm/position_rad").replace("\n", "\ns,deg,,,,\n", 1),
+            "column arm/position_rad has another unit below, deg",
+        ),
+        (b"PK\x03\x04" + bytes(30), "a zip archive or workbook"),
         (bytes(range(128, 256)), "not a text file"),
         (b"time,a\n" + b"1," * 2**20, "a line has more than 1048576 characters"),
     ],
@@ -233,3 +270,176 @@ def test_a_dense_recording_is_one_excerpt(step: float) -> None:
     time = np.arange(200) * step
     dense = Recording("log", time, STATE, time, VOLTS)
     assert len(excerpts_of(dense, most_samples=100)) == 1
+
+
+AXIS = "time,position_rad,torque"
+# Encoder counts of a motion through several turns of 1000 counts.
+COUNTS = np.round(3000.0 * np.sin(4.0 * TIME)).astype(int)
+
+
+def axis_of(path: Path, columns: tuple[Any, ...], header: str = AXIS, sep: str = ",") -> Recording:
+    """The recording of an axis from these columns of text."""
+    rows = (sep.join(map(str, row)) for row in zip(*columns, strict=True))
+    file = path / "axis.csv"
+    file.write_text("\n".join([header.replace(",", sep), *rows]))
+    return read_axis(str(file), position="counts" if "counts" in header else None)
+
+
+def times_as(form: str) -> list[str]:
+    """The times as a logger writes them that was started before midnight."""
+    start = datetime(2026, 1, 31, 23, 59, 59, 600_000)
+    stamps = [start + timedelta(seconds=float(t)) for t in TIME]
+    return [
+        stamp.strftime(form.replace("%f", f"{stamp.microsecond // 1000:03d}")) for stamp in stamps
+    ]
+
+
+@pytest.mark.parametrize(
+    ("form", "header"),
+    [
+        ('"%Y-%m-%d %H:%M:%S,%f"', AXIS),
+        ("%d.%m.%Y %H:%M:%S.%f", AXIS),
+        ("%d/%m/%Y %H:%M:%S.%f", AXIS),
+        ("%Y/%m/%d %I:%M:%S.%f %p", AXIS),
+        ("%Y-%m-%dT%H:%M:%S.%f+01:00", AXIS),
+        ("%H:%M:%S.%f", AXIS),
+        ("%M:%S.%f", AXIS),
+        ("%Y-%m-%d,%H:%M:%S.%f", "date,time,position_rad,torque"),
+        ("%Y-%m-%d,%H:%M:%S.%f", "day,time,position_rad,torque"),
+    ],
+)
+def test_forms_of_time(tmp_path: Path, form: str, header: str) -> None:
+    """Dates, times of day past midnight, and both in two columns."""
+    found = axis_of(tmp_path, (times_as(form), STATE[:, 0], VOLTS), header)
+    np.testing.assert_allclose(found.time, TIME, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "size", "start"),
+    [
+        ("micros", 1e-6, 2**32, 2**32 - 400_000),
+        ("millis", 1e-3, 2**32, 2**32 - 400),
+        ("time_us", 1e-6, 2**16, 0),
+        ("time_ms", 1e-3, 2**16, 2**16 - 400),
+    ],
+)
+def test_counters_of_time_overflow(
+    tmp_path: Path, name: str, unit: float, size: int, start: int
+) -> None:
+    times = (np.round(TIME / unit).astype(int) + start) % size
+    found = axis_of(tmp_path, (times, STATE[:, 0], VOLTS), f"{name},position_rad,torque")
+    np.testing.assert_allclose(found.time, TIME, atol=1e-9)
+    assert f"column {name} begins anew after every {size}" in found.findings[0]
+
+
+@pytest.mark.parametrize(
+    ("header", "values", "unit"),
+    [
+        ("time,position_rad,torque", (COUNTS * 0.002 + np.pi) % (2 * np.pi) - np.pi, 500.0),
+        ("time,position [deg],torque", (COUNTS * 0.2) % 360, 900.0 / np.pi),
+        ("time,position,torque", (COUNTS * 0.2 + 180) % 360 - 180, 5.0),
+        ("time,position_rev,torque", (COUNTS * 0.001) % 1, 500.0 / np.pi),
+        ("time,counts,torque", COUNTS % 1000, 1.0),
+        ("time,counts,torque", COUNTS % 1024, 1.0),
+        ("time,counts,torque", (COUNTS * 20 + 2**15) % 2**16 - 2**15, 0.05),
+    ],
+)
+def test_positions_begin_anew(tmp_path: Path, header: str, values: Any, unit: float) -> None:
+    """Angles after a turn, counts of one turn, and counters that overflow."""
+    found = axis_of(tmp_path, (TIME, values, VOLTS), header)
+    travelled = unit * found.measured[:, 0]
+    np.testing.assert_allclose(travelled - travelled[0], COUNTS - COUNTS[0], atol=1e-6)
+    assert "begins anew after" in found.findings[-1]
+
+
+def test_a_spike_is_no_overflow(tmp_path: Path) -> None:
+    spiked = COUNTS // 10 + 5000 * (np.arange(200) == 77)
+    found = axis_of(tmp_path, (TIME, spiked, VOLTS), "time,counts,torque")
+    np.testing.assert_array_equal(found.measured[:, 0], spiked)
+
+
+GERMAN = [f"{t:.3f}".replace(".", ",") for t in TIME]
+GROUPED = [f"{count:,}" for count in COUNTS]
+
+
+@pytest.mark.parametrize(
+    ("times", "counts", "sep", "words"),
+    [
+        (TIME, [f'"{text}"' for text in GROUPED], ",", ""),
+        (TIME, GROUPED, "\t", ""),
+        ([*range(0, 400, 2)], GROUPED, ";", "1,234 or 1.234 may be a thousand"),
+        (GERMAN, [text.replace(",", ".") for text in GROUPED], ";", "may be a thousand"),
+        (GERMAN, [f"{1000 * n:,}".replace(",", ".") for n in COUNTS], ";", "separate thousands"),
+        (GERMAN, GERMAN[::-1], ";", ""),
+        (GERMAN, ["0,5", *map(str, TIME[1:])], ";", "decimal commas in some cells"),
+    ],
+)
+def test_thousands_are_not_guessed(
+    tmp_path: Path, times: Any, counts: Any, sep: str, words: str
+) -> None:
+    """Read where other cells or columns make them certain, else refused."""
+    header = "time_ms,counts,torque" if isinstance(times[0], int) else "time,counts,torque"
+    torque = np.where(TIME < 0.5, 1, -1)
+    if words:
+        with pytest.raises(ParameterError, match=words):
+            axis_of(tmp_path, (times, counts, torque), header, sep)
+        return
+    expected = TIME[::-1] if counts == GERMAN[::-1] else COUNTS
+    found = axis_of(tmp_path, (times, counts, torque), header, sep)
+    np.testing.assert_allclose(found.measured[:, 0], expected)
+
+
+def test_rows_of_two_loggers(tmp_path: Path) -> None:
+    """Rows with a position only, rows with a torque only, repeated ones and missing values."""
+    rows = [
+        f"{t:.4f},{x:.9f},\n{t + 0.001:.4f},,{u}"
+        for t, x, u in zip(TIME, STATE[:, 0], VOLTS, strict=True)
+    ]
+    rows[7] = f"{TIME[7]:.4f},nan,1\n{TIME[6]:.4f},n/a,1"
+    rows[9] += f"\n{TIME[9]:.4f},0,"
+    file = tmp_path / "log.csv"
+    file.write_text("\n".join([AXIS, *rows]))
+    found = read_axis(file)
+    np.testing.assert_allclose(found.measured[:, 0], np.delete(STATE[:, 0], 7), atol=1e-9)
+    assert len(found.command) == 201
+    assert "not later" in found.findings[-1]
+    assert len(cleaned(found, joints=(0,)).time) == 199
+
+
+def test_joints_in_turn(tmp_path: Path) -> None:
+    """The joint with more samples is interpolated."""
+    lines = [HEADER]
+    for k, (t, x, u) in enumerate(zip(TIME, STATE, VOLTS, strict=True)):
+        arm, pendulum = f"{x[0]},{x[1]}", f"{x[2]},{x[3]}"
+        lines.append(f"{t},,,{pendulum},{u}" if k % 2 else f"{t},{arm},,,{u}")
+    found = recording_of(tmp_path, "\n".join(lines))
+    np.testing.assert_allclose(found.time, TIME[2::2] - TIME[2], atol=1e-9)
+    np.testing.assert_allclose(found.measured, STATE[2::2], atol=1e-4)
+    assert any("interpolated" in finding for finding in found.findings)
+
+
+def test_matlab_and_numpy_files(tmp_path: Path) -> None:
+    """Variables, a struct, a matrix with names; for a pendulum and for an axis."""
+    names = HEADER.split(",")
+    plain = dict(zip((n.replace("/", "_") for n in names), table_columns(), strict=True))
+    matrix = {"data": np.column_stack(table_columns()), "names": np.array(names, object)}
+    savemat(tmp_path / "plain.mat", plain | {"rate": 200.0, "about": "a log"})
+    savemat(tmp_path / "struct.mat", {"log": plain})
+    savemat(tmp_path / "matrix.mat", matrix)
+    np.savez(tmp_path / "plain.npz", **plain)
+    for file in ("plain.mat", "struct.mat", "matrix.mat", "plain.npz"):
+        assert_same(read(tmp_path / file, NO_NAMES))
+        found = read_axis(tmp_path / file, joint="pendulum")
+        np.testing.assert_allclose(found.measured[:, 0], STATE[:, 2])
+    savemat(tmp_path / "bare.mat", {"data": matrix["data"]})
+    savemat(tmp_path / "short.mat", plain | {"command": VOLTS[1:]})
+    for file, words in (
+        ("bare", r"\(200 x 6\) without names"),
+        ("short", "has 199 values, others"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            read(tmp_path / f"{file}.mat", NO_NAMES)
+
+
+def table_columns() -> list[np.ndarray]:
+    return [TIME, *STATE.T, VOLTS]

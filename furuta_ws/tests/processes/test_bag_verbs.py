@@ -177,7 +177,7 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
     for arguments, reason in (
         (["identify", tmp_path / "none.csv"], "no recording"),
         (["identify", empty], "not a readable bag"),
-        (["identify", words], "no column with the time"),
+        (["identify", words], "no row of numbers"),
         (["identify", states], "sensor_msgs/msg/JointState"),
         (["identify", bag, "--arm", "elbow"], "no joint elbow"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),

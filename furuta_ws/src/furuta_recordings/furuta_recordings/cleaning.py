@@ -1,5 +1,7 @@
 """Drops unusable samples and commands, and refuses a recording with too few of them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from furuta_model.parameters import ParameterError
@@ -18,14 +20,19 @@ LONGEST_GAP = 10.0
 LARGEST_COMMAND = 100.0
 
 
-def cleaned(recording: Recording, driven: bool = True) -> Recording:
+def cleaned(
+    recording: Recording, driven: bool = True, joints: Sequence[int] = (PHI, THETA)
+) -> Recording:
     """The usable part of a recording; raises :class:`ParameterError` without one.
 
-    A recording that was not ``driven`` needs no command.
+    A recording that was not ``driven`` needs no command. ``joints`` are the angles that it needs;
+    the command of an arm alone may be in any unit.
     """
-    recording = _with_usable_samples(recording)
+    recording = with_usable_samples(recording, joints)
     if driven:
         recording = _with_usable_commands(recording)
+    if driven and THETA in joints:
+        _refuse_other_units(recording)
     _interpolate_missing_speeds(recording)
     gap = float(np.max(np.diff(recording.time)))
     if gap > LONGEST_GAP * recording.interval:
@@ -35,23 +42,29 @@ def cleaned(recording: Recording, driven: bool = True) -> Recording:
     return recording
 
 
-def _with_usable_samples(recording: Recording) -> Recording:
-    """The samples that have both angles and a time after the one before."""
+def with_usable_samples(
+    recording: Recording, joints: Sequence[int] = (PHI, THETA), fewest: int = FEWEST_SAMPLES
+) -> Recording:
+    """The samples that have the angles of these joints and a time after the one before."""
     time, measured = recording.time, recording.measured
-    for angle, joint in zip((PHI, THETA), JOINTS, strict=True):
+    for angle in joints:
         if not np.any(np.isfinite(measured[:, angle])):
-            raise ParameterError(f"{recording.name}: no angle of the {joint}")
+            name = JOINTS[angle // 2]
+            raise ParameterError(f"{recording.name}: no angle of the {name}")
     _refuse_unordered(recording)
-    usable = np.isfinite(measured[:, PHI]) & np.isfinite(measured[:, THETA]) & np.isfinite(time)
-    usable[1:] &= np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > SHORTEST_STEP
-    if np.sum(usable) < FEWEST_SAMPLES:
+    has_angles = np.all(np.isfinite(measured[:, list(joints)]), axis=1) & np.isfinite(time)
+    later = np.ones(len(time), bool)
+    later[1:] = np.diff(np.maximum.accumulate(np.nan_to_num(time, nan=-np.inf))) > SHORTEST_STEP
+    usable = has_angles & later
+    counts = f"{np.sum(~has_angles)} without an angle, {np.sum(has_angles & ~later)} not later"
+    if np.sum(usable) < fewest:
         raise ParameterError(
             f"{recording.name}: {np.sum(usable)} usable samples of {len(time)}, at least "
-            f"{FEWEST_SAMPLES} needed"
+            f"{fewest} needed; {counts} than the one before"
         )
     if not np.all(usable):
         recording = recording.noting(
-            f"{np.sum(~usable)} of {len(time)} samples dropped (no angle, or time not increasing)"
+            f"{np.sum(~usable)} of {len(time)} samples dropped: {counts} than the one before"
         )
     return recording._replace(time=time[usable], measured=measured[usable].copy())
 
@@ -76,13 +89,17 @@ def _with_usable_commands(recording: Recording) -> Recording:
         raise ParameterError(
             f"{recording.name}: no command in it; name its topic or column with --command"
         )
+    return recording
+
+
+def _refuse_other_units(recording: Recording) -> None:
+    """Raise if commands are too large for volts."""
     largest = float(np.max(np.abs(recording.command)))
     if largest > LARGEST_COMMAND:
         raise ParameterError(
             f"{recording.name}: commands up to {largest:g} cannot be volts; give their unit with "
             "--command-scale (0.001 for millivolts)"
         )
-    return recording
 
 
 def _interpolate_missing_speeds(recording: Recording) -> None:

@@ -1,76 +1,209 @@
 """Reads the columns of a CSV table as numbers.
 
-Tables of many makes: with or without a byte-order mark, commas, semicolons, tabs or blanks between
-the cells, decimal commas, dates in ISO 8601, lines before the header that begin with #.
+Tables of many makes: UTF-8, UTF-16 with its mark, or Windows' western encoding; commas, semicolons,
+tabs or blanks between the cells; decimal commas, thousands; dates and times of day; a row of units
+below the header; lines that begin with #, of which the last one can be the header.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from array import array
 from collections.abc import Iterator
-from datetime import datetime, timezone
-from math import nan
+from itertools import chain
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.cells import Cells, fractions, is_text
 from furuta_ros.yaml_files import open_regular
 
 # Longest line [characters], and most cells of a table: 8 bytes each in memory.
 LONGEST_LINE = 2**20
 MOST_CELLS = 50_000_000
+# Rows that are read together.
+ROWS_TOGETHER = 4096
+# First bytes of a text in UTF-16, and of a zip archive, which a workbook is too.
+UTF16, ZIP = (b"\xff\xfe", b"\xfe\xff"), b"PK\x03\x04"
+# Largest number of which separators of thousands leave one dot, as in 999.999.
+LARGEST_WITH_DOT = 1000.0
 
 
-def csv_columns(path: Path) -> dict[str, np.ndarray]:
-    """Every named column (n,); NaN where a cell is empty or not a number; dates in s since 1970."""
-    try:
-        with io.TextIOWrapper(open_regular(path, "table"), "utf-8-sig", newline="") as file:
-            header, columns = _columns(file)
-    except UnicodeError:
-        raise ParameterError(f"cannot read {path}: not a text file in UTF-8") from None
-    except (OSError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise ParameterError(f"cannot read {path}: {reason}") from None
-    if not header or not columns[0]:
-        raise ParameterError(f"{path}: no table in it")
-    return {name: np.array(column) for name, column in zip(header, columns, strict=True) if name}
+class Table(NamedTuple):
+    """Columns (n,) by name, NaN where a cell is empty; those in ``problems`` cannot be used.
+
+    ``units`` are those that stand below the names, or the kind of time that a column holds.
+    """
+
+    path: Path
+    columns: dict[str, np.ndarray]
+    problems: dict[str, str]
+    units: dict[str, str]
 
 
-def _columns(file: TextIO) -> tuple[list[str], list[array[float]]]:
-    """Header and numbers."""
-    lines = _lines(file)
-    first = next(lines, "")
-    separated = _separated(first)
-    header = [name.strip() for name in next(csv.reader([first], **separated), [])]
-    columns = [array("d") for _ in header]
-    for number, row in enumerate(csv.reader(lines, **separated), 2):
-        if any(row[len(header) :]):
-            raise csv.Error(
-                f"line {number} has {len(row)} cells, the header has {len(header)}; separate cells "
-                "by semicolons if numbers have decimal commas"
+def read_csv(path: Path) -> Table:
+    """The named columns of a table; times in s, since 1970 if they have a date."""
+    for encoding in _encodings(path):
+        try:
+            with io.TextIOWrapper(open_regular(path, "table"), encoding, newline="") as file:
+                return _table(path, file)
+        except UnicodeError:
+            continue
+        except (OSError, csv.Error) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise ParameterError(f"cannot read {path}: {reason}") from None
+    raise ParameterError(f"cannot read {path}: not a text file")
+
+
+def _encodings(path: Path) -> tuple[str, ...]:
+    """Encodings to try."""
+    with open_regular(path, "table") as file:
+        start = file.read(4096)
+    if start.startswith(ZIP):
+        raise ParameterError(f"cannot read {path}: a zip archive or workbook, not a text file")
+    if start.startswith(UTF16):
+        return ("utf-16",)
+    return () if b"\0" in start else ("utf-8-sig", "cp1252")
+
+
+def _table(path: Path, file: TextIO) -> Table:
+    header, number, separated, lines = _header(file)
+    cells = [Cells(name.strip()) for name in header]
+    ignored, is_first = [header], True
+    for numbers, rows in _batches(csv.reader(lines, **separated), number, ignored):
+        if is_first and is_text(rows[0]):
+            ignored.append(rows.pop(0))
+            numbers.pop(0)
+        is_first = False
+        for column, texts in zip(cells, zip(*rows, strict=True), strict=False):
+            column.add(texts, numbers)
+        if len(cells) * len(cells[0].numbers) > MOST_CELLS:
+            raise csv.Error(f"more than {MOST_CELLS} cells")
+    if not cells or not len(cells[0].numbers):
+        raise ParameterError(
+            f"{path}: no table in it" + (", no row of numbers below a header" if cells else "")
+        )
+    doubtful = _settle_commas(cells, separated["delimiter"])
+    units = ignored[-1] if len(ignored) > 1 else [""] * len(cells)
+    below = {column.name: unit.strip() for column, unit in zip(cells, units, strict=True)}
+    return _named(path, cells, below, doubtful)
+
+
+def _named(path: Path, cells: list[Cells], units: dict[str, str], doubtful: set[str]) -> Table:
+    """The table of the columns that have a name."""
+    table = Table(path, {}, {}, units)
+    for column in cells:
+        values, name = np.array(column.numbers), column.name
+        if not name:
+            continue
+        problem = column.problem()
+        if name in doubtful:
+            problem = problem or (
+                f"column {name}: a number such as 1,234 or 1.234 may be a thousand or have "
+                "decimals; write its numbers without separators of thousands"
             )
-        if row:
-            missing = [""] * (len(header) - len(row))
-            for column, cell in zip(columns, row + missing, strict=False):
-                column.append(_number(cell))
-            if len(columns) * len(columns[0]) > MOST_CELLS:
-                raise csv.Error(f"more than {MOST_CELLS} cells")
-    return header, columns
+        again = table.columns.get(name, values)
+        if not np.array_equal(again, values, equal_nan=True):
+            problem = f"column {name} is there twice, with different values; rename one"
+        if problem:
+            table.problems[name] = problem
+        if column.unit:
+            table.units[name] = column.unit
+        table.columns[name] = values
+    return table
+
+
+def _settle_commas(cells: list[Cells], delimiter: str) -> set[str]:
+    """Decide between thousands and decimals, also by other columns; names where that fails."""
+    commas = any(column.has_decimal_comma for column in cells)
+    points = any(_has_points(column) for column in cells)
+    doubtful = {column.name for column in cells if commas and _may_have_thousands(column)}
+    for column in cells:
+        if column.is_ambiguous and commas == (points or (delimiter == "," and not commas)):
+            doubtful.add(column.name)
+        if column.has_thousands or (column.is_ambiguous and not commas):
+            column.with_thousands()
+    return doubtful
+
+
+def _has_points(column: Cells) -> bool:
+    """Whether the column has points that cannot separate thousands."""
+    of_numbers = not (column.has_decimal_comma or column.is_ambiguous or column.unit)
+    has_fractions = of_numbers and len(fractions(column.numbers)) > 0
+    return column.has_point or (has_fractions and not _may_have_thousands(column))
+
+
+def _may_have_thousands(column: Cells) -> bool:
+    """Whether all that looks like a decimal point may separate thousands, as in 1.234."""
+    values = np.abs(fractions(column.numbers))
+    if column.has_decimal_comma or column.is_ambiguous or column.unit or not len(values):
+        return False
+    thousands = 1000.0 * values
+    inside = (values >= 1.0) & (values < LARGEST_WITH_DOT)
+    return bool(np.all(inside & (np.abs(thousands - np.round(thousands)) < 1e-6)))
+
+
+def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
+    """The header, the number of its line, how cells are separated, and the lines below."""
+    lines, comment, separator, number, first = _lines(file), "", "", 0, ""
+    for first in lines:
+        number += 1
+        if first.startswith("#"):
+            comment = first[1:].strip()
+        elif first.lower().startswith("sep="):
+            separator = first[4:5]
+        elif not first.isspace():
+            break
+    separated = {"delimiter": separator} if separator else _separated(first)
+    header = next(csv.reader([first], **separated), [])
+    if is_text(header) or not header:
+        return header, number, separated, lines
+    names = next(csv.reader([comment], **separated), [])
+    if len(names) == len(header) and is_text(names):
+        return names, number - 1, separated, chain([first], lines)
+    raise csv.Error(f"line {number} holds numbers, where the names of the columns should stand")
+
+
+def _batches(
+    rows: Any, first: int, ignored: list[list[str]]
+) -> Iterator[tuple[list[int], list[list[str]]]]:
+    """Rows that hold something, of the header's width, and their lines; some at a time.
+
+    Left out are comments, and the rows ``ignored``, which a logger repeats at each start.
+    """
+    batch: list[list[str]] = []
+    numbers: list[int] = []
+    width = len(ignored[0])
+    for read in rows:
+        row = read if len(read) == width else _fitted(read, width, first + rows.line_num)
+        if not any(row) or row[0].startswith("#") or row in ignored:
+            continue
+        batch.append(row)
+        numbers.append(first + rows.line_num)
+        if len(batch) == ROWS_TOGETHER:
+            yield numbers, batch
+            batch, numbers = [], []
+    if batch:
+        yield numbers, batch
+
+
+def _fitted(row: list[str], width: int, line: int) -> list[str]:
+    if any(row[width:]):
+        raise csv.Error(
+            f"line {line} has {len(row)} cells, the header has {width}; separate cells by "
+            "semicolons if numbers have decimal commas"
+        )
+    return row[:width] + [""] * (width - len(row))
 
 
 def _lines(file: TextIO) -> Iterator[str]:
-    """The lines of a file from the header on, none read as a whole before its length is known."""
-    in_table = False
+    """The lines of a file, none read as a whole before its length is known."""
     while line := file.readline(LONGEST_LINE + 1):
         if len(line) > LONGEST_LINE:
             raise csv.Error(f"a line has more than {LONGEST_LINE} characters")
-        in_table = in_table or not (line.startswith("#") or line.isspace())
-        if in_table:
-            yield line
+        yield line
 
 
 def _separated(header: str) -> dict[str, Any]:
@@ -79,18 +212,3 @@ def _separated(header: str) -> dict[str, Any]:
     if separator not in header and " " in header.strip():
         return {"delimiter": " ", "skipinitialspace": True}
     return {"delimiter": separator}
-
-
-def _number(cell: str) -> float:
-    """A number, also with a decimal comma, or a date [s since 1970]; UTC unless it has a zone."""
-    try:
-        return float(cell)
-    except ValueError:
-        pass
-    try:
-        if "," in cell:
-            return float(cell.replace(".", "").replace(",", "."))
-        date = datetime.fromisoformat(cell.strip().replace("Z", "+00:00"))
-    except ValueError:
-        return nan
-    return (date if date.tzinfo else date.replace(tzinfo=timezone.utc)).timestamp()

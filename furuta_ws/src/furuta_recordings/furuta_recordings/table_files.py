@@ -1,7 +1,8 @@
 """Writes and reads tables of series as CSV, Parquet, MATLAB or npz files; the suffix decides."""
 
 import csv
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from scipy.io import loadmat, savemat, whosmat
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.csv_columns import csv_columns
+from furuta_recordings.csv_columns import Table, read_csv
 from furuta_ros.whole_files import whole_file
 
 _PROBLEM = "not installed"
@@ -58,6 +59,20 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
     Raises:
         ParameterError: The file cannot be read, or its suffix is none of :data:`SUFFIXES`.
     """
+    content = _read(path)
+    if isinstance(content, Table):
+        return content.columns
+    numbers = {name: values for name, values in content.items() if values.dtype.kind in "fiub"}
+    return {name: _floats(name, values) for name, values in (numbers or content).items()}
+
+
+def read_table(path: Path) -> Table:
+    """The columns of any table; raises what :func:`read_columns` raises."""
+    content = _read(path)
+    return content if isinstance(content, Table) else tabulated(path, content)
+
+
+def _read(path: Path) -> Any:
     _, read = _format(path)
     if not path.is_file():
         raise ParameterError(f"no file {path}")
@@ -114,7 +129,7 @@ def _read_parquet(path: Path) -> dict[str, np.ndarray]:
     about = parquet.ParquetFile(path).metadata
     _check_size(path, 8 * about.num_rows * about.num_columns)
     table = parquet.read_table(path)
-    return {name: _floats(name, table[name].to_numpy()) for name in table.column_names}
+    return {name: table[name].to_numpy() for name in table.column_names}
 
 
 def _write_matlab(path: Path, columns: Columns) -> None:
@@ -122,10 +137,21 @@ def _write_matlab(path: Path, columns: Columns) -> None:
 
 
 def _read_matlab(path: Path) -> dict[str, np.ndarray]:
-    _check_size(path, sum(8 * prod(shape) for _, shape, _ in whosmat(path, appendmat=False)))
-    content = loadmat(path, appendmat=False)
-    names = [name for name in content if not name.startswith("__")]
-    return {name: _floats(name, content[name].squeeze()) for name in names}
+    """The arrays of a file, those in structs by the names of their fields."""
+    try:
+        _check_size(path, sum(8 * prod(shape) for _, shape, _ in whosmat(path, appendmat=False)))
+        content = loadmat(path, appendmat=False, simplify_cells=True)
+    except NotImplementedError:
+        raise ParameterError(f"{path} is a file of MATLAB 7.3; save it with -v7") from None
+    return dict(_flat({name: content[name] for name in content if not name.startswith("__")}))
+
+
+def _flat(content: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
+    for name, values in content.items():
+        if isinstance(values, Mapping):
+            yield from _flat(values)
+        else:
+            yield name, np.atleast_1d(values)
 
 
 def write_npz(path: Path, arrays: Columns) -> None:
@@ -143,7 +169,47 @@ def _read_npz(path: Path) -> dict[str, np.ndarray]:
     except BadZipFile:
         raise ParameterError(f"{path} is not an npz file") from None
     with np.load(path, allow_pickle=False) as content:
-        return {name: _floats(name, content[name]) for name in content.files}
+        return {name: content[name] for name in content.files}
+
+
+def tabulated(path: Path, arrays: Columns) -> Table:
+    """Arrays as columns: vectors of one length, and a matrix with as many names as columns."""
+    table = Table(path, {}, {}, {})
+    texts = [values for values in arrays.values() if values.dtype.kind in "OU"]
+    for name, values in _fields(arrays):
+        vector = values.reshape(-1) if values.ndim < 2 or 1 in values.shape else values
+        names = next((text for text in texts if text.shape == vector.shape[1:]), None)
+        if vector.dtype.kind not in "fiub":
+            continue
+        if vector.ndim == 1:
+            table.columns[name] = vector.astype(float)
+        elif names is not None and vector.ndim == 2:
+            table.columns.update(
+                zip(map(str.strip, map(str, names)), vector.T.astype(float), strict=True)
+            )
+        else:
+            size = " x ".join(map(str, values.shape))
+            table.problems[name] = f"{name} is a matrix ({size}) without names of its columns"
+    return _of_one_length(table)
+
+
+def _fields(arrays: Columns) -> Iterator[tuple[str, np.ndarray]]:
+    """The arrays, those with fields field by field."""
+    for name, values in arrays.items():
+        yield from ((each, values[each]) for each in values.dtype.names or ())
+        if not values.dtype.names:
+            yield name, values
+
+
+def _of_one_length(table: Table) -> Table:
+    """The table without single numbers; series of another length than most are problems."""
+    columns = {name: values for name, values in table.columns.items() if len(values) > 1}
+    rows = Counter(map(len, columns.values())).most_common(1)
+    for name, values in list(columns.items()):
+        if len(values) != rows[0][0]:
+            table.problems[name] = f"{name} has {len(values)} values, others have {rows[0][0]}"
+            columns[name] = np.full(rows[0][0], np.nan)
+    return table._replace(columns=columns)
 
 
 def _check_size(path: Path, size: int) -> None:
@@ -158,7 +224,7 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
 
 
 _FORMATS: dict[str, tuple[Callable[[Path, Columns], None], Callable[[Path], Any]]] = {
-    ".csv": (_write_csv, csv_columns),
+    ".csv": (_write_csv, read_csv),
     ".parquet": (_write_parquet, _read_parquet),
     ".mat": (_write_matlab, _read_matlab),
     ".npz": (write_npz, _read_npz),

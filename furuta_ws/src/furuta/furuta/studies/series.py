@@ -41,7 +41,12 @@ def simulated_series(record: Record) -> Series:
 
 
 def load_series(path: Path, names: Names | None = None) -> Series:
-    """The columns of a bag, of a file of series, or of a table of another rig.
+    """The columns of a bag, of a file of series, or of a table of another rig."""
+    return series_with_findings(path, names)[0]
+
+
+def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series, list[str]]:
+    """The columns as :func:`load_series` gives them, and how a recording was interpreted.
 
     Bags of the graph give measurement, estimates, command and, from a simulated plant, the truth.
     Of another rig's bag or CSV table, ``names`` tells the joints and the command; it gives the
@@ -60,11 +65,9 @@ def load_series(path: Path, names: Names | None = None) -> Series:
         chosen = {name: columns[name] for name in COLUMNS if name in columns}
         if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
             raise ParameterError(f"{path}: its series have different lengths")
-        return chosen
+        return chosen, []
     if {"state", "estimate", "time"} <= columns.keys():
-        return _simulation_file(path, columns)
-    if path.suffix.lower() in SUFFIXES and path.suffix.lower() != ".csv":
-        raise ParameterError(f"{path} has no series that are known; it has {', '.join(columns)}")
+        return _simulation_file(path, columns), []
     return _recorded_series(read(path, names))
 
 
@@ -81,14 +84,14 @@ def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
         raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None
 
 
-def _bag_series(path: Path, names: Names) -> Series:
+def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
     """The columns of a bag of the graph, or of another rig's if there are ``names``."""
     with Bag(path) as bag:
         of_graph = bool(graph_topics(path, bag))
     if not of_graph or names != Names():
         return _recorded_series(read(path, names))
     recorded = read_recorded_loop(path)
-    return known(
+    columns = known(
         {
             TIME: recorded.time,
             **by_name(MEASURED, recorded.measurement),
@@ -98,11 +101,13 @@ def _bag_series(path: Path, names: Names) -> Series:
             **by_name(TRUE, recorded.truth),
         }
     )
+    return columns, []
 
 
-def _recorded_series(recording: Recording) -> Series:
+def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:
     """The columns of a recording of any rig; the command is the one that held at each sample."""
     missing = np.full((len(recording.time), 1), np.nan)
     measured = by_name(MEASURED, np.hstack([recording.measured, missing]))
     command = recording.commanded_at(recording.time)
-    return known({TIME: recording.time, **measured, COMMAND: command})
+    columns = known({TIME: recording.time, **measured, COMMAND: command})
+    return columns, list(recording.findings)

@@ -49,10 +49,11 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
     help="Counts of the encoder per turn (2π m of a straight axis), 0 for a perfect one; default: "
     "those of the table, or 4096.")  # fmt: skip
 @click.option("--identify", "record", type=click.Path(path_type=Path), metavar="FILE",
-    help="Table of time, position and torque: finds inertia and friction.")  # fmt: skip
+    help="Table or bag of time, position and torque: finds inertia and friction.")  # fmt: skip
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
-@click.option("--command", "driven", metavar="COLUMN", help="Column of the drive's torque, current "
-    "or voltage.")  # fmt: skip
+@click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
+    "torque, current or voltage; of a bag by default the joint's effort.")  # fmt: skip
+@click.option("--joint", metavar="NAME", help="Joint in a bag of several.")
 @click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
     help="Torque or force per unit of that column.")  # fmt: skip
 @click.option("--prove", is_flag=True, help="Prove the cycle of the law stiction in interval "
@@ -71,6 +72,7 @@ def command(
     record: Path | None,
     position: str | None,
     driven: str | None,
+    joint: str | None,
     torque_constant: float,
     prove: bool,
     out: Path | None,
@@ -93,7 +95,7 @@ def command(
     result: dict[str, Any] = {}
     found = 4096
     if record is not None:
-        fit = identify_axis(read_axis(record, position, driven, torque_constant))
+        fit = identify_axis(read_axis(record, position, driven, torque_constant, joint))
         result["identified"] = fit.report()
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
     else:

@@ -57,13 +57,14 @@ def info(bag: Path, as_json: bool) -> None:
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
     """Write BAG as a table with one row per measurement; docs/topics.md lists its columns."""
-    from furuta.studies.series import load_series
+    from furuta.studies.series import series_with_findings
     from furuta_recordings.series_columns import TIME
     from furuta_recordings.table_files import write_columns
 
-    series = load_series(bag, names)
+    series, findings = series_with_findings(bag, names)
     write_columns(out, series)
-    show({"file": str(out), "rows": len(series[TIME]), "columns": list(series)}, as_json)
+    result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
+    show(result | {"findings": findings}, as_json)
 
 
 @command.command()

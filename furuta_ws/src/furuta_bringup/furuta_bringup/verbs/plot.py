@@ -22,10 +22,10 @@ def command(recording: Path, out: Path, names: Mapping, as_json: bool) -> None:
     another rig.
     """
     from furuta.figures.series import draw_series
-    from furuta.studies.series import load_series
+    from furuta.studies.series import series_with_findings
     from furuta_recordings.series_columns import TIME
 
-    series = load_series(recording, names)
+    series, findings = series_with_findings(recording, names)
     draw_series(series, out)
-    samples = len(series[TIME])
-    show({"figure": str(out), "samples": samples, "columns": list(series)}, as_json)
+    result = {"figure": str(out), "samples": len(series[TIME]), "columns": list(series)}
+    show(result | {"findings": findings}, as_json)

@@ -1,5 +1,10 @@
 """Reads recordings from bags of any origin: joint states and a command."""
 
+from __future__ import annotations
+
+from array import array
+from collections.abc import Collection, Sequence
+from itertools import islice
 from math import nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,29 +17,64 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
+from furuta_recordings.readers.assembly import Joint, recording_of
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
 from furuta_recordings.recording import Recording
 from furuta_ros.parameter_files import read_sections
 from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
-from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
+from furuta_ros.topic_names import JOINT_STATES, JOINTS, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
+
+# The name of a command that is the effort of the joint states.
+EFFORT = "effort"
+# Joints of which all is kept, besides those that are named.
+FEW_JOINTS = 2
+# Time [s] between stamp and arrival that no recorder needs, and the part of the samples that may
+# need it nevertheless.
+LARGEST_DELAY, FEW = 0.5, 0.1
 
 
 def read_bag(path: Path, mapping: Mapping) -> Recording:
     """A recording from a bag of joint states and a command."""
+    driven = mapping.command != NO_COMMAND
+    content = _read(path, mapping, driven, {*JOINTS, mapping.arm, mapping.pendulum})
+    (arm, pendulum), about_joints = joints_of(path, list(content.joints), mapping)
+    recording = content.recording([arm, pendulum], about_joints)
+    return _with_recorded_drive(recording, path)
+
+
+def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recording:
+    """A recording of one joint in a bag, as the arm alone; driven by its effort by default."""
+    content = _read(path, Mapping(command=command or EFFORT), True, {joint})
+    names = list(content.joints)
+    if joint is not None and joint not in names:
+        raise ParameterError(f"{path}: no joint {joint}; it has {', '.join(names) or 'none'}")
+    chosen = joint or only_one(path, names, "axis", "--joint")
+    recording = content.recording([chosen])
+    if not len(recording.command):
+        raise ParameterError(
+            f"{path}: no effort of joint {chosen}; name the topic of its drive with --command"
+        )
+    return recording
+
+
+def _read(path: Path, mapping: Mapping, driven: bool, wanted: Collection[str | None]) -> _Content:
+    """The joints ``wanted`` and the first two others, and the commands, of a bag."""
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
         states = _states_topic(path, types, mapping)
-        driven = mapping.command != NO_COMMAND
         command = _command_topic(path, types, states, mapping) if driven else None
-        content = _Content(path, mapping, last_part(states) == MEASUREMENT)
+        past = last_part(states) == MEASUREMENT
+        content = _Content(path, wanted, driven and command is None, past)
         chosen = [c for c in bag.connections if c.topic in (states, command)]
         for connection, time, data in bag.messages_in_memory(chosen):
             message = bag.deserialize(data, connection.msgtype)
-            content.add(connection.topic == states, time / NANOSECONDS, message)
-    if not content.samples:
-        raise ParameterError(f"{path}: no message on {states}")
-    recording = content.recording(command_is_effort=driven and command is None)
-    return _with_recorded_drive(recording, path)
+            if connection.topic == states:
+                content.add_states(time, message)
+            else:
+                content.add_command(time, message)
+    if not content.joints:
+        raise ParameterError(f"{path}: no joint in the messages on {states}")
+    return content
 
 
 def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
@@ -56,19 +96,21 @@ def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
 
 def _command_topic(path: Path, types: dict[str, str], states: str, mapping: Mapping) -> str | None:
     """The topic of the command; None if it is the effort on the topic ``states``."""
-    if mapping.command == "effort":
+    if mapping.command == EFFORT:
         return None
     if mapping.command:
         matching = [topic for topic in types if topic.strip("/") == mapping.command.strip("/")]
     else:
         others = [topic for topic in types if topic not in (states, PARAMETER_EVENTS, ROSOUT)]
-        matching = [topic for name in COMMANDS for topic in others if name in last_part(topic)]
+        exact = [topic for topic in others if last_part(topic) in COMMANDS]
+        parts = [name for name in COMMANDS if len(name) > 1]
+        matching = exact or [t for t in others if any(name in last_part(t) for name in parts)]
     if not matching:
         raise ParameterError(
             f"{path}: no command {mapping.command or ''}".rstrip()
             + f"; name its topic with --command (effort: that of {states}); it has {_listed(types)}"
         )
-    return matching[0]
+    return only_one(path, matching, "command", "--command")
 
 
 def _listed(types: dict[str, str]) -> str:
@@ -114,44 +156,89 @@ def _command_value(path: Path, message: Any) -> float:
     return float(value[0])
 
 
+class _Joint(NamedTuple):
+    """What the messages hold of a joint: their numbers, and position, velocity and effort."""
+
+    rows: array[int]
+    values: array[float]
+
+
 class _Content:
-    """Samples and commands read so far, with their times of arrival [s]."""
+    """What was read so far, with stamps and times of arrival [ns]; a stamp is 0 without one."""
 
-    def __init__(self, path: Path, mapping: Mapping, effort_is_past: bool) -> None:
-        self._path, self._mapping, self._effort_is_past = path, mapping, effort_is_past
-        self._joints: tuple[str, str] | None = None
-        self._arrivals: list[float] = []
-        self._commands: list[tuple[float, float]] = []
-        self.samples: list[JointSample] = []
-        self._about_joints = ""
+    def __init__(
+        self, path: Path, wanted: Collection[str | None], effort_drives: bool, effort_is_past: bool
+    ) -> None:
+        self._path, self._wanted = path, wanted
+        self._effort_drives, self._effort_is_past = effort_drives, effort_is_past
+        self._states = array("q"), array("q")
+        self._commands = array("q"), array("q"), array("d")
+        self.joints: dict[str, _Joint] = {}
 
-    def add(self, is_state: bool, time: float, message: Any) -> None:
-        """Add a message that arrived at ``time`` [s]."""
-        if not is_state:
-            self._commands.append((time, _command_value(self._path, message)))
-            return
-        if self._joints is None:
-            names = list(message.name)
-            self._joints, self._about_joints = joints_of(self._path, names, self._mapping)
-        self._arrivals.append(time)
-        self.samples.append(joint_sample(message, *self._joints))
+    def add_states(self, time: int, message: Any) -> None:
+        """Add what a message that arrived at ``time`` [ns] holds of each joint."""
+        stamps, arrivals = self._states
+        for index, name in enumerate(message.name):
+            if name not in self.joints:
+                self.joints[name] = _Joint(array("q"), array("d"))
+            if name in self._wanted or name in [*islice(self.joints, FEW_JOINTS)]:
+                rows, values = self.joints[name]
+                rows.append(len(stamps))
+                series = (message.position, message.velocity, message.effort)
+                values.extend(_at(each, index) for each in series)
+        stamps.append(stamp_nanoseconds(message))
+        arrivals.append(time)
 
-    def recording(self, command_is_effort: bool) -> Recording:
-        """Times are the stamps in the messages or, if these stand still, the times of arrival."""
-        stamps = np.array([sample.stamp for sample in self.samples])
-        time = stamps if np.ptp(stamps) > 0.0 else np.array(self._arrivals)
-        commands = self._commands
-        if command_is_effort:
-            efforts = [sample.effort for sample in self.samples]
-            # The effort of our measurements is the torque since the previous one.
-            begin = np.append(2 * time[0] - time[1], time[:-1]) if self._effort_is_past else time
-            commands = list(zip(begin, efforts, strict=True))
-        u = np.array(commands) if commands else np.zeros((0, 2))
-        measured = np.array([sample.state for sample in self.samples])
-        start = time[0]
+    def add_command(self, time: int, message: Any) -> None:
+        """Add a command that arrived at ``time`` [ns]."""
+        stamps, arrivals, values = self._commands
+        stamps.append(stamp_nanoseconds(message) if hasattr(message, "header") else 0)
+        arrivals.append(time)
+        values.append(_command_value(self._path, message))
+
+    def recording(self, names: Sequence[str], finding: str = "") -> Recording:
+        """The recording of the joints of these names."""
+        count = len(self._states[0])
+        series = np.full((len(names), count, 3), np.nan)
+        for index, name in enumerate(names):
+            rows, values = self.joints[name]
+            series[index, np.array(rows, int)] = np.array(values).reshape(-1, 3)
+        ordered = [
+            Joint.of(position, velocity, "", 1.0) for position, velocity, _ in series.swapaxes(1, 2)
+        ]
+        time, commands, about_times = self._times(series[0, :, 2])
         name = self._path.name or self._path.resolve().name  # that of . is empty
-        recording = Recording(name, time - start, measured, u[:, 0] - start, u[:, 1])
-        return recording.noting(self._about_joints) if self._about_joints else recording
+        return recording_of(name, ordered, time, commands, (finding, about_times))
+
+    def _times(self, effort: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray], str]:
+        """Times of the samples [s], commands, and how times were taken.
+
+        Stamps count, unless they stand still or, where commands have none, come from another clock
+        than the times of arrival.
+        """
+        stamps, arrivals = (np.array(each, np.int64) for each in self._states)
+        begin = arrivals[0]
+        state_time, state_arrival = (stamps - begin) / NANOSECONDS, (arrivals - begin) / NANOSECONDS
+        has_stamps = bool(np.ptp(stamps) > 0)
+        if self._effort_drives:
+            time = state_time if has_stamps else state_arrival
+            # The effort of our measurements is the torque since the previous one.
+            before = np.append(2 * time[0] - time[1], time[:-1]) if len(time) > 1 else time
+            return time, (before if self._effort_is_past else time, effort), ""
+        given, received, values = (np.array(each) for each in self._commands)
+        command_arrival = (received - begin) / NANOSECONDS
+        if has_stamps and len(given) and np.all(given > 0):
+            return state_time, ((given - begin) / NANOSECONDS, values), ""
+        apart = np.abs(state_time - state_arrival) > LARGEST_DELAY
+        if has_stamps and not (len(values) and np.mean(apart) > FEW):
+            return state_time, (command_arrival, values), ""
+        if not has_stamps:
+            return state_arrival, (command_arrival, values), ""
+        about = (
+            f"the stamps of the joint states are {np.median(state_arrival - state_time):.6g} s "
+            "before their arrival, and the commands have none: times of arrival used for both"
+        )
+        return state_arrival, (command_arrival, values), about
 
 
 def _with_recorded_drive(recording: Recording, bag: Path) -> Recording:

@@ -3,15 +3,17 @@
 import re
 from collections.abc import Iterable, Mapping
 from math import pi
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.cells import DATE, DAY_TIME, HOUR_TIME, INSTANT
+from furuta_recordings.csv_columns import Table
 
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
-_ENDING = re.compile(r"^(.*)_([^_]+)$")
+# A unit in the last one, two or three parts of a name: time_ms, vel_rad_s, vel_rad_per_s.
+_ENDINGS = [re.compile(rf"^(.*)_([^_]+{'_[^_]+' * parts})$") for parts in (2, 1, 0)]
 _SEPARATORS = re.compile(r"[\s./_:\-]+")
 
 TIME_UNITS = {
@@ -20,6 +22,7 @@ TIME_UNITS = {
     **dict.fromkeys(("us", "µs", "μs"), 1e-6),
     "ns": 1e-9,
     "min": 60.0,
+    **dict.fromkeys((DATE, DAY_TIME, HOUR_TIME, INSTANT), 1.0),
 }
 ANGLE_UNITS = {
     **dict.fromkeys(("rad", "radians"), 1.0),
@@ -36,8 +39,12 @@ SPEED_UNITS = {
 COMMAND_UNITS = {**dict.fromkeys(("v", "volt", "volts"), 1.0), "mv": 1e-3}
 # Units of an axis: of a position along a straight line, and of a current, torque or force.
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
-DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, "nm": 1.0, "n": 1.0}
-_UNITS = {*TIME_UNITS, *ANGLE_UNITS, *SPEED_UNITS, *LENGTH_UNITS, *DRIVE_UNITS}
+# An encoder's counts stay counts.
+DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, "nm": 1.0, "mnm": 1e-3, "n": 1.0}
+COUNT_UNITS = dict.fromkeys(("counts", "count", "cts", "ticks"), 1.0)
+POSITION_UNITS = {**ANGLE_UNITS, **LENGTH_UNITS, **COUNT_UNITS}
+AXIS_SPEED_UNITS = {**SPEED_UNITS, **{f"{u}/s": s for u, s in (LENGTH_UNITS | COUNT_UNITS).items()}}
+_UNITS = {*TIME_UNITS, *POSITION_UNITS, *AXIS_SPEED_UNITS, *DRIVE_UNITS}
 # Names of a time that contain the unit: those of Arduino's functions.
 _TIMES = {"millis": "ms", "micros": "us"}
 
@@ -46,9 +53,6 @@ _TIMES = {"millis": "ms", "micros": "us"}
 ANGLE_WORDS = ("position", "angle", "pos", "encoder")
 SPEED_WORDS = ("velocity", "speed", "dot", "vel", "rate")
 FILLERS = ("angle", "angular", "position", "pos")
-
-# Series (n,) by the name of their column.
-Columns = dict[str, np.ndarray]
 
 
 class Column(NamedTuple):
@@ -61,27 +65,60 @@ class Column(NamedTuple):
 def column(name: str) -> Column:
     """The words and the unit of ``name``: a unit in brackets, or at the end as in ``time_ms``."""
     unit = ""
-    in_brackets, at_end = _BRACKETS.match(name), _ENDING.match(name)
-    if in_brackets is not None:
-        name, unit = in_brackets[1], in_brackets[2]
-    elif at_end is not None and at_end[2].lower() in _UNITS:
-        name, unit = at_end[1], at_end[2]
+    in_brackets = _BRACKETS.match(name)
+    at_end = (ending.match(name) for ending in _ENDINGS)
+    known = next((match for match in at_end if match and _unit(match[2]) in _UNITS), None)
+    if found := in_brackets or known:
+        name, unit = found[1], found[2]
     words = tuple(word for word in _SEPARATORS.split(name.strip().lower()) if word)
     if not unit and len(words) == 1 and words[0] in _TIMES:
         return Column(("time",), _TIMES[words[0]])
-    return Column(words, unit.strip().lower())
+    return Column(words, _unit(unit))
 
 
-def in_si(path: Path, columns: Columns, name: str | None, units: Mapping[str, float]) -> np.ndarray:
-    """A column in SI units, if its name tells the unit; NaN for a column that is missing."""
+def _unit(text: str) -> str:
+    """A unit as the tables above write it: N·m, N m and N_m are nm, rad_s and rad_per_s rad/s."""
+    text = text.strip().lower()
+    if text in (DATE, DAY_TIME, INSTANT):
+        return text
+    text = text.replace("_per_", "/").replace("_", "/")
+    return re.sub(r"[\s·⋅*.]", "", text).replace("n/m", "nm")
+
+
+def unit_of(table: Table, name: str) -> str:
+    """The unit of a column, in its name or below it."""
+    own, below = column(name).unit, _unit(table.units.get(name, "").strip("[]()-"))
+    if below in (DATE, DAY_TIME, HOUR_TIME, INSTANT):
+        return below
+    if own and below and own != below:
+        raise ParameterError(f"{table.path}: column {name} has another unit below, {below}")
+    return own or below
+
+
+def values_of(table: Table, name: str) -> np.ndarray:
+    """A column; raises ParameterError if it cannot be used."""
+    if name in table.problems:
+        raise ParameterError(f"{table.path}: {table.problems[name]}")
+    return table.columns[name]
+
+
+def listed(table: Table) -> str:
+    """What a table has, for a message."""
+    others = [text for name, text in table.problems.items() if name not in table.columns]
+    return ", ".join([*table.columns, *others]) or "no columns"
+
+
+def in_si(table: Table, name: str | None, units: Mapping[str, float]) -> np.ndarray:
+    """A column in SI units, if its unit is known; NaN for a column that is missing."""
     if name is None:
-        return np.full(len(next(iter(columns.values()))), np.nan)
-    unit = column(name).unit
+        return np.full(len(next(iter(table.columns.values()))), np.nan)
+    unit = unit_of(table, name)
     if unit and unit not in units:
         raise ParameterError(
-            f"{path}: the unit of column {name} is not one of {', '.join(units)}; rename the column"
+            f"{table.path}: the unit of column {name} is not one of {', '.join(units)}; rename the "
+            "column"
         )
-    return columns[name] * units.get(unit, 1.0)
+    return values_of(table, name) * units.get(unit, 1.0)
 
 
 def joint_names(columns: Iterable[str]) -> list[str]:

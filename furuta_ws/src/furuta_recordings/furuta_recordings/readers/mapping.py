@@ -25,6 +25,15 @@ class Mapping(NamedTuple):
     time: str | None = None
 
 
+def only_one(path: Path, matching: list[str], what: str, option: str) -> str:
+    """The only one of several that may be ``what``; raises ParameterError for several."""
+    if len(matching) > 1:
+        raise ParameterError(
+            f"{path}: any of {', '.join(matching)} may be the {what}; name it with {option}"
+        )
+    return matching[0]
+
+
 def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str, str], str]:
     """Which of the joints ``names`` are arm and pendulum; and how that was interpreted."""
     given = (mapping.arm, mapping.pendulum)

@@ -1,6 +1,7 @@
 """Reads files of ``furuta simulate --out FILE.npz``."""
 
 from pathlib import Path
+from zipfile import ZipFile, is_zipfile
 
 import numpy as np
 
@@ -9,6 +10,14 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.recording import Recording
 from furuta_recordings.table_files import read_columns
+
+
+def is_simulation(path: Path) -> bool:
+    """Whether a file has states of a simulation rather than columns."""
+    if path.suffix.lower() != ".npz" or not is_zipfile(path):
+        return False
+    with ZipFile(path) as file:
+        return not {"measurement.npy", "estimate.npy"}.isdisjoint(file.namelist())
 
 
 def read_simulation(path: Path) -> Recording:

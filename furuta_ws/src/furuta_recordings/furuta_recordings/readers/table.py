@@ -1,137 +1,155 @@
-"""Reads recordings from CSV tables of any origin, with one column per series."""
+"""Reads recordings from tables of any origin, with one column per series."""
 
+import re
+from collections.abc import Collection, Iterable
+from collections.abc import Mapping as Units
 from pathlib import Path
 
-import numpy as np
-
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, THETA
-from furuta_recordings.csv_columns import csv_columns
+from furuta_recordings.csv_columns import Table
+from furuta_recordings.readers.assembly import Joint, recording_of
 from furuta_recordings.readers.columns import (
     ANGLE_UNITS,
     ANGLE_WORDS,
     COMMAND_UNITS,
     SPEED_UNITS,
     SPEED_WORDS,
-    Columns,
     column,
     in_si,
     joint_column,
     joint_names,
+    listed,
+    unit_of,
+    values_of,
 )
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of
+from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
+from furuta_recordings.table_files import read_table as table_of
 
 # The measured columns of an exported series in the order of a recording.
 EXPORTED = tuple(MEASURED)[:4]
 
 
 def read_table(path: Path, mapping: Mapping) -> Recording:
-    """A recording from a CSV table; rows without time or angle belong to the command alone."""
-    columns = csv_columns(path)
+    """A recording from a table; rows without time or angle belong to the command alone."""
+    table = table_of(path)
+    columns = table.columns
     if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
-        return _exported(path, columns)
-    clock = clock_column(path, columns, mapping.time)
-    (arm, pendulum), about_joints = _joints(path, columns, mapping)
-    angles = [_angle(path, columns, joint) for joint in (arm, pendulum)]
-    stamps = clock if mapping.time else stamp_column(columns, angles[0]) or clock
-    command = None if mapping.command == NO_COMMAND else command_column(path, columns, mapping)
-    series = []
-    for joint, angle in zip((arm, pendulum), angles, strict=True):
-        series.append(in_si(path, columns, angle, ANGLE_UNITS))
-        speed = joint_column(columns, joint, SPEED_WORDS)
-        series.append(in_si(path, columns, speed, SPEED_UNITS))
-    recording = _recording(
-        path,
-        (seconds(path, columns, stamps), np.column_stack(series)),
-        (seconds(path, columns, clock), in_si(path, columns, command, COMMAND_UNITS)),
-    )
-    recording = recording._replace(in_radians=all(column(name).unit for name in angles))
-    recording = recording.noting(about_joints) if about_joints else recording
+        return _exported(table)
+    clock = clock_column(table, mapping.time)
+    names, about_joints = _joints(table, mapping)
+    angles = [_angle(table, name) for name in names]
+    stamps = clock if mapping.time else stamp_column(table, angles[0]) or clock
+    command = None if mapping.command == NO_COMMAND else command_column(table, mapping.command)
+    joints = [
+        joint_of(table, angle, joint_column(columns, name, SPEED_WORDS), ANGLE_UNITS, SPEED_UNITS)
+        for name, angle in zip(names, angles, strict=True)
+    ]
+    time, overflow = seconds(table, stamps)
+    command_time, _ = seconds(table, clock)
     source = f"command from column {command}" if command else "no command"
-    return recording.noting(f"{source}, times from {stamps}")
+    recording = recording_of(
+        path.name,
+        joints,
+        time,
+        (command_time, in_si(table, command, COMMAND_UNITS)),
+        (overflow, about_joints, f"{source}, times from {stamps}"),
+    )
+    return recording._replace(in_radians=all(unit_of(table, name) for name in angles))
 
 
-def _exported(path: Path, columns: Columns) -> Recording:
+def joint_of(
+    table: Table, angle: str, speed: str | None, units: Units, speed_units: Units
+) -> Joint:
+    """A joint from the columns of its angle and of its speed."""
+    unit = unit_of(table, angle)
+    in_si(table, angle, units)  # raises an error for a unit of something else
+    values = values_of(table, angle)
+    return Joint.of(values, in_si(table, speed, speed_units), unit, units.get(unit, 1.0))
+
+
+def _exported(table: Table) -> Recording:
     """The measured columns of an exported series; estimates and true states are no measurements."""
+    columns = table.columns
     if not {*EXPORTED[::2], COMMAND} <= columns.keys():
         raise ParameterError(
-            f"{path} lacks {EXPORTED[0]}, {EXPORTED[2]} or {COMMAND}, which identification needs; "
-            "it takes no estimates for measurements"
+            f"{table.path} lacks {EXPORTED[0]}, {EXPORTED[2]} or {COMMAND}, which identification "
+            "needs; it takes no estimates for measurements"
         )
-    time = columns[TIME]
-    missing = np.full(len(time), np.nan)
-    measured = np.column_stack([columns.get(name, missing) for name in EXPORTED])
-    recording = _recording(path, (time, measured), (time, columns[COMMAND]))
-    return recording._replace(in_radians=True).noting("the measured columns of an exported series")
+    joints = [
+        joint_of(table, angle, speed if speed in columns else None, ANGLE_UNITS, SPEED_UNITS)
+        for angle, speed in (EXPORTED[:2], EXPORTED[2:])
+    ]
+    time, command = values_of(table, TIME), values_of(table, COMMAND)
+    source = "the measured columns of an exported series"
+    recording = recording_of(table.path.name, joints, time, (time, command), [source])
+    return recording._replace(in_radians=True)
 
 
-def _recording(
-    path: Path, samples: tuple[np.ndarray, np.ndarray], commands: tuple[np.ndarray, np.ndarray]
-) -> Recording:
-    """The rows with time and both angles, and those with a command and its time."""
-    (time, measured), (command_time, command) = samples, commands
-    rows = np.isfinite(time) & np.isfinite(measured[:, PHI]) & np.isfinite(measured[:, THETA])
-    given = np.isfinite(command) & np.isfinite(command_time)
-    if not np.any(rows):
-        raise ParameterError(f"{path}: no row with time and both angles")
-    start = time[rows][0]
-    return Recording(
-        path.name,
-        time[rows] - start,
-        measured[rows],
-        command_time[given] - start,
-        command[given],
-    )
-
-
-def _joints(path: Path, columns: Columns, mapping: Mapping) -> tuple[tuple[str, str], str]:
+def _joints(table: Table, mapping: Mapping) -> tuple[tuple[str, str], str]:
     """Names of arm and pendulum: from columns such as NAME/position, or columns themselves."""
     given = [name for name in (mapping.arm, mapping.pendulum) if name is not None]
-    names = joint_names(columns)
+    names = joint_names(table.columns)
     for name in given:
-        if name not in names and _angle_column(columns, name) is not None:
+        if name not in names and _angle_column(table.columns, name) is not None:
             names = [each for each in names if column(each).words != column(name).words] + [name]
-    return joints_of(path, names or list(columns), mapping)
+    return joints_of(table.path, names or list(table.columns), mapping)
 
 
-def _angle_column(columns: Columns, joint: str) -> str | None:
+def _angle_column(columns: Iterable[str], joint: str) -> str | None:
     named = joint_column(columns, joint, ANGLE_WORDS)
     words = column(joint).words
     return named or next((name for name in columns if column(name).words == words), None)
 
 
-def _angle(path: Path, columns: Columns, joint: str) -> str:
-    name = joint if joint in columns else _angle_column(columns, joint)
+def _angle(table: Table, joint: str) -> str:
+    name = joint if joint in table.columns else _angle_column(table.columns, joint)
     if name is None:
         raise ParameterError(
-            f"{path}: no column with the angle of {joint}; it has {', '.join(columns)}"
+            f"{table.path}: no column with the angle of {joint}; it has {listed(table)}"
         )
     return name
 
 
-def command_column(path: Path, columns: Columns, mapping: Mapping) -> str:
-    """The column that the user named, exactly or in part; otherwise one with a usual name."""
-    wanted = (mapping.command or "").strip("/")
-    values = [name for name in columns if not name.endswith("offset")]
+def command_column(table: Table, wanted: str | None, others: Collection[str] = ()) -> str:
+    """The column that the user named, exactly or in part; otherwise the one with a usual name.
+
+    A column whose whole name is usual counts more than others. ``others`` are usual names too.
+    """
+    wanted = (wanted or "").strip("/")
+    values = [name for name in table.columns if _may_be_command(name)]
+    usual = {*COMMANDS, *others}
     if wanted:
-        exact = [name for name in columns if name.strip("/") == wanted]
-        same = [name for name in columns if column(name).words == column(wanted).words]
-        matching = exact or same or [name for name in values if wanted in name and "data" in name]
+        exact = [name for name in table.columns if name.strip("/") == wanted]
+        same = [name for name in table.columns if column(name).words == column(wanted).words]
+        within = [name for name in values if wanted in name and "data" in name]
+        matching = exact[:1] or same or within[:1]
     else:
-        matching = [name for name in values if _is_usual_command(name)]
+        whole = [name for name in values if column(name).words in {(word,) for word in usual}]
+        matching = whole or _first_elements([n for n in values if _is_usual_command(n, usual)])
     if not matching:
         raise ParameterError(
-            f"{path}: no command {mapping.command or ''}".rstrip()
-            + f"; name its column with --command; it has {', '.join(columns)}"
+            f"{table.path}: no command {wanted}".rstrip()
+            + f"; name its column with --command; it has {listed(table)}"
         )
-    return matching[0]
+    return only_one(table.path, matching, "command", "--command")
 
 
-def _is_usual_command(name: str) -> bool:
+def _may_be_command(name: str) -> bool:
+    """Whether a column may hold a command, not its time or how its array is arranged."""
+    ends = ("offset", "stamp", "sec", "nanosec", "frame_id", "seq", "size", "stride", "label")
+    return not name.lower().endswith(ends)
+
+
+def _is_usual_command(name: str, usual: Collection[str]) -> bool:
     parts = name.lower().replace(".", "/").split("/")
-    return any(part in COMMANDS for part in parts) or any(
-        word in COMMANDS for word in column(name).words
-    )
+    words = column(name).words
+    return any(part in COMMANDS for part in parts) or any(word in usual for word in words)
+
+
+def _first_elements(names: list[str]) -> list[str]:
+    """The names, of the elements data[0], data[1] of an array only the first."""
+    firsts = {re.sub(r"[\[./]\d+\]?$", "", name): name for name in reversed(names)}
+    return [name for name in names if name in firsts.values()]

@@ -1,26 +1,38 @@
 """Finds the time of a table's rows, in seconds."""
 
-from pathlib import Path
-
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.columns import TIME_UNITS, Columns, column, in_si
+from furuta_recordings.cells import DATE, DAY_TIME, INSTANT
+from furuta_recordings.csv_columns import Table
+from furuta_recordings.readers.columns import (
+    TIME_UNITS,
+    column,
+    in_si,
+    listed,
+    unit_of,
+    values_of,
+)
 from furuta_recordings.recording import Recording
 
 # Names of a column with the time; `stamp` alone is one too.
-TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime")
+TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime", "zeit")
 USUAL = "__time, time, timestamp, t, time_ms, millis, `Time [s]`"
 # Smallest time since 1970 in each unit: that of the year 2001 in ns, µs and ms.
 EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
 # Median interval [s] from which a time cannot be in seconds.
 LONGEST_INTERVAL = 0.5
+# Sizes of counters of 16 and 32 bits of ms or µs, also in s or ms; of a day and an hour [s].
+SIZES = (2.0**32, 2.0**16, 2.0**32 * 1e-3, 2.0**32 * 1e-6, 2.0**16 * 1e-3, 86400.0, 3600.0)
+# Longest step at an overflow, in median steps.
+LONGEST_STEP = 20.0
 # Median interval and time from first to last [s] that no log has.
 SHORTEST_INTERVAL, LONGEST_SPAN = 1e-7, 1e12
 
 
-def clock_column(path: Path, columns: Columns, wanted: str | None) -> str:
+def clock_column(table: Table, wanted: str | None, remedy: str = "name it with --time") -> str:
     """The column with the time of every row: the one ``wanted``, or one with a usual name."""
+    columns = table.columns
     _join_seconds_and_nanoseconds(columns)
     words = {name: column(name).words for name in columns}
     if wanted is not None:
@@ -31,14 +43,33 @@ def clock_column(path: Path, columns: Columns, wanted: str | None) -> str:
         matching = matching or [n for n in columns if words[n][-1:] == ("stamp",)]
     if not matching:
         raise ParameterError(
-            f"{path}: no column with the time"
-            + (f" {wanted}" if wanted else f", such as {USUAL}; name it with --time")
-            + f"; it has {', '.join(columns)}"
+            f"{table.path}: no column with the time"
+            + (f" {wanted}" if wanted else f", such as {USUAL}; {remedy}")
+            + f"; it has {listed(table)}"
         )
-    return matching[0]
+    return _with_date(table, matching, remedy)
 
 
-def _join_seconds_and_nanoseconds(columns: Columns) -> None:
+def _with_date(table: Table, matching: list[str], remedy: str) -> str:
+    """The first of the columns; a date and a time of day become one."""
+    dates = [name for name in matching if unit_of(table, name) == DATE]
+    clocks = [name for name in matching if unit_of(table, name) == DAY_TIME]
+    others = [name for name in matching if name not in (*dates, *clocks)]
+    if others or not dates:
+        return (others or clocks)[0]
+    clocks = clocks or [n for n in table.columns if unit_of(table, n) == DAY_TIME]
+    if len(clocks) != 1:
+        raise ParameterError(
+            f"{table.path}: column {dates[0]} holds dates, but no column with the time of day is "
+            f"named time: {remedy}; it has {listed(table)}"
+        )
+    joined = f"{dates[0]} and {clocks[0]}"
+    table.columns[joined] = values_of(table, dates[0]) + values_of(table, clocks[0])
+    table.units[joined] = INSTANT
+    return joined
+
+
+def _join_seconds_and_nanoseconds(columns: dict[str, np.ndarray]) -> None:
     """Add a column X/stamp for columns X/stamp/sec and X/stamp/nanosec, in place."""
     for name in list(columns):
         seconds = name.removesuffix("nanosec") + "sec"
@@ -46,11 +77,11 @@ def _join_seconds_and_nanoseconds(columns: Columns) -> None:
             columns[name[: -len("/nanosec")]] = columns[seconds] + 1e-9 * columns[name]
 
 
-def stamp_column(columns: Columns, angle: str) -> str | None:
+def stamp_column(table: Table, angle: str) -> str | None:
     """The stamp of the message that the column ``angle`` belongs to; None if it has none."""
     message = column(angle).words
     best, longest = None, -1
-    for name in columns:
+    for name in table.columns:
         words = column(name).words
         if words[-1:] != ("stamp",):
             continue
@@ -60,23 +91,46 @@ def stamp_column(columns: Columns, angle: str) -> str | None:
     return best
 
 
-def seconds(path: Path, columns: Columns, name: str) -> np.ndarray:
-    """The times in a column [s]; in the unit of its name or, since 1970, of their size."""
-    if column(name).unit:
-        return in_si(path, columns, name, TIME_UNITS)
-    times = columns[name]
+def seconds(table: Table, name: str) -> tuple[np.ndarray, str]:
+    """The times in a column [s], and a finding if they come from a counter that overflows.
+
+    They are in the unit of the column or, since 1970, in that of their size.
+    """
+    times, size = continued(values_of(table, name))
+    finding = f"column {name} begins anew after every {size:.10g}: continued" if size else ""
     known = times[np.isfinite(times)]
     if not len(known):
-        raise ParameterError(f"{path}: no time in column {name}; name another one with --time")
-    size = float(np.median(np.abs(known)))
-    scale = next((scale for least, scale in EPOCHS.items() if size > least), 1.0)
+        raise ParameterError(f"{table.path}: no time in column {name}")
+    if unit_of(table, name):
+        return in_si(table._replace(columns={name: times}), name, TIME_UNITS), finding
+    typical = float(np.median(np.abs(known)))
+    scale = next((scale for least, scale in EPOCHS.items() if typical > least), 1.0)
     interval = scale * float(np.median(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
     if interval > LONGEST_INTERVAL:
         raise ParameterError(
-            f"{path}: the median interval in column {name} is {interval:g} s; if it is not in "
-            "seconds, add its unit to the name, as in time_ms"
+            f"{table.path}: the median interval in column {name} is {interval:g} s; if it is not "
+            "in seconds, add its unit to the name, as in time_ms"
         )
-    return scale * times
+    return scale * times, finding
+
+
+def continued(times: np.ndarray) -> tuple[np.ndarray, float]:
+    """Times (n,) of a counter or clock without its overflows, and the size of the counter, or 0.
+
+    At an overflow the time steps back by the size of a counter, but for a usual interval.
+    """
+    known = np.isfinite(times)
+    steps = np.diff(times[known])
+    if not np.any(steps < 0.0) or not np.any(steps > 0.0):
+        return times, 0.0
+    longest = LONGEST_STEP * float(np.median(steps[steps > 0.0]))
+    over = {size: (steps + size > 0.0) & (steps + size < longest) & (steps < 0.0) for size in SIZES}
+    size = max(SIZES, key=lambda size: np.sum(over[size]))
+    if not np.any(over[size]):
+        return times, 0.0
+    result = times.copy()
+    result[known] += size * np.concatenate(([0], np.cumsum(over[size])))
+    return result, size
 
 
 def with_usable_times(recording: Recording) -> Recording:

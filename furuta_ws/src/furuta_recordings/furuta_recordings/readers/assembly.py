@@ -1,0 +1,94 @@
+"""Makes a recording of samples and commands that were read, whatever they were read from."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI, RIGID_STATES, THETA
+from furuta_recordings.readers.wrapping import continuous
+from furuta_recordings.recording import Recording
+from furuta_ros.topic_names import JOINTS
+
+# Part of the samples of either joint that have both, below which the joints come in turn.
+TOGETHER = 0.5
+
+
+class Joint(NamedTuple):
+    """Angle and speed (n,) of a joint in SI units; by how much the angle jumped at each turn."""
+
+    angle: np.ndarray
+    speed: np.ndarray
+    turn: float = 0.0
+
+    @classmethod
+    def of(cls, angle: np.ndarray, speed: np.ndarray, unit: str, size: float) -> "Joint":
+        """From an angle in a ``unit`` of that ``size``, which may begin anew after each turn."""
+        values, turn = continuous(angle, unit)
+        return cls(size * values, speed, turn)
+
+
+def recording_of(
+    name: str,
+    joints: Sequence[Joint],
+    time: np.ndarray,
+    commands: tuple[np.ndarray, np.ndarray],
+    findings: Iterable[str] = (),
+) -> Recording:
+    """The samples with an angle of each joint, and the commands (times, values) with a time.
+
+    Of a single joint the recording is that of the arm alone. Times begin with the first sample.
+    """
+    measured = np.full((len(time), RIGID_STATES), np.nan)
+    told = [text for text in findings if text]
+    for index, joint in zip((PHI, THETA), joints, strict=False):
+        measured[:, index], measured[:, index + 1] = joint.angle, joint.speed
+        if joint.turn:
+            own = JOINTS[index // 2] if len(joints) > 1 else "axis"
+            told.append(f"the angle of the {own} begins anew after {joint.turn:.6g}: continued")
+    known = [np.isfinite(joint.angle) & np.isfinite(time) for joint in joints]
+    rows = np.logical_and.reduce(known)
+    if len(joints) > 1 and np.sum(rows) < TOGETHER * min(map(np.sum, known)):
+        rows = _merge(measured, time, known)
+        told.append("arm and pendulum come at different times: interpolated between samples")
+    if not np.any(rows):
+        raise ParameterError(f"{name}: {_missing(joints)}")
+    if np.sum(rows) < len(rows):
+        told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows have no position: left out")
+    start = time[rows][0]
+    command_time, command = commands
+    given = np.isfinite(command) & np.isfinite(command_time)
+    recording = Recording(
+        name, time[rows] - start, measured[rows], command_time[given] - start, command[given]
+    )
+    for text in told:
+        recording = recording.noting(text)
+    return recording
+
+
+def _missing(joints: Sequence[Joint]) -> str:
+    """Why no row is usable."""
+    names = JOINTS if len(joints) > 1 else ("axis",)
+    for name, joint in zip(names, joints, strict=True):
+        if not np.any(np.isfinite(joint.angle)):
+            return f"no angle of the {name} in any row"
+    return (
+        "no row with time and both angles" if len(joints) > 1 else "no row with time and position"
+    )
+
+
+def _merge(measured: np.ndarray, time: np.ndarray, known: Sequence[np.ndarray]) -> np.ndarray:
+    """Interpolate the joint with more samples at those of the other, in place; the rows with both.
+
+    The denser one loses less by it.
+    """
+    few, many = sorted((0, 1), key=lambda joint: int(np.sum(known[joint])))
+    order = np.argsort(time[known[many]], kind="stable")
+    times = time[known[many]][order]
+    if not len(times):
+        return known[many]
+    for column in (2 * many, 2 * many + 1):
+        values = measured[known[many], column][order]
+        measured[known[few], column] = np.interp(time[known[few]], times, values)
+    return known[few] & (time >= times[0]) & (time <= times[-1])
