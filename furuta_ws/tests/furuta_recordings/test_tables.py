@@ -406,6 +406,18 @@ def test_rows_of_two_loggers(tmp_path: Path) -> None:
     assert len(cleaned(found, joints=(0,)).time) == 199
 
 
+def test_a_pendulum_alone_that_swings_freely(tmp_path: Path) -> None:
+    """Its arm is taken to be at rest."""
+    text = "\n".join(["Time,angle", *(f"{t},{x}" for t, x in zip(TIME, STATE[:, 2], strict=True))])
+    for names in (Mapping(command="none"), Mapping(pendulum="angle", command="none")):
+        found = recording_of(tmp_path, text, names)
+        np.testing.assert_allclose(found.measured[:, 2], STATE[:, 2])
+        assert np.all(found.measured[:, 0] == 0.0)
+        assert any("arm: taken to be at rest" in finding for finding in found.findings)
+    with pytest.raises(ParameterError, match="name the joints"):
+        recording_of(tmp_path, text)
+
+
 def test_joints_in_turn(tmp_path: Path) -> None:
     """The joint with more samples is interpolated."""
     lines = [HEADER]

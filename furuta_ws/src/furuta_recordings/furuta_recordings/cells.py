@@ -66,16 +66,18 @@ class Cells:
                 return float(cell.replace(",", "."))
         except ValueError:
             pass
-        text = cell.strip().lower()
-        return nan if text in MISSING else self._from_text(text, line)
+        return self._from_text(cell.strip(), line)
 
-    def _from_text(self, text: str, line: int) -> float:
+    def _from_text(self, cell: str, line: int) -> float:
+        text = cell.lower()
+        if text in MISSING:
+            return nan
         value = self._with_commas(text)
         value = self._time(text) if value is None else value
         if value is None and self.has_decimal_comma:
             value = self._with_point(text)
         if value is None:
-            self._first = self._first or f"{shortened(text)} in line {line}"
+            self._first = self._first or f"{shortened(cell)} in line {line}"
             self._wrong += 1
             return nan
         return value

@@ -109,5 +109,7 @@ def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:
     missing = np.full((len(recording.time), 1), np.nan)
     measured = by_name(MEASURED, np.hstack([recording.measured, missing]))
     command = recording.commanded_at(recording.time)
+    if not len(recording.command):
+        command = missing[:, 0]
     columns = known({TIME: recording.time, **measured, COMMAND: command})
     return columns, list(recording.findings)

@@ -55,7 +55,7 @@ def recording_of(
     if not np.any(rows):
         raise ParameterError(f"{name}: {_missing(joints)}")
     if np.sum(rows) < len(rows):
-        told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows have no position: left out")
+        told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows hold no position")
     start = time[rows][0]
     command_time, command = commands
     given = np.isfinite(command) & np.isfinite(command_time)

@@ -83,15 +83,16 @@ def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
     if mapping.states:
         matching = [topic for topic in states if topic.strip("/") == mapping.states.strip("/")]
     else:
-        usual = (MEASUREMENT, JOINT_STATES)
-        matching = [topic for name in usual for topic in states if last_part(topic) == name]
-        matching = matching or (states if len(states) == 1 else [])
+        usual = [
+            [t for t in states if last_part(t) == name] for name in (MEASUREMENT, JOINT_STATES)
+        ]
+        matching = usual[0] or usual[1] or (states if len(states) == 1 else [])
     if not matching:
         raise ParameterError(
             f"{path}: needs a topic of type {JOINT_STATE_TYPE}, named with --states; it has "
             + (", ".join(states) or f"none, only {_listed(types)}")
         )
-    return matching[0]
+    return only_one(path, matching, "topic of the joint states", "--states")
 
 
 def _command_topic(path: Path, types: dict[str, str], states: str, mapping: Mapping) -> str | None:
@@ -118,9 +119,8 @@ def _listed(types: dict[str, str]) -> str:
 
 
 class JointSample(NamedTuple):
-    """A message: time stamp [s], x = (φ, φ̇, θ, θ̇), the arm's effort; NaN where not given."""
+    """A message: x = (φ, φ̇, θ, θ̇), the arm's effort; NaN where not given."""
 
-    stamp: float
     state: tuple[float, ...]
     effort: float
 
@@ -135,7 +135,7 @@ def joint_sample(message: Any, arm: str, pendulum: str) -> JointSample:
             x[speed] = _at(message.velocity, index)
     if arm in names:
         effort = _at(message.effort, names.index(arm))
-    return JointSample(stamp_nanoseconds(message) / NANOSECONDS, tuple(x), effort)
+    return JointSample(tuple(x), effort)
 
 
 def _at(series: Any, index: int) -> float:
@@ -213,8 +213,8 @@ class _Content:
     def _times(self, effort: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray], str]:
         """Times of the samples [s], commands, and how times were taken.
 
-        Stamps count, unless they stand still or, where commands have none, come from another clock
-        than the times of arrival.
+        Stamps count, unless they stand still or come from another clock than the commands, of
+        which those without a stamp have that of the arrival.
         """
         stamps, arrivals = (np.array(each, np.int64) for each in self._states)
         begin = arrivals[0]
@@ -226,19 +226,17 @@ class _Content:
             before = np.append(2 * time[0] - time[1], time[:-1]) if len(time) > 1 else time
             return time, (before if self._effort_is_past else time, effort), ""
         given, received, values = (np.array(each) for each in self._commands)
-        command_arrival = (received - begin) / NANOSECONDS
-        if has_stamps and len(given) and np.all(given > 0):
-            return state_time, ((given - begin) / NANOSECONDS, values), ""
-        apart = np.abs(state_time - state_arrival) > LARGEST_DELAY
-        if has_stamps and not (len(values) and np.mean(apart) > FEW):
-            return state_time, (command_arrival, values), ""
-        if not has_stamps:
-            return state_arrival, (command_arrival, values), ""
+        told = given if np.all(given > 0) else received
+        ahead = np.median(told - received) if len(told) else 0
+        apart = np.abs(stamps - arrivals - ahead) / NANOSECONDS > LARGEST_DELAY
+        if has_stamps and not (len(told) and np.mean(apart) > FEW):
+            return state_time, ((told - begin) / NANOSECONDS, values), ""
+        seconds = np.median(stamps - arrivals - ahead) / NANOSECONDS
         about = (
-            f"the stamps of the joint states are {np.median(state_arrival - state_time):.6g} s "
-            "before their arrival, and the commands have none: times of arrival used for both"
+            f"stamps of the joint states are {seconds:.6g} s from the clock of the commands: times "
+            "of arrival used for both"
         )
-        return state_arrival, (command_arrival, values), about
+        return state_arrival, ((received - begin) / NANOSECONDS, values), about * has_stamps
 
 
 def _with_recorded_drive(recording: Recording, bag: Path) -> Recording:

@@ -68,7 +68,8 @@ def column(name: str) -> Column:
     in_brackets = _BRACKETS.match(name)
     at_end = (ending.match(name) for ending in _ENDINGS)
     known = next((match for match in at_end if match and _unit(match[2]) in _UNITS), None)
-    if found := in_brackets or known:
+    found = in_brackets if in_brackets and not in_brackets[2].isdigit() else known
+    if found:  # a number in brackets is that of an element
         name, unit = found[1], found[2]
     words = tuple(word for word in _SEPARATORS.split(name.strip().lower()) if word)
     if not unit and len(words) == 1 and words[0] in _TIMES:

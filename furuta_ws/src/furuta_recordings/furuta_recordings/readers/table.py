@@ -5,6 +5,8 @@ from collections.abc import Collection, Iterable
 from collections.abc import Mapping as Units
 from pathlib import Path
 
+import numpy as np
+
 from furuta_model.parameters import ParameterError
 from furuta_recordings.csv_columns import Table
 from furuta_recordings.readers.assembly import Joint, recording_of
@@ -39,7 +41,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
         return _exported(table)
     clock = clock_column(table, mapping.time)
-    names, about_joints = _joints(table, mapping)
+    names, about_joints = _joints(table, mapping, clock)
     angles = [_angle(table, name) for name in names]
     stamps = clock if mapping.time else stamp_column(table, angles[0]) or clock
     command = None if mapping.command == NO_COMMAND else command_column(table, mapping.command)
@@ -47,6 +49,10 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
         joint_of(table, angle, joint_column(columns, name, SPEED_WORDS), ANGLE_UNITS, SPEED_UNITS)
         for name, angle in zip(names, angles, strict=True)
     ]
+    if len(joints) == 1:
+        joints.insert(
+            0, Joint(np.zeros(len(joints[0].angle)), np.full(len(joints[0].angle), np.nan))
+        )
     time, overflow = seconds(table, stamps)
     command_time, _ = seconds(table, clock)
     source = f"command from column {command}" if command else "no command"
@@ -88,14 +94,20 @@ def _exported(table: Table) -> Recording:
     return recording._replace(in_radians=True)
 
 
-def _joints(table: Table, mapping: Mapping) -> tuple[tuple[str, str], str]:
-    """Names of arm and pendulum: from columns such as NAME/position, or columns themselves."""
+def _joints(table: Table, mapping: Mapping, clock: str) -> tuple[tuple[str, ...], str]:
+    """Names of arm and pendulum: from columns such as NAME/position, or columns themselves.
+
+    Of a pendulum that swings freely its own is enough.
+    """
     given = [name for name in (mapping.arm, mapping.pendulum) if name is not None]
     names = joint_names(table.columns)
     for name in given:
         if name not in names and _angle_column(table.columns, name) is not None:
             names = [each for each in names if column(each).words != column(name).words] + [name]
-    return joints_of(table.path, names or list(table.columns), mapping)
+    names = names or [name for name in table.columns if name != clock]
+    if mapping.command == NO_COMMAND and mapping.arm is None and len(names) == 1:
+        return (mapping.pendulum or names[0],), "no angle of the arm: taken to be at rest"
+    return joints_of(table.path, names, mapping)
 
 
 def _angle_column(columns: Iterable[str], joint: str) -> str | None:
