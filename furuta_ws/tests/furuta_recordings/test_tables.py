@@ -370,6 +370,7 @@ GROUPED = [f"{count:,}" for count in COUNTS]
         ([*range(0, 400, 2)], GROUPED, ";", "1,234 or 1.234 may be a thousand"),
         (GERMAN, [text.replace(",", ".") for text in GROUPED], ";", "may be a thousand"),
         (GERMAN, [f"{1000 * n:,}".replace(",", ".") for n in COUNTS], ";", "separate thousands"),
+        (GERMAN, GROUPED, ";", "may be a thousand"),
         (GERMAN, GERMAN[::-1], ";", ""),
         (GERMAN, ["0,5", *map(str, TIME[1:])], ";", "decimal commas in some cells"),
     ],

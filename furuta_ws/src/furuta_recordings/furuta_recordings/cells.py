@@ -56,6 +56,8 @@ class Cells:
         """The number or the time [s since 1970, or of the day] in a cell; NaN without one."""
         if not cell:
             return nan
+        if self._times and (value := self._time(cell.lower())) is not None:
+            return value
         has_point = "." in cell
         try:
             if not self.has_decimal_comma:
@@ -101,6 +103,11 @@ class Cells:
     def is_ambiguous(self) -> bool:
         """Whether commas may separate thousands or decimals."""
         return bool(self._either[0]) and not (self.has_decimal_comma or self.has_thousands)
+
+    @property
+    def has_three_decimals(self) -> bool:
+        """Whether all numbers would have three decimals if commas were decimal."""
+        return len(self._either[0]) == np.sum(np.isfinite(self.numbers))
 
     def with_thousands(self) -> None:
         """Read all commas as separators of thousands."""

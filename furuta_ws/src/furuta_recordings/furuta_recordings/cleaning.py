@@ -75,8 +75,7 @@ def _refuse_unordered(recording: Recording) -> None:
     if np.sum(backward) > LARGEST_UNORDERED_PART * len(backward):
         raise ParameterError(
             f"{recording.name}: the time decreases {np.sum(backward)} times in "
-            f"{len(recording.time)} samples; sort them by time, or name the column of their time "
-            "with --time"
+            f"{len(recording.time)} samples; sort them by time, or name another column of the time"
         )
 
 

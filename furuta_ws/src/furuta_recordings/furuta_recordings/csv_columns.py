@@ -23,8 +23,8 @@ from furuta_ros.yaml_files import open_regular
 # Longest line [characters], and most cells of a table: 8 bytes each in memory.
 LONGEST_LINE = 2**20
 MOST_CELLS = 50_000_000
-# Rows that are read together.
-ROWS_TOGETHER = 4096
+# Rows that are read together; more do not stay in the processor's cache.
+ROWS_TOGETHER = 256
 # First bytes of a text in UTF-16, and of a zip archive, which a workbook is too.
 UTF16, ZIP = (b"\xff\xfe", b"\xfe\xff"), b"PK\x03\x04"
 # Largest number of which separators of thousands leave one dot, as in 999.999.
@@ -121,7 +121,10 @@ def _settle_commas(cells: list[Cells], delimiter: str) -> set[str]:
     points = any(_has_points(column) for column in cells)
     doubtful = {column.name for column in cells if commas and _may_have_thousands(column)}
     for column in cells:
-        if column.is_ambiguous and commas == (points or (delimiter == "," and not commas)):
+        thousands = points or (delimiter == "," and not commas)
+        if column.is_ambiguous and (
+            commas == thousands or not (thousands or column.has_three_decimals)
+        ):
             doubtful.add(column.name)
         if column.has_thousands or (column.is_ambiguous and not commas):
             column.with_thousands()

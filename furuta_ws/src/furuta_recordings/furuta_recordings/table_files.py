@@ -59,6 +59,7 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
     Raises:
         ParameterError: The file cannot be read, or its suffix is none of :data:`SUFFIXES`.
     """
+    _format(path)  # raises an error for another suffix
     content = _read(path)
     if isinstance(content, Table):
         return content.columns
@@ -67,13 +68,13 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
 
 
 def read_table(path: Path) -> Table:
-    """The columns of any table; raises what :func:`read_columns` raises."""
+    """The columns of any table, of CSV if the suffix is unknown; raises ParameterError."""
     content = _read(path)
     return content if isinstance(content, Table) else tabulated(path, content)
 
 
 def _read(path: Path) -> Any:
-    _, read = _format(path)
+    read = _format(path)[1] if path.suffix.lower() in SUFFIXES else read_csv
     if not path.is_file():
         raise ParameterError(f"no file {path}")
     try:

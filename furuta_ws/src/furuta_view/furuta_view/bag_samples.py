@@ -14,7 +14,7 @@ from furuta_graph.settings.settings import parameters_of, read_file
 from furuta_model.parameters import ParameterError, build, values
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
-from furuta_recordings.readers.bag import joint_sample
+from furuta_recordings.readers.bag import joint_numbers
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topic_names import COMMAND as COMMAND_TOPIC
 from furuta_ros.topic_names import (
@@ -24,7 +24,7 @@ from furuta_ros.topic_names import (
     JOINTS,
     MEASUREMENT,
 )
-from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, THETA_DOT, TIME
+from furuta_view.samples import COLUMNS, COMMAND, ESTIMATE, FRICTION, PHI, THETA, TIME
 
 _LOG = logging.getLogger(__name__)
 
@@ -96,11 +96,13 @@ class BagSamples:
 
     def _fill(self, row: np.ndarray, data: bytes) -> None:
         message = self._bag.deserialize(data, self._state.msgtype)
-        sample = joint_sample(message, *JOINTS)
-        row[PHI : THETA_DOT + 1] = sample.state
+        names = list(message.name)
+        for joint, angle in zip(JOINTS, (PHI, THETA), strict=True):
+            if joint in names:
+                row[angle], row[angle + 1], effort = joint_numbers(message, names.index(joint))
+                if self._has_truth and angle == PHI:
+                    row[FRICTION] = effort
         row[THETA] = remainder(row[THETA], 2 * pi) if np.isfinite(row[THETA]) else nan
-        if self._has_truth:
-            row[FRICTION] = sample.effort
 
 
 def _newest(received: np.ndarray, numbers: list[bytes], times: np.ndarray) -> np.ndarray:

@@ -13,7 +13,6 @@ import numpy as np
 
 from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.bags.recorded_loop import JOINT_STATE_TYPE
@@ -118,24 +117,9 @@ def _listed(types: dict[str, str]) -> str:
     return ", ".join(f"{topic} ({name})" for topic, name in types.items()) or "no topics"
 
 
-class JointSample(NamedTuple):
-    """A message: x = (φ, φ̇, θ, θ̇), the arm's effort; NaN where not given."""
-
-    state: tuple[float, ...]
-    effort: float
-
-
-def joint_sample(message: Any, arm: str, pendulum: str) -> JointSample:
-    """State of the joints named ``arm`` and ``pendulum`` in a JointState message."""
-    x, effort, names = [nan] * 4, nan, list(message.name)
-    for joint, angle, speed in ((arm, PHI, PHI_DOT), (pendulum, THETA, THETA_DOT)):
-        if joint in names:
-            index = names.index(joint)
-            x[angle] = _at(message.position, index)
-            x[speed] = _at(message.velocity, index)
-    if arm in names:
-        effort = _at(message.effort, names.index(arm))
-    return JointSample(tuple(x), effort)
+def joint_numbers(message: Any, index: int) -> list[float]:
+    """Position, velocity and effort of a joint in a JointState message; NaN where not given."""
+    return [_at(series, index) for series in (message.position, message.velocity, message.effort)]
 
 
 def _at(series: Any, index: int) -> float:
@@ -184,8 +168,7 @@ class _Content:
             if name in self._wanted or name in [*islice(self.joints, FEW_JOINTS)]:
                 rows, values = self.joints[name]
                 rows.append(len(stamps))
-                series = (message.position, message.velocity, message.effort)
-                values.extend(_at(each, index) for each in series)
+                values.extend(joint_numbers(message, index))
         stamps.append(stamp_nanoseconds(message))
         arrivals.append(time)
 

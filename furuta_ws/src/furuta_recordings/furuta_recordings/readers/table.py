@@ -30,8 +30,8 @@ from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
 from furuta_recordings.table_files import read_table as table_of
 
-# The measured columns of an exported series in the order of a recording.
-EXPORTED = tuple(MEASURED)[:4]
+# The measured angles of an exported series.
+ARM, PENDULUM = list(MEASURED)[0:4:2]
 
 
 def read_table(path: Path, mapping: Mapping) -> Recording:
@@ -39,7 +39,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     table = table_of(path)
     columns = table.columns
     if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
-        return _exported(table)
+        mapping = _exported(table)
     clock = clock_column(table, mapping.time)
     names, about_joints = _joints(table, mapping, clock)
     angles = [_angle(table, name) for name in names]
@@ -76,22 +76,14 @@ def joint_of(
     return Joint.of(values, in_si(table, speed, speed_units), unit, units.get(unit, 1.0))
 
 
-def _exported(table: Table) -> Recording:
+def _exported(table: Table) -> Mapping:
     """The measured columns of an exported series; estimates and true states are no measurements."""
-    columns = table.columns
-    if not {*EXPORTED[::2], COMMAND} <= columns.keys():
+    if not {ARM, PENDULUM, COMMAND} <= table.columns.keys():
         raise ParameterError(
-            f"{table.path} lacks {EXPORTED[0]}, {EXPORTED[2]} or {COMMAND}, which identification "
-            "needs; it takes no estimates for measurements"
+            f"{table.path} lacks {ARM}, {PENDULUM} or {COMMAND}, which identification needs; "
+            "it takes no estimates for measurements"
         )
-    joints = [
-        joint_of(table, angle, speed if speed in columns else None, ANGLE_UNITS, SPEED_UNITS)
-        for angle, speed in (EXPORTED[:2], EXPORTED[2:])
-    ]
-    time, command = values_of(table, TIME), values_of(table, COMMAND)
-    source = "the measured columns of an exported series"
-    recording = recording_of(table.path.name, joints, time, (time, command), [source])
-    return recording._replace(in_radians=True)
+    return Mapping(ARM, PENDULUM, COMMAND, time=TIME)
 
 
 def _joints(table: Table, mapping: Mapping, clock: str) -> tuple[tuple[str, ...], str]:

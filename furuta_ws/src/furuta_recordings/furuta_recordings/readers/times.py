@@ -40,6 +40,7 @@ def clock_column(table: Table, wanted: str | None, remedy: str = "name it with -
         matching = [n for n in columns if n == wanted] or [n for n in columns if words[n] == given]
     else:
         matching = [n for n in columns if len(words[n]) == 1 and words[n][0] in TIME_WORDS]
+        matching.sort(key=lambda name: words[name] == ("date",))
         matching = matching or [n for n in columns if words[n][-1:] == ("stamp",)]
     if not matching:
         raise ParameterError(
@@ -53,11 +54,10 @@ def clock_column(table: Table, wanted: str | None, remedy: str = "name it with -
 def _with_date(table: Table, matching: list[str], remedy: str) -> str:
     """The first of the columns; a date and a time of day become one."""
     dates = [name for name in matching if unit_of(table, name) == DATE]
-    clocks = [name for name in matching if unit_of(table, name) == DAY_TIME]
-    others = [name for name in matching if name not in (*dates, *clocks)]
-    if others or not dates:
-        return (others or clocks)[0]
-    clocks = clocks or [n for n in table.columns if unit_of(table, n) == DAY_TIME]
+    others = [name for name in matching if name not in dates]
+    if not dates or (others and unit_of(table, others[0]) != DAY_TIME):
+        return others[0]
+    clocks = others[:1] or [n for n in table.columns if unit_of(table, n) == DAY_TIME]
     if len(clocks) != 1:
         raise ParameterError(
             f"{table.path}: column {dates[0]} holds dates, but no column with the time of day is "
