@@ -1,15 +1,18 @@
 """Free swings of the pendulum with a resting arm, as they are recorded."""
 
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
+from furuta_identification.identify import free_swing_of_files
 from furuta_identification.options import Options
 from furuta_identification.preparation.free_part import free_part
 from furuta_model.parameters import ParameterError
+from furuta_recordings.readers import Mapping
 from furuta_recordings.recording import Recording
 
 OMEGA, DAMPING, FRICTION = 9.34, 0.25, 0.5
@@ -66,6 +69,20 @@ def test_frequency_and_friction(found: FreeSwing) -> None:
     assert found.values["pendulum_friction_rad_s2"] == pytest.approx(FRICTION, rel=0.1)
     assert found.as_json()["fit"]["swing"] > 98.0
     assert found.as_json()["verdict"]["usable"] != "no"
+
+
+def test_a_table_with_the_angle_alone(tmp_path: Path, found: FreeSwing) -> None:
+    """The arm is taken to be at rest, which is said."""
+    log = swing()
+    table = np.column_stack((log.time, log.measured[:, 2]))
+    file = tmp_path / "swing.csv"
+    np.savetxt(file, table, delimiter=",", header="Time,angle", comments="", fmt="%.6f")
+    alone = free_swing_of_files((file,), Mapping(pendulum="angle", command="none"), Options())
+    omega, error = frequency_and_error(alone)
+    assert omega == pytest.approx(frequency_and_error(found)[0], abs=error)
+    assert any("taken to be at rest" in text for text in alone.as_json()["findings"])
+    with pytest.raises(ParameterError, match="name the joints"):
+        free_swing_of_files((file,), Mapping(pendulum="angle"), Options())
 
 
 def test_the_part_that_is_used() -> None:

@@ -33,6 +33,7 @@ from furuta_identification.uncertainty.covariance import (
     covariance_and_information,
     difference_covariance,
 )
+from furuta_model.state import PHI, PHI_DOT
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording, findings_of
 
@@ -67,7 +68,8 @@ class FreeSwing(NamedTuple):
 
 def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:
     """Fit the usable parts of recordings of one rig; raises ParameterError without one."""
-    parts = [free_part(cleaned(recording, driven=False), options) for recording in recordings]
+    resting = [_with_arm_at_rest(recording) for recording in recordings]
+    parts = [free_part(cleaned(recording, driven=False), options) for recording in resting]
     ready = [part.recording for part in parts]
     gravity = float(np.median([part.frequency for part in parts])) ** 2
     values = ParameterValues.of(
@@ -81,6 +83,16 @@ def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSw
         values, scale = optimum.values, residual_scale(optimum)
     predictions = [Prediction(*pair) for pair in optimum.predictions]
     return FreeSwing(*_reported(optimum, parts), predictions)
+
+
+def _with_arm_at_rest(recording: Recording) -> Recording:
+    """A recording of the pendulum alone, whose angle stands for the arm's too, with an arm."""
+    phi, _, theta, _ = recording.measured.T
+    if not np.array_equal(phi, theta, equal_nan=True):
+        return recording
+    measured = recording.measured.copy()
+    measured[:, [PHI, PHI_DOT]] = 0.0
+    return recording._replace(measured=measured)
 
 
 def _own_fits(optimum: Optimum, parts: list[FreePart]) -> list[Optimum]:
