@@ -17,10 +17,13 @@ from furuta_identification.shooting.unknowns import ParameterValues
 from furuta_model.state import PHI, THETA
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording, findings_of
-from furuta_recordings.splitting import excerpts_of, split_into_runs
+from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of, split_into_runs
 
 # Samples of all recordings from which excerpts are fitted: 30 s at 1 kHz.
 MOST_SAMPLES = 30_000
+# Samples of a swinging pendulum's recording that are fitted whole; a longer free run is slower to
+# fit than excerpts, and more often irregular.
+MOST_SWINGING = EXCERPTS * EXCERPT
 # Duration [s] at the start over which the pendulum's rest angle is taken.
 REST = 0.1
 # Largest movement [rad] of a pendulum at rest, and largest deviation [rad] of its angle from the
@@ -85,7 +88,9 @@ def identify(recordings: list[Recording], options: Options) -> Model:
         # The rest of the delay, which is fitted, is not negative.
         delay = delay - 0.5 * DELAY_STEP if abs(delay) > 0.5 * DELAY_STEP else 0.0
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
-        model = fit_swinging(delayed, start, findings, options)
+        parts = [part for run in delayed for part in excerpts_of(run, MOST_SWINGING)]
+        findings = list(dict.fromkeys([*findings, *findings_of(parts)]))
+        model = fit_swinging(parts, start, findings, options)
     return model._replace(
         command_negated=negated,
         command_delay=delay,

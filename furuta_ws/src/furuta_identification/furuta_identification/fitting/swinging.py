@@ -41,6 +41,9 @@ FIRST_SCALE = (0.003, 0.03, 0.003, 0.03)
 # Fit of the pendulum's angle [%] in free runs below which segments of a fixed length [s] are
 # fitted instead: a pendulum that turns over the top is chaotic.
 SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
+# The same before waves of the torque are looked for, which do not make up for more.
+HOPELESS_FREE_RUN_FIT = 60.0
+NOT_FOLLOWED = "no free run follows the recordings to the end"
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
 # What no fit can find of an arm that turns in one direction only; the Coulomb friction that is then
@@ -74,9 +77,12 @@ def fit_swinging(
     zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
     optimum = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
-    options.report("looking for waves of the torque, then the final fit")
-    optimum = _final_fit(optimum)
-    why = _against_free_runs(optimum) if options.window is None else ""
+    free = options.window is None
+    why = NOT_FOLLOWED if free and worst_pendulum_fit(optimum) < HOPELESS_FREE_RUN_FIT else ""
+    if not why:
+        options.report("looking for waves of the torque, then the final fit")
+        optimum = _final_fit(optimum)
+        why = _against_free_runs(optimum) if free else ""
     if why:
         findings = [*findings, f"{why}: fitted in segments of {SEGMENT:g} s"]
         options = options._replace(window=SEGMENT)
@@ -112,7 +118,7 @@ def _remarks(level: float, orders: list[int]) -> list[str]:
 def _against_free_runs(optimum: Optimum) -> str:
     """Why free runs cannot be fitted; empty if they can."""
     if worst_pendulum_fit(optimum) < SMALLEST_FREE_RUN_FIT:
-        return "no free run follows the recordings to the end"
+        return NOT_FOLLOWED
     if not is_linear(optimum):
         return "within the standard errors the free run turns into another one"
     return ""

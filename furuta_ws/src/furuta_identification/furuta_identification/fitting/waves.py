@@ -33,16 +33,12 @@ FEWEST_TURNS = 0.25
 SEGMENT, PARTS = 0.5, 4
 # Parameters of a wave: two amplitudes and its order.
 PER_WAVE = 3
-Rows = slice | np.ndarray
-ALL = slice(None)
 
 
 class _Problem(NamedTuple):
-    """Residuals (n,), slopes in the waves' amplitudes (n, 2k), fold of each row (n,), samples."""
+    """Products (f, 2k + 1, 2k + 1) of the waves' slopes and the residuals in each fold; samples."""
 
-    residuals: np.ndarray
-    waves: np.ndarray
-    folds: np.ndarray
+    products: np.ndarray
     samples: float
 
 
@@ -62,13 +58,15 @@ def significant_orders(optimum: Optimum) -> list[int]:
 def _problem(shooting: Shooting, vector: np.ndarray, orders: list[int]) -> _Problem:
     others, residuals = shooting.slopes(vector), shooting.residuals(vector)
     waves = shooting.slopes_in_waves(vector, orders)
-    folds = _folds(shooting)
+    folds, products = _folds(shooting), []
     for fold in np.unique(folds):
         here = folds == fold
         basis, _ = np.linalg.qr(others[here])
-        waves[here] -= basis @ (basis.T @ waves[here])
-        residuals[here] -= basis @ (basis.T @ residuals[here])
-    return _Problem(residuals, waves, folds, _effective_count(shooting, residuals))
+        both = np.column_stack((waves[here], residuals[here]))
+        both -= basis @ (basis.T @ both)
+        residuals[here] = both[:, -1]
+        products.append(both.T @ both)
+    return _Problem(np.array(products), _effective_count(shooting, residuals))
 
 
 def _folds(shooting: Shooting) -> np.ndarray:
@@ -89,9 +87,10 @@ def _selected(problem: _Problem) -> list[int]:
     """Indices of the waves, the one that explains most first."""
     chosen: list[int] = []
     error = criterion = np.inf
-    candidates = range(problem.waves.shape[1] // 2)
+    total = np.sum(problem.products, axis=0)
+    candidates = range(len(total) // 2)
     while len(chosen) <= MOST_WAVES:
-        sum_of_squares = _error(problem, chosen, ALL, ALL)
+        sum_of_squares = _error(chosen, total, total)
         penalty = PER_WAVE * len(chosen) * np.log(problem.samples)
         now = problem.samples * np.log(sum_of_squares) + penalty
         held_out = _held_out_error(problem, chosen)
@@ -105,15 +104,21 @@ def _selected(problem: _Problem) -> list[int]:
 
 def _held_out_error(problem: _Problem, chosen: list[int]) -> float:
     """Sum of squares of every fold with amplitudes from the other folds."""
-    folds = [problem.folds == fold for fold in np.unique(problem.folds)]
-    return sum(_error(problem, chosen, ~here, here) for here in folds)
+    total = np.sum(problem.products, axis=0)
+    return sum(_error(chosen, total - fold, fold) for fold in problem.products)
 
 
-def _error(problem: _Problem, chosen: list[int], fitted: Rows, predicted: Rows) -> float:
-    """Sum of squares that waves leave in some rows, with amplitudes from the ``fitted`` rows."""
-    columns = problem.waves[:, [2 * k + part for k in chosen for part in (0, 1)]]
-    solution = np.linalg.lstsq(columns[fitted], problem.residuals[fitted], rcond=None)[0]
-    return float(np.sum((problem.residuals[predicted] - columns[predicted] @ solution) ** 2))
+def _error(chosen: list[int], fitted: np.ndarray, predicted: np.ndarray) -> float:
+    """Sum of squares that waves leave in some rows, with amplitudes from the ``fitted`` rows.
+
+    Of both only the products are needed, which are as small as the waves are few.
+    """
+    columns = [2 * k + part for k in chosen for part in (0, 1)]
+    square, side = fitted[np.ix_(columns, columns)], fitted[columns, -1]
+    weights = np.zeros(len(fitted))
+    weights[columns] = np.linalg.lstsq(square, side, rcond=None)[0]
+    weights[-1] = -1.0
+    return float(weights @ predicted @ weights)
 
 
 def _effective_count(shooting: Shooting, residuals: np.ndarray) -> float:
