@@ -85,8 +85,10 @@ def identify(recordings: list[Recording], options: Options) -> Model:
         # In such slow motion the regression hardly distinguishes a delay from an inertia.
         model, delay = fit_balanced(prepared, start, findings, options), 0.0
     else:
-        # The rest of the delay, which is fitted, is not negative.
-        delay = delay - 0.5 * DELAY_STEP if abs(delay) > 0.5 * DELAY_STEP else 0.0
+        # The rest of the delay, which is fitted, is not negative. Of a short one all is fitted: the
+        # search takes the Coulomb friction of an arm that reverses with the command for a delay.
+        short = -0.5 * DELAY_STEP < delay < 1.5 * DELAY_STEP
+        delay = 0.0 if short else delay - 0.5 * DELAY_STEP
         delayed = [recording.with_delayed_command(delay) for recording in prepared]
         parts = [part for run in delayed for part in excerpts_of(run, MOST_SWINGING)]
         findings = list(dict.fromkeys([*findings, *findings_of(parts)]))
