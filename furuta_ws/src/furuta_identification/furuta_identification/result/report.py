@@ -7,8 +7,12 @@ import numpy as np
 
 from furuta_identification.model import Model, Prediction
 from furuta_identification.regression.windows import coloured_part
-from furuta_identification.shooting.unknowns import FRICTION, LUGRE, wave_names
-from furuta_identification.uncertainty.identifiability import undetermined
+from furuta_identification.shooting.unknowns import FRICTION, LUGRE, is_zero, wave_names
+from furuta_identification.uncertainty.identifiability import (
+    AT_END,
+    LARGEST_RELATIVE_ERROR,
+    undetermined,
+)
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
@@ -22,6 +26,9 @@ SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
 # error of the model, and the fit [%] below which such an error makes the parameters doubtful.
 CLEARLY_COLOURED, DOUBTFUL_COLOURED_FIT = 50.0, 95.0
 UNUSABLE = "no"
+# Change of a derived value over that of an unknown's logarithm, as a part of the value, from which
+# it is withheld with an unknown that is at the end of its range.
+LARGEST_EFFECT = 0.1
 # A joint's fit is that of the first of its channels that was measured.
 JOINTS = {"arm": ("arm_speed", "arm_angle"), "pendulum": ("pendulum_angle",)}
 
@@ -56,7 +63,15 @@ def _body_values(body: FurutaPendulum) -> dict[str, float]:
 
 
 def standard_errors(model: Model) -> dict[str, float]:
-    """Standard error of each of :func:`reported_values`, by its slopes in the unknowns."""
+    """Standard error of each of :func:`reported_values`."""
+    return {
+        name: float(np.sqrt(max(0.0, row @ model.covariance @ row)))
+        for name, row in _slopes(model).items()
+    }
+
+
+def _slopes(model: Model) -> dict[str, np.ndarray]:
+    """Slopes of each of :func:`reported_values` in the unknowns."""
     vector = model.values.vector(model.names)
     base = reported_values(model)
     slopes: dict[str, list[float]] = {name: [] for name in base}
@@ -67,15 +82,37 @@ def standard_errors(model: Model) -> dict[str, float]:
         there = reported_values(model._replace(values=model.values.changed(model.names, changed)))
         for name, value in there.items():
             slopes[name].append((value - base[name]) / step)
-    return {
-        name: float(np.sqrt(max(0.0, np.array(row) @ model.covariance @ np.array(row))))
-        for name, row in slopes.items()
-    }
+    return {name: np.array(row) for name, row in slopes.items()}
+
+
+def withheld(model: Model) -> dict[str, str]:
+    """Values that the data do not determine, derived ones included, each with the reason."""
+    reasons = undetermined(model)
+    derived = {n: row for n, row in _slopes(model).items() if n in _body_values(model.values.body)}
+    reasons |= {n: why for n, row in derived.items() if (why := _derived_reason(model, n, row))}
+    zeros = [why for name, why in reasons.items() if is_zero(name)]
+    return reasons | ({"zero": zeros[0]} if zeros else {})
+
+
+def _derived_reason(model: Model, name: str, slopes: np.ndarray) -> str:
+    """Why the data do not determine a value of the body, by its ``slopes`` in the unknowns.
+
+    The covariance of an unknown at the end of its range does not hold.
+    """
+    size = abs(reported_values(model)[name])
+    error = float(np.sqrt(max(0.0, slopes @ model.covariance @ slopes)))
+    for index, reason in enumerate(undetermined(model).get(n, "") for n in model.names):
+        if reason.startswith(AT_END) and abs(slopes[index]) > LARGEST_EFFECT * size:
+            return f"it depends on {model.names[index]}: {reason}"
+    if error <= LARGEST_RELATIVE_ERROR * size:
+        return ""
+    parts = np.abs(slopes) * np.sqrt(np.diag(model.covariance))
+    return f"its error is {error:.2g}, mostly from {model.names[int(np.argmax(parts))]}"
 
 
 def summary(model: Model) -> dict[str, Any]:
     """Everything as one object; None where the data do not determine a value."""
-    reasons, errors = undetermined(model), standard_errors(model)
+    reasons, errors = withheld(model), standard_errors(model)
     values: dict[str, float | None] = {**reported_values(model)}
     values |= dict.fromkeys(reasons.keys() & values.keys())
     if np.isinf(model.values["ceiling"]):

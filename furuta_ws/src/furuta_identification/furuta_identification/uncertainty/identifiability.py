@@ -3,7 +3,7 @@
 import numpy as np
 
 from furuta_identification.model import Model
-from furuta_identification.regression.speeds import turns_one_way
+from furuta_identification.regression.speeds import turns_one_way, with_speeds
 from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import (
@@ -13,6 +13,7 @@ from furuta_identification.shooting.unknowns import (
     prior_information,
     unknown,
 )
+from furuta_model.state import PHI_DOT
 
 # Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
 # to a fit, and of one that is reported.
@@ -23,7 +24,7 @@ LARGEST_RELATIVE_ERROR = 0.5
 ASSUMED = "the arm turns in one direction only: a smaller command would have the same effect"
 NO_EFFECT = "it has no effect on these recordings"
 NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
-AT_END = "the fit ends at {:.3g}, the end of the allowed range"
+AT_END = "the fit ends at"
 LOGGED_LATE = "the commands are logged later than they act"
 # Part of the range within which a value is at its end.
 END = 1e-3
@@ -77,9 +78,20 @@ def _reason(model: Model, index: int) -> str:
     margin = END * (about.high - about.low)
     # A lower end of 0 is where nature ends too.
     if value > about.high - margin or (about.low != 0.0 and value < about.low + margin):
-        return AT_END.format(value)
+        return f"{AT_END} {model.values[name]:.3g}, the end of the allowed range"
     error, spread = float(np.sqrt(model.covariance[index, index])), about.spread
     like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
-    if like_the_prior or (name in LOGARITHMIC and error > LARGEST_RELATIVE_ERROR):
+    usual = 1.0 if name in LOGARITHMIC else max(_usual_size(model, name), abs(value))
+    if like_the_prior or error > LARGEST_RELATIVE_ERROR * usual:
         return REASONS.get(name, NOT_SEPARABLE)
     return ""
+
+
+def _usual_size(model: Model, name: str) -> float:
+    """Viscous friction [V s/rad] that shapes the motion; infinite for what has a prior."""
+    if name == "viscous":
+        speeds = [with_speeds(r, 0.0).measured[:, PHI_DOT] for r in model.recordings]
+        commands = [r.largest_command for r in model.recordings]
+        return max(u / np.max(np.abs(v)) for u, v in zip(commands, speeds, strict=True))
+    body = model.values.body
+    return 2.0 * float(np.sqrt(body.beta * body.delta)) if name == "pendulum_viscous" else np.inf
