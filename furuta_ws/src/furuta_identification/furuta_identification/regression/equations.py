@@ -13,6 +13,8 @@ The pendulum's equation, divided by δ, gives the ratios β/δ and γ/δ and the
 arm's equation gives the rest in volts.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import nnls
 
@@ -35,6 +37,9 @@ LARGEST_SLOW_PART = 0.05
 PARTS = np.linspace(0.3, 0.98, 35)
 # Logarithm of the likelihood ratio from which a ceiling is there.
 SURE = 10.0
+# Factor between the command scales of recordings from which they have different units, and standard
+# errors that make it sure.
+OTHER_SCALE, SURE_ERRORS = 1.3, 3.0
 # Part of the largest command within which all others are of the same level.
 SAME_LEVEL = 0.05
 
@@ -74,30 +79,87 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
     return regress(x, _commanded(recording, windows)[moving])
 
 
-def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
-    """A first value of the ceiling [V], infinite where the arm's equation shows none.
+class ArmRows(NamedTuple):
+    """Rows of a recording's arm equation: windows, columns (n, 5), which windows they belong to."""
 
-    All recordings share the coefficients, none of which is negative.
+    recording: Recording
+    windows: Windows
+    columns: np.ndarray
+    moving: np.ndarray
+
+    def commanded(self, ceiling: float = np.inf) -> np.ndarray:
+        """The mean command of each row [V], limited by a ceiling."""
+        return _commanded(self.recording.with_ceiling(ceiling), self.windows)[self.moving]
+
+
+def arm_rows(recordings: list[Recording], lag: float, delay: float) -> list[ArmRows]:
+    """The arm's equation of recordings that share all coefficients.
+
+    Coulomb friction is one of them, unless the arm hardly turns in one of the directions.
     """
-    parts = []
+    rows = []
     for recording in recordings:
         ready = with_speeds(recording.with_delayed_command(delay), lag)
         windows = Windows(ready.time)
         beta, gamma = pendulum_equation(ready, windows).coefficients[:2]
-        parts.append((ready, windows, *_arm_columns(ready, windows, beta, gamma)))
-    x = np.concatenate([columns for _, _, columns, _ in parts])
+        rows.append(ArmRows(ready, windows, *_arm_columns(ready, windows, beta, gamma, 0.0)))
+    turned = np.sum([np.sum(np.abs(row.columns[:, 3:]), axis=0) for row in rows], axis=0)
+    if np.min(turned) < LARGEST_SLOW_PART * np.sum(turned):
+        for row in rows:
+            row.columns[:, 3:] = 0.0
+    return rows
+
+
+def fitted_ceiling(rows: list[ArmRows]) -> tuple[float, float]:
+    """A first value of the ceiling [V], infinite where the arm's equation shows none; its misfit.
+
+    All recordings share the coefficients, none of which is negative.
+    """
+    x = np.concatenate([row.columns for row in rows])
 
     def misfit(ceiling: float) -> float:
-        u = [_commanded(r.with_ceiling(ceiling), windows)[on] for r, windows, _, on in parts]
-        both = np.concatenate(u)
-        return float(nnls(x, both)[1] / np.linalg.norm(both))
+        u = np.concatenate([row.commanded(ceiling) for row in rows])
+        return float(nnls(x, u)[1] / np.linalg.norm(u))
 
-    ceilings = PARTS * max(recording.largest_command for recording in recordings)
+    ceilings = PARTS * max(row.recording.largest_command for row in rows)
     misfits = [misfit(ceiling) for ceiling in ceilings]
-    best = int(np.argmin(misfits))
+    best, without = int(np.argmin(misfits)), misfit(np.inf)
     # Windows overlap by half, so every other one counts.
-    sure = 0.5 * len(x) * np.log(misfit(np.inf) / misfits[best]) >= SURE
-    return float(ceilings[best]) if sure else float(np.inf)
+    sure = 0.5 * len(x) * np.log(without / misfits[best]) >= SURE
+    return (float(ceilings[best]), misfits[best]) if sure else (float(np.inf), without)
+
+
+class CommandScale(NamedTuple):
+    """A recording's command of 1 in commands of the others, its error; the misfit with it."""
+
+    name: str
+    factor: float
+    error: float
+    misfit: float
+
+    @property
+    def differs(self) -> bool:
+        """Whether the unit or the sign is surely another one."""
+        same = 1.0 / OTHER_SCALE < self.factor < OTHER_SCALE
+        return not same and min(abs(self.factor), abs(self.factor - 1.0)) > SURE_ERRORS * self.error
+
+
+def command_scales(rows: list[ArmRows]) -> list[CommandScale]:
+    """The command scale of each run, if all others have one; of a single run none."""
+    numbers = sorted({row.recording.number for row in rows})
+    return [_command_scale(rows, number) for number in numbers if len(numbers) > 1]
+
+
+def _command_scale(rows: list[ArmRows], number: int) -> CommandScale:
+    own = np.concatenate([np.full(len(r.columns), r.recording.number == number) for r in rows])
+    u = np.concatenate([row.commanded() for row in rows])
+    x = np.column_stack((np.concatenate([row.columns for row in rows]), np.where(own, -u, 0.0)))
+    fit = regress(x, np.where(own, 0.0, u))
+    factor, error = float(fit.coefficients[-1]), float(fit.errors[-1])
+    size = np.linalg.norm(np.where(own, factor * u, u))
+    name = next(row.recording.name for row in rows if row.recording.number == number)
+    others = np.linalg.norm(u[~own])
+    return CommandScale(name, factor, error, float(fit.misfit * others / size))
 
 
 def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
@@ -107,12 +169,19 @@ def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
 
 
 def _arm_columns(
-    recording: Recording, windows: Windows, beta: float, gamma: float
+    recording: Recording,
+    windows: Windows,
+    beta: float,
+    gamma: float,
+    rarest: float = LARGEST_SLOW_PART,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The columns of the arm's equation in the windows in which it moves, and which these are."""
+    """The columns of the arm's equation in the windows in which it moves, and which these are.
+
+    Coulomb friction counts if the arm turns in its rarer direction for a part of ``rarest``.
+    """
     _, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
-    forward, backward, moving = _directions(v, windows)
+    forward, backward, moving = _directions(v, windows, rarest)
     columns = [
         -windows.slope(v),
         -windows.slope(beta * s * s * v + gamma * c * w),
@@ -128,13 +197,15 @@ def _arm_columns(
     return np.array(columns).T[moving], moving
 
 
-def _directions(v: np.ndarray, windows: Windows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _directions(
+    v: np.ndarray, windows: Windows, rarest: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How much of each window the arm turns forward and backward, and whether it keeps moving."""
     forward, backward = windows.mean(1.0 * (v > SLOW)), windows.mean(1.0 * (v < -SLOW))
     whole = windows.mean(np.ones(len(v)))
     moving = forward + backward > (1.0 - LARGEST_SLOW_PART) * whole
     rarer = min(np.sum(forward[moving]), np.sum(backward[moving]))
-    if rarer < LARGEST_SLOW_PART * np.sum(whole[moving]):
+    if rarer < rarest * np.sum(whole[moving]):
         return np.zeros_like(forward), np.zeros_like(backward), moving
     return forward, backward, moving
 
