@@ -7,6 +7,7 @@ from furuta_identification.model import Model
 from furuta_identification.options import Options
 from furuta_identification.regression.speeds import turns_one_way
 from furuta_identification.shooting.optimisation import (
+    COARSE,
     FINE,
     Optimum,
     noise_of,
@@ -53,7 +54,9 @@ USUAL_PART = 0.03
 LARGEST_PART = 0.25
 # Lengths of the segments [s], one fit after the other: the longer a segment, the better its start
 # must be.
-SEGMENT_LENGTHS = (0.5, 1.5, np.inf)
+SEGMENT_LENGTHS = (0.5, 1.5)
+# Relative change of the sum of squares at which a rough fit ends.
+ROUGH = 1e-2
 
 
 def fit_swinging(
@@ -143,12 +146,14 @@ def fit_growing_segments(
     """Fit one recording in ever longer segments of at most ``window`` [s].
 
     After each fit its residuals weight the channels anew. The ``excerpts`` of a recording share its
-    zero.
+    zero; of several, every other one and a rough fit are enough on the way.
     """
+    tolerance = ROUGH if len(excerpts) > 1 else COARSE
     for length in SEGMENT_LENGTHS:
-        optimum = optimise(excerpts, names, start, min(length, window), scale, robust=True)
+        size = min(length, window)
+        optimum = optimise(excerpts[::2], names, start, size, scale, True, tolerance)
         start, scale = optimum.values, residual_scale(optimum)
-    return optimum
+    return optimise(excerpts, names, start, window, scale, robust=True)
 
 
 def _common_fit(
