@@ -44,9 +44,6 @@ def joints_of(path: Path, names: list[str], mapping: Mapping) -> tuple[tuple[str
         return (given[0], given[1]), ""
     if set(JOINTS) <= set(names) and given == (None, None):
         return JOINTS, ""
-    if names == [mapping.pendulum] and mapping.command == NO_COMMAND:
-        # The same angle stands for the arm's, which a free swing does not need.
-        return (names[0], names[0]), "no angle of the arm: taken to be at rest"
     if len(names) != 2:
         raise ParameterError(
             f"{path}: name the joints with --arm and --pendulum; it has "
