@@ -4,6 +4,7 @@ Each candidate knows the friction of the model, but the true friction is smaller
 suits one level only is no recommendation.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -56,6 +57,7 @@ def compare_on_axis(
     counts: int = 4096,
     sample_time: float = 1e-3,
     cycle: JointCycle | None = None,
+    others: Sequence[Axis] = (),
 ) -> AxisComparison:
     """Simulate an axis with each compensation, and recommend one.
 
@@ -67,6 +69,7 @@ def compare_on_axis(
         counts: Counts of the encoder per turn; 0 for a perfect sensor.
         sample_time: Time between samples [s].
         cycle: The motion without compensation, if it is known.
+        others: Further true axes, such as what a recording leaves open.
 
     Raises:
         ParameterError: The axis is unstable without friction, or an argument is not allowed.
@@ -79,7 +82,7 @@ def compare_on_axis(
         _, errors, sizes, settled = zip(
             *(
                 residual(
-                    with_level(axis, level),
+                    true,
                     axis,
                     controller,
                     compensation,
@@ -88,7 +91,7 @@ def compare_on_axis(
                     sample_time=sample_time,
                     period=cycle.period_s,
                 )
-                for level in LEVELS
+                for true in (*(with_level(axis, level) for level in LEVELS), *others)
             ),
             strict=True,
         )

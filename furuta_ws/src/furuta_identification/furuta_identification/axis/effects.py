@@ -255,12 +255,10 @@ def largest_hidden_fall(cut: Segmented, best: Fit, scales: Scales) -> float:
     """The largest stiction above the Coulomb level that the segments do not contradict."""
     project = projection(cut, best)
     allowed = project(best.model).sum() + HIDDEN * best.inflation * max(best.rms, 1.0) ** 2
-    hidden = 0.0
-    for excess in FINELY:
-        model = best.model._replace(
+    models = [
+        best.model._replace(
             alpha1=excess * scales.level, stribeck_velocity=AT_ONCE * scales.speed
         )
-        if project(model).sum() > allowed:
-            break
-        hidden = model.alpha1
-    return float(hidden)
+        for excess in FINELY
+    ]
+    return max([m.alpha1 for m in models if project(m).sum() <= allowed], default=0.0)

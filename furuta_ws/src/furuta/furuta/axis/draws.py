@@ -1,0 +1,126 @@
+"""What a recording leaves open of an axis, and what follows for its final motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.axis.axis import Axis, Controller, servo_cycle
+from furuta.axis.identification import identified_axis
+from furuta_identification.axis.effects import FALL
+from furuta_identification.axis.fitting import value_of
+from furuta_identification.axis.identify import AxisFit
+
+# Draws from the covariance, and how many of them the compensations are compared on.
+DRAWS, COMPARED = 100, 4
+# Fraction of draws below which, or above one minus which, the recording tells whether it hunts.
+DECIDED = 0.05
+HUNTING = ("limit_cycle", "irregular")
+
+
+class Consequences(NamedTuple):
+    """How many of the ``draws`` hunt, and 5 and 95 % of their peak to peak [rad]; NaN for none."""
+
+    draws: int
+    hunting: int
+    low_rad: float
+    high_rad: float
+
+    @property
+    def hunts_in(self) -> float:
+        """Fraction of draws that hunt."""
+        return self.hunting / self.draws
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether nearly all draws hunt, or nearly none."""
+        return not DECIDED < self.hunts_in < 1.0 - DECIDED
+
+    def sentence(self, fit: AxisFit) -> str:
+        """The consequences in words, and which recording would settle what is open."""
+        text = f"hunts in {self.hunting} of {self.draws} draws"
+        if self.hunting:
+            text += f", {self.low_rad:.2g} to {self.high_rad:.2g} rad"
+        if self.is_decided:
+            return text
+        return (
+            f"{text}: this recording does not tell; record stops and reversals under a torque that "
+            f"rises slowly from 0 to beyond {fit.values['alpha0'] + fit.hidden:.2g} either way"
+        )
+
+
+def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
+    """Axes that the recording may have come from.
+
+    The parameters of the identified axis are drawn from the covariance. A fall of friction that the
+    recording does not determine is stiction of any size that it would not show.
+
+    Args:
+        fit: What :func:`furuta.identify_axis` returned.
+        draws: Number of axes.
+        seed: Of the random numbers.
+    """
+    random = np.random.default_rng(seed)
+    centre = identified_axis(fit)
+    means = [value_of(fit.fit.model, name) for name in fit.names]
+    vectors = random.multivariate_normal(means, fit.covariance, draws, method="eigh")
+    return [
+        _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random)
+        for vector in vectors
+    ]
+
+
+def _drawn(
+    centre: Axis, drawn: dict[str, float], fit: AxisFit, random: np.random.Generator
+) -> Axis:
+    """One axis; a value that cannot be is the nearest one that can."""
+    friction = centre.friction
+    changes = {
+        name: min(max(drawn[name], -0.99 if name == "asymmetry" else 0.0), 1e12)
+        for name in ("alpha0", "viscous", "asymmetry")
+        if name in fit.values
+    }
+    law = centre.law
+    if FALL[0] in fit.values:
+        relative = fit.standard_errors[FALL[1]] / friction.stribeck_velocity
+        factor = np.exp(min(relative, 1.0) * random.standard_normal())
+        changes["alpha1"] = max(drawn[FALL[0]], 0.0)
+        changes["stribeck_velocity"] = friction.stribeck_velocity * float(factor)
+    else:
+        changes["alpha1"], law = float(random.uniform(0.0, fit.hidden)), "stiction"
+    inertia = max(drawn["inertia"], 0.1 * centre.inertia)
+    return Axis(inertia, friction._replace(**changes), law)
+
+
+def consequences(
+    axes: Sequence[Axis], controller: Controller, speed: float = 0.0
+) -> Consequences:
+    """Which of some axes hunt under a controller, as :func:`furuta.servo_cycle` has it.
+
+    Args:
+        axes: What :func:`drawn_axes` returned.
+        controller: Its gains.
+        speed: Speed of the reference [rad/s].
+    """
+    cycles = [servo_cycle(axis, controller, speed) for axis in axes]
+    sizes = [cycle.peak_to_peak for cycle in cycles if cycle.kind in HUNTING]
+    low, high = np.quantile(sizes, (0.05, 0.95)) if sizes else (np.nan, np.nan)
+    return Consequences(len(axes), len(sizes), float(low), float(high))
+
+
+def left_out(fit: AxisFit) -> list[str]:
+    """Reported effects that the axis in a loop does not have."""
+    has = {"inertia", "alpha0", "alpha1", "stribeck_velocity", "viscous", "asymmetry"}
+    return [name for name in fit.values if name not in has and not name.startswith("offset")]
+
+
+def report(fit: AxisFit, found: Consequences) -> dict[str, Any]:
+    """The consequences by the names of the command line."""
+    return {
+        "hunts_in": found.hunts_in,
+        "hunting_rad": [found.low_rad, found.high_rad],
+        "uncertainty": found.sentence(fit),
+        "left_out": left_out(fit),
+    }
