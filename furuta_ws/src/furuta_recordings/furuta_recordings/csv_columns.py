@@ -54,7 +54,9 @@ def read_csv(path: Path) -> Table:
         except (OSError, csv.Error) as error:
             reason = getattr(error, "strerror", None) or error
             raise ParameterError(f"cannot read {path}: {reason}") from None
-    raise ParameterError(f"cannot read {path}: not a text file")
+    raise ParameterError(
+        f"cannot read {path}: not a text file in UTF-8, or in UTF-16 with a byte-order mark"
+    )
 
 
 def _encodings(path: Path) -> tuple[str, ...]:
