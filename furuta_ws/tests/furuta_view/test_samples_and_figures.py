@@ -120,3 +120,4 @@ def test_exact_cycle_is_that_of_the_parameters() -> None:
     assert cycle is not None
     assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
     assert exact_cycle({"estimator": {}}) is None
+    assert exact_cycle(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one

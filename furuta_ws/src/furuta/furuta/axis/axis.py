@@ -195,7 +195,8 @@ def _starts(
 
 def _alike(one: JointCycle, other: JointCycle) -> bool:
     a, b = ((each.peak_to_peak, each.period_s) for each in (one, other))
-    return one.kind == other.kind and np.allclose(a, b, rtol=SAME, atol=0.0, equal_nan=True)
+    same = one.kind == "irregular" or np.allclose(a, b, rtol=SAME, atol=0.0, equal_nan=True)
+    return bool(one.kind == other.kind and same)
 
 
 def poles(axis: Axis, controller: Controller) -> np.ndarray:
