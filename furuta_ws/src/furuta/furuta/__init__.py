@@ -16,6 +16,7 @@ from inspect import isfunction
 
 from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle, servo_motions
 from furuta.axis.compensations import compare_on_axis
+from furuta.axis.draws import consequences, drawn_axes
 from furuta.axis.identification import identified_axis
 from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.describing_function import describing_function
@@ -80,7 +81,9 @@ __all__ = [
     "branch",
     "compare",
     "compare_on_axis",
+    "consequences",
     "describing_function",
+    "drawn_axes",
     "friction_joint",
     "friction_law",
     "ideal_loop",

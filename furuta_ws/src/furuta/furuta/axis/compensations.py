@@ -98,6 +98,11 @@ def compare_on_axis(
         residuals.append(Residual(compensation, max(errors), max(sizes), all(settled)))
     final = [each for each in residuals if each.settled] or residuals
     best = min(each.error_rad for each in final)
+    if not np.isfinite(best):
+        raise ParameterError(
+            f"the simulated axis leaves all bounds: {counts} counts per turn or the gains do not "
+            "suit it"
+        )
     good = max(AS_GOOD * best, best + (np.pi / counts if counts else 0.0))
     return AxisComparison(tuple(residuals), next(r for r in final if r.error_rad <= good))
 

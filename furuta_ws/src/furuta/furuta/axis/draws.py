@@ -54,8 +54,9 @@ class Consequences(NamedTuple):
 def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     """Axes that the recording may have come from.
 
-    The parameters of the identified axis are drawn from the covariance. A fall of friction that the
-    recording does not determine is stiction of any size that it would not show.
+    The parameters of the identified axis are drawn from the covariance. Where the recording does
+    not determine how friction falls, half of the axes have none, the others stiction of any size
+    that the recording would not show.
 
     Args:
         fit: What :func:`furuta.identify_axis` returned.
@@ -67,8 +68,7 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     means = [value_of(fit.fit.model, name) for name in fit.names]
     vectors = random.multivariate_normal(means, fit.covariance, draws, method="eigh")
     return [
-        _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random)
-        for vector in vectors
+        _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random) for vector in vectors
     ]
 
 
@@ -77,26 +77,24 @@ def _drawn(
 ) -> Axis:
     """One axis; a value that cannot be is the nearest one that can."""
     friction = centre.friction
-    changes = {
+    changes: dict[str, float] = {
         name: min(max(drawn[name], -0.99 if name == "asymmetry" else 0.0), 1e12)
         for name in ("alpha0", "viscous", "asymmetry")
         if name in fit.values
     }
-    law = centre.law
-    if FALL[0] in fit.values:
-        relative = fit.standard_errors[FALL[1]] / friction.stribeck_velocity
+    law, (excess, velocity) = centre.law, FALL
+    if excess in fit.values:
+        relative = fit.standard_errors[velocity] / friction.stribeck_velocity
         factor = np.exp(min(relative, 1.0) * random.standard_normal())
-        changes["alpha1"] = max(drawn[FALL[0]], 0.0)
-        changes["stribeck_velocity"] = friction.stribeck_velocity * float(factor)
+        changes[excess] = max(drawn[excess], 0.0)
+        changes[velocity] = friction.stribeck_velocity * float(factor)
     else:
-        changes["alpha1"], law = float(random.uniform(0.0, fit.hidden)), "stiction"
+        changes[excess], law = max(random.uniform(-fit.hidden, fit.hidden), 0.0), "stiction"
     inertia = max(drawn["inertia"], 0.1 * centre.inertia)
     return Axis(inertia, friction._replace(**changes), law)
 
 
-def consequences(
-    axes: Sequence[Axis], controller: Controller, speed: float = 0.0
-) -> Consequences:
+def consequences(axes: Sequence[Axis], controller: Controller, speed: float = 0.0) -> Consequences:
     """Which of some axes hunt under a controller, as :func:`furuta.servo_cycle` has it.
 
     Args:

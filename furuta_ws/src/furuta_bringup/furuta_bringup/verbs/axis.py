@@ -16,6 +16,7 @@ from furuta.axis.axis import (
     servo_motions,
 )
 from furuta.axis.compensations import SHORTEST, compare_on_axis
+from furuta.axis.draws import COMPARED, consequences, drawn_axes, report
 from furuta.axis.identification import identified_axis, parse_friction
 from furuta.axis.simulation import simulate_axis
 from furuta.limit_cycles.joint import JointCycle, trace_joint
@@ -23,11 +24,13 @@ from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import show
-from furuta_identification.axis.identify import identify_axis
+from furuta_identification.axis.identify import AxisFit, identify_axis
+from furuta_identification.result.report import UNUSABLE
 from furuta_model.friction.laws import ANALYSED_LAWS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.axis_table import read_axis
+from furuta_ros.errors import UserError
 
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
@@ -48,8 +51,10 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--counts", type=click.IntRange(0, 2**31),
     help="Counts of the encoder per turn (2π m of a straight axis), 0 for a perfect one; default: "
     "those of the table, or 4096.")  # fmt: skip
-@click.option("--identify", "record", type=click.Path(path_type=Path), metavar="FILE",
-    help="Table or bag of time, position and torque: finds inertia and friction.")  # fmt: skip
+@click.option("--identify", "records", type=click.Path(path_type=Path), metavar="FILE",
+    multiple=True, help="Table or bag of time, position and torque: finds inertia and friction; "
+    "repeatable. Without a controller that is all.")  # fmt: skip
+@click.option("--force", is_flag=True, help="Use also what is not usable.")
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
     "torque, current or voltage; of a bag by default the joint's effort.")  # fmt: skip
@@ -69,7 +74,8 @@ def command(
     cascade: tuple[float, float, float] | None,
     reference_speed: float,
     counts: int | None,
-    record: Path | None,
+    records: tuple[Path, ...],
+    force: bool,
     position: str | None,
     driven: str | None,
     joint: str | None,
@@ -82,31 +88,47 @@ def command(
 
     The axis is given by numbers or by a recording. Its final motion is exact: a limit cycle
     (hunting, stick-slip), rest, steady motion, or unbounded. Then each compensation is simulated
-    at 1 kHz with the encoder, and one is recommended. Units are N m, rad, kg m² and s, or N, m and
+    at 1 kHz with the encoder, and one is recommended. From a recording, both are also computed for
+    axes that it may have come from. Units are N m, rad, kg m² and s, or N, m and
     kg.
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
     """
-    if (pid is None) == (cascade is None):
-        raise click.UsageError("give the controller: either --pid or --cascade")
-    controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
-    if (inertia is not None, friction is not None) != (record is None, record is None):
+    if pid is not None and cascade is not None:
+        raise click.UsageError("give either --pid or --cascade")
+    if (inertia is not None, friction is not None) != (not records, not records):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
     result: dict[str, Any] = {}
-    found = 4096
-    if record is not None:
-        fit = identify_axis(read_axis(record, position, driven, torque_constant, joint))
+    fit, others, found = None, [], 4096
+    if records:
+        given = [read_axis(each, position, driven, torque_constant, joint) for each in records]
+        fit = identify_axis(given)
         result["identified"] = fit.report()
+        if not as_json:
+            del result["identified"]["covariance"]
+    if pid is None and cascade is None:
+        if fit is None:
+            raise click.UsageError("give the controller: either --pid or --cascade")
+        show(result["identified"], as_json)
+        _refuse_unusable(fit, force)
+        return
+    controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
+    if fit is not None:
+        _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
+        axes = drawn_axes(fit)
+        others = axes[:COMPARED]
     else:
         axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
     counts = found if counts is None else counts
     motions = servo_motions(axis, controller, reference_speed)
     cycle = next(iter(motions.values()))
     result |= {**axis_report(motions), "compensations": [], "recommended": None}
+    if fit is not None:
+        result |= report(fit, consequences(axes, controller, reference_speed))
     if cycle.kind != "unbounded":
         compared = compare_on_axis(
-            axis, controller, speed=reference_speed, counts=counts, cycle=cycle
+            axis, controller, speed=reference_speed, counts=counts, cycle=cycle, others=others
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
         best = compared.recommended
@@ -117,6 +139,11 @@ def command(
         _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
         result["figure"] = str(out)
     show(result, as_json)
+
+
+def _refuse_unusable(fit: AxisFit, force: bool) -> None:
+    if fit.usable == UNUSABLE and not force:
+        raise UserError(f"not usable: {'; '.join(fit.reasons)}; --force uses it all the same")
 
 
 def _proof(axis: Axis, controller: Controller, speed: float) -> dict[str, Any]:

@@ -256,9 +256,7 @@ def largest_hidden_fall(cut: Segmented, best: Fit, scales: Scales) -> float:
     project = projection(cut, best)
     allowed = project(best.model).sum() + HIDDEN * best.inflation * max(best.rms, 1.0) ** 2
     models = [
-        best.model._replace(
-            alpha1=excess * scales.level, stribeck_velocity=AT_ONCE * scales.speed
-        )
+        best.model._replace(alpha1=excess * scales.level, stribeck_velocity=AT_ONCE * scales.speed)
         for excess in FINELY
     ]
     return max([m.alpha1 for m in models if project(m).sum() <= allowed], default=0.0)

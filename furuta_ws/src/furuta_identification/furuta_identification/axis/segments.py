@@ -13,9 +13,9 @@ from furuta_identification.shooting.optimisation import quantisation_step
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
-# Usual length of a segment [s], fewest samples in one, counts that the axis moves in one, fewest
-# segments that are wanted, and most of them that are fitted.
-LENGTH, FEWEST_SAMPLES, COUNTS, FEWEST, MOST = 0.5, 20, 30.0, 40, 80
+# Usual length of a segment [s], fewest samples in one, counts that the axis moves in one, and fewest
+# segments that are wanted.
+LENGTH, FEWEST_SAMPLES, COUNTS, FEWEST = 0.5, 20, 30.0, 40
 # Most samples and commands that are fitted.
 MOST_SAMPLES = 60_000
 # Longest step of the integration [s].
@@ -97,53 +97,63 @@ def _thinned(even: np.ndarray, step: float) -> np.ndarray:
     return even[:: max(round(0.02 / step), 1)]
 
 
+class _Segment(NamedTuple):
+    """A segment: times and positions (n,), number of its recording, first state and its spread."""
+
+    time: np.ndarray
+    position: np.ndarray
+    of: int
+    first: list[float]
+    spread: list[float]
+
+
 def segmented(recordings: Sequence[Recording], length: float | None = None) -> Segmented:
     """Recordings on one time axis, cut into segments of a ``length`` [s]; None chooses it."""
     noise = float(np.median([position_noise(recording) for recording in recordings]))
     length = length or segment_length(recordings, noise)
-    parts: list[tuple[np.ndarray, ...]] = []
-    edges: list[np.ndarray] = []
-    torques: list[np.ndarray] = []
+    parts: list[_Segment] = []
+    commands: list[tuple[np.ndarray, np.ndarray]] = []
     begin = 0.0
     for number, recording in enumerate(recordings):
         shift = 0.0 if len(recordings) == 1 else begin - recording.time[0]
-        own, torque = _commands(recording)
-        edges.append(own + shift)
-        torques.append(torque)
-        smooth = smoothed(recording)
-        for rows in _cut(recording, length):
-            t0 = recording.time[rows.start]
-            state = [np.interp(t0, smooth.time, s) for s in (smooth.position, smooth.speed)]
-            if abs(state[1]) < 2.0 * np.sqrt(12.0) * noise / smooth.window:
-                state[1] = 0.0
-            spread = [2.0 * noise, 4.0 * np.sqrt(12.0) * noise / smooth.window]
-            parts.append(
-                (recording.time[rows] + shift, recording.measured[rows, PHI], number, state, spread)
-            )
-        begin = recording.time[-1] + shift + BETWEEN
-    parts = _spread_over(
-        parts,
-        max(
-            int(
-                MOST_SAMPLES
-                * len(parts)
-                / max(sum(len(p[0]) for p in parts), sum(len(e) for e in edges))
-            ),
-            FEWEST,
-        ),
-    )
-    starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
+        shifted = recording._replace(
+            time=recording.time + shift, command_time=recording.command_time + shift
+        )
+        commands.append(_commands(shifted))
+        parts += _segments_of(shifted, number, length, noise)
+        begin = shifted.time[-1] + BETWEEN
+    size = max(sum(len(each.time) for each in parts), sum(len(edges) for edges, _ in commands))
+    parts = _spread_over(parts, max(MOST_SAMPLES * len(parts) // size, FEWEST))
     data = AxisData(
-        np.concatenate([part[0] for part in parts]),
-        np.concatenate([part[1] for part in parts]),
-        np.concatenate(edges),
-        np.concatenate(torques),
-        starts,
-        np.array([part[2] for part in parts]),
+        np.concatenate([part.time for part in parts]),
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([edges for edges, _ in commands]),
+        np.concatenate([torque for _, torque in commands]),
+        np.cumsum([0, *(len(part.time) for part in parts[:-1])]),
+        np.array([part.of for part in parts]),
         STEP,
         noise,
     )
-    return Segmented(data, np.array([p[3] for p in parts]), np.array([p[4] for p in parts]))
+    return Segmented(
+        data, np.array([part.first for part in parts]), np.array([part.spread for part in parts])
+    )
+
+
+def _segments_of(recording: Recording, number: int, length: float, noise: float) -> list[_Segment]:
+    """The segments of a recording, with their first states from the smoothed position."""
+    smooth, count = smoothed(recording), np.sqrt(12.0) * noise
+    uncertain = count / smooth.window  # of a speed
+    segments = []
+    for rows in _cut(recording, length):
+        start = recording.time[rows.start]
+        position = float(np.interp(start, smooth.time, smooth.position))
+        speed = float(np.interp(start, smooth.time, smooth.speed))
+        first = [position, speed if abs(speed) > 2.0 * uncertain else 0.0]
+        spread = [2.0 * noise, 4.0 * uncertain]
+        segments.append(
+            _Segment(recording.time[rows], recording.measured[rows, PHI], number, first, spread)
+        )
+    return segments
 
 
 def segment_length(recordings: Sequence[Recording], noise: float) -> float:
@@ -180,7 +190,7 @@ def _commands(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return np.append(recording.time[0] - 1.0, time), np.append(0.0, torque)
 
 
-def _spread_over(parts: list, most: int) -> list:
+def _spread_over(parts: list[_Segment], most: int) -> list[_Segment]:
     """At most that many of the parts, evenly spread."""
     if len(parts) <= most:
         return parts
