@@ -164,13 +164,15 @@ def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: boo
     Where the model does not explain the recording, an effect that was not found may be there: how
     its best value would change the others is part of their error.
     """
-    covered, known = best.covariance, best.unknowns.names
+    covered, known, allowed = best.covariance, best.unknowns.names, best.inflation
     for name in _smooth_effects(drift):
         if name in known:
             continue
         every = unknowns((*known, name), scales, best.model.inertia, best.model.stribeck_velocity)
         about = linearised(best.model, best.first, cut, every, best.residuals)
-        shift = np.linalg.solve(about.information, about.gradient)[:-1]
+        # A prior weighs as much against squares that are not those of white noise.
+        prior = np.diag((allowed - 1.0) * (every.sizes / every.priors) ** 2)
+        shift = np.linalg.solve(about.information + prior, about.gradient)[:-1]
         covered = covered + np.outer(shift, shift)
     return covered
 

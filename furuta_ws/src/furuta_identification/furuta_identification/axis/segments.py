@@ -13,7 +13,7 @@ from furuta_identification.shooting.optimisation import quantisation_step
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
-# Usual length of a segment [s], fewest samples in one, counts that the axis moves in one, and fewest
+# Usual length of a segment [s], fewest samples in one, counts that the axis moves in one, fewest
 # segments that are wanted.
 LENGTH, FEWEST_SAMPLES, COUNTS, FEWEST = 0.5, 20, 30.0, 40
 # Most samples and commands that are fitted.
