@@ -4,7 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+
+import furuta as library
 
 AXIS = ("--inertia", "0.01", "--friction", "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1")
 
@@ -37,7 +40,7 @@ def test_reference_speed_and_unstable_gains(furuta: Any) -> None:
         (("--pid", "1", "1", "1"), 2, "--inertia and --friction, or --identify"),
         ((*AXIS[:2], "--friction", "alpha=1", "--pid", "1", "1", "1"), 1, "NAME=VALUE"),
         ((*AXIS[:2], "--identify", "x.csv", "--pid", "1", "1", "1"), 2, "or --identify"),
-        (("--identify", "nothing.csv", "--pid", "1", "1", "1"), 1, "no file nothing.csv"),
+        (("--identify", "nothing.csv", "--pid", "1", "1", "1"), 1, "no recording nothing.csv"),
     ],
 )
 def test_wrong_usage(furuta: Any, arguments: Any, expected: int, reason: str) -> None:
@@ -45,3 +48,45 @@ def test_wrong_usage(furuta: Any, arguments: Any, expected: int, reason: str) ->
     assert status == expected
     assert reason in err
     assert len(err.splitlines()) == 1
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A slow motion of a hunting axis, and noise."""
+    folder = tmp_path_factory.mktemp("tables")
+    friction = library.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
+    time = np.arange(0.0, 12.0, 1e-3)
+    moves = 0.5 * np.sin(1.3 * time) + 0.2 * np.sin(3.7 * time)
+    recorded = library.simulate_axis(
+        library.Axis(0.01, friction), library.Pid(3.0, 2.0, 0.1), reference=moves
+    )
+    library.write_series(folder / "axis.csv", recorded.columns)
+    noise = np.cumsum(np.random.default_rng(1).standard_normal((2, len(time))), axis=1)
+    columns = {"time": time, "position": 0.1 * noise[0], "torque": noise[1]}
+    library.write_series(folder / "noise.csv", columns)
+    return folder
+
+
+def test_a_record_identifies_and_says_what_follows(furuta: Any, tables: Path) -> None:
+    """Without a controller the verb stops; with one it counts the draws that hunt."""
+    status, out, err = furuta("axis", "--identify", tables / "axis.csv", "--json")
+    assert status == 0, err
+    result = json.loads(out)
+    assert result["usable"] == "yes"
+    assert abs(result["inertia"] - 0.01) < 3.0 * result["standard_errors"]["inertia"] + 1e-5
+    assert "kind" not in result
+    assert len(result["covariance"]["names"]) == len(result["covariance"]["values"])
+    arguments = ("--identify", tables / "axis.csv", "--pid", "1", "2", "0.08", "--json")
+    result = json.loads(furuta("axis", *arguments)[1])
+    assert result["kind"] == "limit_cycle"
+    assert result["hunts_in"] == 1.0
+    assert result["hunting_rad"][0] < result["peak_to_peak_rad"] < result["hunting_rad"][1]
+
+
+def test_what_is_not_usable_is_not_used(furuta: Any, tables: Path) -> None:
+    """Noise has no inertia, or one that is not usable; either is one line."""
+    for controller in ((), ("--pid", "1", "2", "0.08")):
+        status, out, err = furuta("axis", "--identify", tables / "noise.csv", *controller)
+        assert status == 1
+        assert "kind" not in out
+        assert len(err.splitlines()) == 1

@@ -13,6 +13,8 @@ from furuta_identification.axis.segments import Segmented
 from furuta_identification.axis.slopes import kinds_of, tangents
 
 MOST_ITERATIONS = 30
+# Where a motion that leaves all bounds is held, in noises of the position, or per unknown.
+FAR = 1e9
 # Most searches of the first speeds, and relative gain from which the fit is continued.
 SEARCHES, RESTART = 4, 1e-3
 # Squares of a segment, in those of the median one, from which its first speed is searched.
@@ -105,7 +107,8 @@ def residuals(model: AxisModel, first: np.ndarray, data: AxisData) -> np.ndarray
     """Measured minus predicted position (n,), in the noise of the position."""
     out = np.empty(len(data.time))
     positions(model, first, data, out)
-    return (data.position - out) / data.noise
+    far = FAR * data.noise
+    return np.clip(np.nan_to_num(data.position - out, posinf=far), -far, far) / data.noise
 
 
 class Linearised(NamedTuple):
@@ -128,6 +131,7 @@ def linearised(
     data, p = cut.data, len(unknowns.names)
     slopes = np.empty((len(data.time), p + 2))
     tangents(model, first, data, *kinds_of((*unknowns.names, "q", "v")), slopes)
+    slopes = np.clip(np.nan_to_num(slopes), -FAR, FAR)
     lengths = np.diff(np.append(data.starts, len(data.time)))
     columns = slopes[:, :p] * (unknowns.sizes / data.noise)
     states = slopes[:, p:] * np.repeat(cut.spread / data.noise, lengths, axis=0)
@@ -213,9 +217,8 @@ def _descended(cut: Segmented, state: _State, unknowns: Unknowns, enough: float)
         about = linearised(state.model, state.first, cut, unknowns, state.residuals)
         better = None
         for _ in range(8):
-            step = np.linalg.solve(
-                about.information + damping * np.diag(np.diag(about.information)), about.gradient
-            )
+            weighted = about.information + damping * np.diag(np.diag(about.information))
+            step = np.linalg.lstsq(weighted, about.gradient, rcond=None)[0]
             new = _stepped(state.model, unknowns, step)
             shift = np.clip(about.own - np.einsum("sip,p->si", about.back, step), -LARGEST, LARGEST)
             moved = state.first + shift * cut.spread

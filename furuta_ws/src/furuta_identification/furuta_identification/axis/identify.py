@@ -36,8 +36,8 @@ COUNTS, GRAVITY_TRAVEL = 8.0, 0.7
 # how often the errors of the model take the place of that noise otherwise.
 EXPLAINED, REWEIGHTED = 1.3, 2
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
-# doubtful or useless; where the residuals are noise, it does not matter.
-DOUBTFUL, USELESS = 0.005, 0.15
+# doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
+DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -106,6 +106,11 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     cut = segmented(ready)
     base, scales = _first_fit(ready, cut)
     sensor = cut.data.noise
+    if base.rms * sensor > UNEXPLAINED * _forced_motion(cut):
+        raise ParameterError(
+            f"{ready[0].name}: the torque does not explain how the axis moves; check sign, column "
+            "and clock of the torque"
+        )
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         # Errors of the model are the noise then: they also make the first states uncertain.
         cut = cut.with_noise(base.rms * cut.data.noise)
@@ -122,11 +127,7 @@ def _prepared(recording: Recording) -> Recording:
             f"{recording.name}: the axis moves by {travel:g}, which is less than {COUNTS:g} counts "
             f"of {count:g} of its sensor; record a larger motion"
         )
-    measured = recording.measured.copy()
-    measured[:, 2] = np.pi  # no pendulum
-    size = float(np.nanmax(np.abs(recording.command), initial=0.0)) or 1.0
-    ready = cleaned(recording._replace(measured=measured, command=recording.command / size))
-    ready = ready._replace(command=size * ready.command)
+    ready = cleaned(recording, joints=(PHI,))
     middle = 0.5 * (ready.time[0] + ready.time[-1])
     return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
 
