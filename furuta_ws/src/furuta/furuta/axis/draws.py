@@ -47,7 +47,7 @@ class Consequences(NamedTuple):
             return text
         return (
             f"{text}: this recording does not tell; record stops and reversals under a torque that "
-            f"rises slowly from 0 to beyond {fit.values['alpha0'] + fit.hidden:.2g} either way"
+            f"rises slowly from 0 to beyond {fit.values.get('alpha0', 0.0) + fit.hidden:.2g} either way"
         )
 
 
