@@ -2,6 +2,7 @@
 
 import re
 from array import array
+from collections import Counter
 from collections.abc import Sequence
 from datetime import date
 from math import isnan, nan
@@ -11,7 +12,7 @@ import numpy as np
 from furuta_model.parameters import shortened
 
 # What stands for a missing value; an empty cell does too.
-MISSING = ("", "-", "--", "na", "n/a", "#n/a", "nan", "nil", "none", "null")
+MISSING = {"", "-", "--", "na", "n/a", "#n/a", "nan", "nil", "none", "null"}
 # Kinds of time, which are the units of their columns.
 DATE, DAY_TIME, HOUR_TIME, INSTANT = "date", "time of day", "min:s", "date and time"
 _DECIMAL_COMMA = re.compile(r"[+-]?(?=,?\d)(?:\d*|[1-9]\d{0,2}(?:\.\d{3})+)(?:,\d*)?(?:e[+-]?\d+)?")
@@ -35,53 +36,48 @@ class Cells:
         # Whether a cell can be read in one way only: with a decimal comma, with thousands; and
         # whether one has a decimal point.
         self.has_decimal_comma = self.has_thousands = self.has_point = False
+        self.is_doubtful = False
         self._either = array("q"), array("d")
-        self._times: dict[str, int] = {}
-        self._days: dict[str, int] = {}
-        # Dates of which the month may be first, and whether the day is first in another one.
-        self._guessed: set[str] = set()
-        self._day_is_first = False
         self._grouped_by_points = ""
+        self._times: Counter[str] = Counter()
+        self._days: dict[str, int] = {}
+        # Dates with slashes: whether a day or a month is certainly first, or one was guessed to be.
+        self._day_is_first = self._month_is_first = self._guessed = False
         self._wrong, self._first = 0, ""
 
     def add(self, cells: Sequence[str], lines: Sequence[int]) -> None:
         """Add cells, and the numbers of their lines in the file."""
+        plain = cells
+        if self.has_decimal_comma and "." not in "".join(cells):
+            plain = [cell.replace(",", ".") for cell in cells]
         try:
-            self.numbers.extend([*map(float, cells)])
+            self.numbers.extend([*map(float, plain)])
         except ValueError:
             for cell, line in zip(cells, lines, strict=True):
                 self.numbers.append(self.number(cell, line))
 
     def number(self, cell: str, line: int) -> float:
         """The number or the time [s since 1970, or of the day] in a cell; NaN without one."""
-        if not cell:
-            return nan
-        if self._times and (value := self._time(cell.lower())) is not None:
-            return value
-        has_point = "." in cell
-        try:
-            if not self.has_decimal_comma:
-                number = float(cell)
-                self.has_point |= has_point
-                return number
-            if not has_point:
-                return float(cell.replace(",", "."))
-        except ValueError:
-            pass
-        return self._from_text(cell.strip(), line)
-
-    def _from_text(self, cell: str, line: int) -> float:
-        text = cell.lower()
+        text = cell.strip().lower()
         if text in MISSING:
             return nan
-        value = self._with_commas(text)
-        value = self._time(text) if value is None else value
-        if value is None and self.has_decimal_comma:
-            value = self._with_point(text)
-        if value is None:
-            self._first = self._first or f"{shortened(cell)} in line {line}"
-            self._wrong += 1
-            return nan
+        readers = [self._with_point, self._with_commas]
+        if self.has_decimal_comma:  # among them a point separates thousands
+            readers.reverse()
+        readers.insert(0 if self._times else 2, self._time)  # first among times, for speed
+        for read in readers:
+            if (value := read(text)) is not None:
+                return value
+        self._first = self._first or f"{shortened(cell)} in line {line}"
+        self._wrong += 1
+        return nan
+
+    def _with_point(self, text: str) -> float | None:
+        try:
+            value = float(text)
+        except ValueError:
+            return None
+        self.has_point |= "." in text
         return value
 
     def _with_commas(self, text: str) -> float | None:
@@ -94,8 +90,8 @@ class Cells:
         elif decimal and text.count(".") > 1:
             self._grouped_by_points = text
         elif decimal and not self.has_decimal_comma:
+            self.has_point |= len(self._fractions) > 0
             self.has_decimal_comma = True
-            self.has_point |= bool(len(fractions(self.numbers)))
         self.has_thousands |= bool(thousands and not decimal)
         return float(text.replace(".", "").replace(",", ".")) if decimal else grouped
 
@@ -114,14 +110,6 @@ class Cells:
         for row, value in zip(*self._either, strict=True):
             self.numbers[row] = value
 
-    def _with_point(self, text: str) -> float | None:
-        try:
-            value = float(text)
-        except ValueError:
-            return None
-        self.has_point = True
-        return value
-
     def _time(self, text: str) -> float | None:
         found = _TIME.fullmatch(text)
         if not found or not (found["date"] or found["clock"]):
@@ -133,7 +121,7 @@ class Cells:
         if found["clock"]:
             kind, seconds = _clock(found["clock"], found["part"], found["half"])
             kind = INSTANT if found["date"] else kind
-        self._times[kind] = self._times.get(kind, 0) + 1
+        self._times[kind] += 1
         return 86400.0 * day + seconds - _zone(found["zone"])
 
     def _day(self, text: str) -> int | None:
@@ -141,10 +129,11 @@ class Cells:
         if text not in self._days:
             first, second, third = map(int, re.split("[-/.]", text))
             year, month, day = (first, second, third) if first > 31 else (third, second, first)
-            self._day_is_first |= "/" in text and 12 < first <= 31
-            if "/" in text and first <= 12 and not self._day_is_first:
-                month, day = first, second
-                self._guessed.add(text)
+            if "/" in text and first <= 31:
+                self._day_is_first |= first > 12
+                self._month_is_first |= second > 12
+                if not self._day_is_first:
+                    month, day, self._guessed = first, second, True
             try:
                 self._days[text] = date(year, month, day).toordinal() - _EPOCH
             except ValueError:
@@ -158,44 +147,48 @@ class Cells:
 
     def problem(self) -> str:
         """Why the column cannot be used; empty if it can."""
-        if self._wrong == 1:
-            return f"a cell in column {self.name} is not a number: {self._first}"
-        if self._wrong:
-            return f"{self._wrong} cells in column {self.name} are not numbers, first {self._first}"
-        return self._problem_with_separators() or self._problem_with_times()
+        column, times = f"column {self.name}", self._times.total()
+        mixed = len(self._times) > 1 or times < np.sum(np.isfinite(self.numbers))
+        either_order = self._guessed and (self._day_is_first or not self._month_is_first)
+        points = self.has_thousands or self.has_point
+        problems = {
+            f"a cell in {column} is not a number: {self._first}": self._wrong == 1,
+            f"{self._wrong} cells in {column} are not numbers, first {self._first}": self._wrong,
+            f"points in {column} separate thousands, as in {self._grouped_by_points}; write its "
+            "numbers without them": self._grouped_by_points,
+            f"{column} has times of several forms, or times and numbers": times and mixed,
+            f"{column} has decimal commas in some cells, not in others": (
+                self.has_decimal_comma and points
+            ),
+            f"{column}: a number such as 1,234 or 1.234 may be a thousand or have decimals; write "
+            "its numbers without separators of thousands": self.is_doubtful,
+            f"{column}: day and month of {next(iter(self._days), '')} are not certain; write dates "
+            "as 2026-01-31": either_order and len(self._days) > 1,
+        }
+        return next((text for text, holds in problems.items() if holds), "")
 
-    def _problem_with_separators(self) -> str:
-        if self._grouped_by_points:
-            return (
-                f"points in column {self.name} separate thousands, as in {self._grouped_by_points};"
-                " write its numbers without them"
-            )
-        if self.has_decimal_comma and (self.has_thousands or self.has_point):
-            return f"column {self.name} has decimal commas in some cells, not in others"
-        return ""
+    @property
+    def has_certain_points(self) -> bool:
+        """Whether the column has points that cannot separate thousands."""
+        return self.has_point or (len(self._fractions) > 0 and not self.may_have_thousands)
 
-    def _problem_with_times(self) -> str:
-        times = sum(self._times.values())
-        if times and (len(self._times) > 1 or times < np.sum(np.isfinite(self.numbers))):
-            return f"column {self.name} has times of several forms, or times and numbers"
-        if len(self._days) > 1 and self._order_is_open():
-            return (
-                f"column {self.name}: day and month of {next(iter(self._days))} are not certain; "
-                "write dates as 2026-01-31"
-            )
-        return ""
+    @property
+    def may_have_thousands(self) -> bool:
+        """Whether all that looks like a decimal point may separate thousands, as in 1.234."""
+        values = np.abs(self._fractions)
+        thousands = 1000.0 * values
+        # From 1000 on they would have two points.
+        inside = (values >= 1.0) & (values < 1000.0)
+        exact = np.abs(thousands - np.round(thousands)) < 1e-6
+        return len(values) > 0 and bool(np.all(inside & exact))
 
-    def _order_is_open(self) -> bool:
-        """Whether the month was taken to be first in a date, and no other one proves it."""
-        proven = any(int(day.split("/")[1]) > 12 for day in self._guessed)
-        return bool(self._guessed) and (self._day_is_first or not proven)
-
-
-def fractions(numbers: Sequence[float]) -> np.ndarray:
-    """The numbers that are not whole."""
-    values = np.array(numbers)
-    chosen: np.ndarray = values[np.isfinite(values) & (values != np.round(values))]
-    return chosen
+    @property
+    def _fractions(self) -> np.ndarray:
+        """The numbers that are not whole, of cells without commas."""
+        values = np.array(self.numbers)
+        values[np.array(self._either[0])] = nan
+        chosen: np.ndarray = values[np.isfinite(values) & (values != np.round(values))]
+        return chosen[:0] if self.has_decimal_comma or self.unit else chosen
 
 
 def _clock(text: str, part: str | None, half: str | None) -> tuple[str, float]:

@@ -10,14 +10,14 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.cells import Cells, fractions, is_text
+from furuta_recordings.cells import Cells, is_text
 from furuta_ros.yaml_files import open_regular
 
 # Longest line [characters], and most cells of a table: 8 bytes each in memory.
@@ -27,8 +27,6 @@ MOST_CELLS = 50_000_000
 ROWS_TOGETHER = 256
 # First bytes of a text in UTF-16, and of a zip archive, which a workbook is too.
 UTF16, ZIP = (b"\xff\xfe", b"\xfe\xff"), b"PK\x03\x04"
-# Largest number of which separators of thousands leave one dot, as in 999.999.
-LARGEST_WITH_DOT = 1000.0
 
 
 class Table(NamedTuple):
@@ -73,13 +71,15 @@ def _encodings(path: Path) -> tuple[str, ...]:
 def _table(path: Path, file: TextIO) -> Table:
     header, number, separated, lines = _header(file)
     cells = [Cells(name.strip()) for name in header]
-    ignored, is_first = [header], True
-    for numbers, rows in _batches(csv.reader(lines, **separated), number, ignored):
-        if is_first and is_text(rows[0]):
-            ignored.append(rows.pop(0))
-            numbers.pop(0)
-        is_first = False
-        for column, texts in zip(cells, zip(*rows, strict=True), strict=False):
+    ignored = [header]
+    numbered = _rows(csv.reader(lines, **separated), number, ignored)
+    first = [*islice(numbered, 1)]
+    if first and is_text(first[0][1]):
+        ignored.append(first.pop()[1])
+    numbered = chain(first, numbered)
+    while batch := [*islice(numbered, ROWS_TOGETHER)]:
+        numbers, rows = zip(*batch, strict=True)
+        for column, texts in zip(cells, zip(*rows, strict=True), strict=True):
             column.add(texts, numbers)
         if len(cells) * len(cells[0].numbers) > MOST_CELLS:
             raise csv.Error(f"more than {MOST_CELLS} cells")
@@ -87,13 +87,13 @@ def _table(path: Path, file: TextIO) -> Table:
         raise ParameterError(
             f"{path}: no table in it" + (", no row of numbers below a header" if cells else "")
         )
-    doubtful = _settle_commas(cells, separated["delimiter"])
+    _settle_commas(cells, separated["delimiter"])
     units = ignored[-1] if len(ignored) > 1 else [""] * len(cells)
     below = {column.name: unit.strip() for column, unit in zip(cells, units, strict=True)}
-    return _named(path, cells, below, doubtful)
+    return _named(path, cells, below)
 
 
-def _named(path: Path, cells: list[Cells], units: dict[str, str], doubtful: set[str]) -> Table:
+def _named(path: Path, cells: list[Cells], units: dict[str, str]) -> Table:
     """The table of the columns that have a name."""
     table = Table(path, {}, {}, units)
     for column in cells:
@@ -101,11 +101,6 @@ def _named(path: Path, cells: list[Cells], units: dict[str, str], doubtful: set[
         if not name:
             continue
         problem = column.problem()
-        if name in doubtful:
-            problem = problem or (
-                f"column {name}: a number such as 1,234 or 1.234 may be a thousand or have "
-                "decimals; write its numbers without separators of thousands"
-            )
         again = table.columns.get(name, values)
         if not np.array_equal(again, values, equal_nan=True):
             problem = f"column {name} is there twice, with different values; rename one"
@@ -117,37 +112,20 @@ def _named(path: Path, cells: list[Cells], units: dict[str, str], doubtful: set[
     return table
 
 
-def _settle_commas(cells: list[Cells], delimiter: str) -> set[str]:
-    """Decide between thousands and decimals, also by other columns; names where that fails."""
+def _settle_commas(cells: list[Cells], delimiter: str) -> None:
+    """Decide between thousands and decimals, also by other columns; notes where that fails."""
     commas = any(column.has_decimal_comma for column in cells)
-    points = any(_has_points(column) for column in cells)
-    doubtful = {column.name for column in cells if commas and _may_have_thousands(column)}
+    thousands = any(column.has_certain_points for column in cells) or (
+        delimiter == "," and not commas
+    )
     for column in cells:
-        thousands = points or (delimiter == "," and not commas)
-        if column.is_ambiguous and (
-            commas == thousands or not (thousands or column.has_three_decimals)
-        ):
-            doubtful.add(column.name)
+        if column.is_ambiguous:
+            certain = thousands or column.has_three_decimals
+            column.is_doubtful = commas == thousands or not certain
+        else:
+            column.is_doubtful = commas and column.may_have_thousands
         if column.has_thousands or (column.is_ambiguous and not commas):
             column.with_thousands()
-    return doubtful
-
-
-def _has_points(column: Cells) -> bool:
-    """Whether the column has points that cannot separate thousands."""
-    of_numbers = not (column.has_decimal_comma or column.is_ambiguous or column.unit)
-    has_fractions = of_numbers and len(fractions(column.numbers)) > 0
-    return column.has_point or (has_fractions and not _may_have_thousands(column))
-
-
-def _may_have_thousands(column: Cells) -> bool:
-    """Whether all that looks like a decimal point may separate thousands, as in 1.234."""
-    values = np.abs(fractions(column.numbers))
-    if column.has_decimal_comma or column.is_ambiguous or column.unit or not len(values):
-        return False
-    thousands = 1000.0 * values
-    inside = (values >= 1.0) & (values < LARGEST_WITH_DOT)
-    return bool(np.all(inside & (np.abs(thousands - np.round(thousands)) < 1e-6)))
 
 
 def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
@@ -171,27 +149,17 @@ def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]
     raise csv.Error(f"line {number} holds numbers, where the names of the columns should stand")
 
 
-def _batches(
-    rows: Any, first: int, ignored: list[list[str]]
-) -> Iterator[tuple[list[int], list[list[str]]]]:
-    """Rows that hold something, of the header's width, and their lines; some at a time.
+def _rows(rows: Any, first: int, ignored: list[list[str]]) -> Iterator[tuple[int, list[str]]]:
+    """The numbers of lines that hold something, and their rows, of the header's width.
 
     Left out are comments, and the rows ``ignored``, which a logger repeats at each start.
     """
-    batch: list[list[str]] = []
-    numbers: list[int] = []
     width = len(ignored[0])
     for read in rows:
-        row = read if len(read) == width else _fitted(read, width, first + rows.line_num)
-        if not any(row) or row[0].startswith("#") or row in ignored:
-            continue
-        batch.append(row)
-        numbers.append(first + rows.line_num)
-        if len(batch) == ROWS_TOGETHER:
-            yield numbers, batch
-            batch, numbers = [], []
-    if batch:
-        yield numbers, batch
+        line = first + rows.line_num
+        row = read if len(read) == width else _fitted(read, width, line)
+        if any(row) and not row[0].startswith("#") and row not in ignored:
+            yield line, row
 
 
 def _fitted(row: list[str], width: int, line: int) -> list[str]:
