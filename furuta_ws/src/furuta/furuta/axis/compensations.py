@@ -5,7 +5,7 @@ suits one level only is no recommendation.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -77,24 +77,17 @@ def compare_on_axis(
     cycle = cycle or servo_cycle(axis, controller, speed)
     if cycle.kind == "unbounded":
         raise ParameterError("the axis is unbounded without compensation: change the gains")
+    options: dict[str, Any] = {
+        "speed": speed,
+        "counts": counts,
+        "sample_time": sample_time,
+        "period": cycle.period_s,
+    }
+    trues = (*(with_level(axis, level) for level in LEVELS), *others)
     residuals = []
     for compensation in CANDIDATES:
-        _, errors, sizes, settled = zip(
-            *(
-                residual(
-                    true,
-                    axis,
-                    controller,
-                    compensation,
-                    speed=speed,
-                    counts=counts,
-                    sample_time=sample_time,
-                    period=cycle.period_s,
-                )
-                for true in (*(with_level(axis, level) for level in LEVELS), *others)
-            ),
-            strict=True,
-        )
+        found = [residual(true, axis, controller, compensation, **options) for true in trues]
+        _, errors, sizes, settled = zip(*found, strict=True)
         residuals.append(Residual(compensation, max(errors), max(sizes), all(settled)))
     final = [each for each in residuals if each.settled] or residuals
     best = min(each.error_rad for each in final)
