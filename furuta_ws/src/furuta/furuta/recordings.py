@@ -118,7 +118,8 @@ def load_series(
     from furuta.studies import series
     from furuta_recordings import readers
 
-    return series.load_series(Path(path), readers.Mapping(arm, pendulum, command, states))
+    names = readers.Mapping(arm, pendulum, command, states)
+    return series.series_with_findings(Path(path), names)[0]
 
 
 def simulated_series(record: Record) -> dict[str, np.ndarray]:

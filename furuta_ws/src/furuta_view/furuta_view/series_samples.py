@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.studies.series import load_series
+from furuta.studies.series import series_with_findings
 from furuta_view.samples import COLUMNS, TIME
 
 # Names of the columns of a sample; what the estimator says stands in for what is not known.
@@ -28,7 +28,7 @@ class SeriesSamples:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        series = load_series(path)
+        series = series_with_findings(path)[0]
         unknown = np.full(len(series["time_s"]), np.nan)
         rows = [next((series[n] for n in names if n in series), unknown) for names in _NAMES]
         samples = np.array(rows).reshape(COLUMNS, -1).T

@@ -40,13 +40,8 @@ def simulated_series(record: Record) -> Series:
     }
 
 
-def load_series(path: Path, names: Names | None = None) -> Series:
-    """The columns of a bag, of a file of series, or of a table of another rig."""
-    return series_with_findings(path, names)[0]
-
-
 def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series, list[str]]:
-    """The columns as :func:`load_series` gives them, and how a recording was interpreted.
+    """The columns of a file, bag or table, and how a recording was interpreted.
 
     Bags of the graph give measurement, estimates, command and, from a simulated plant, the truth.
     Of another rig's bag or CSV table, ``names`` tells the joints and the command; it gives the
