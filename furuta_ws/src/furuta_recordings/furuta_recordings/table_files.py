@@ -3,6 +3,7 @@
 import csv
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -63,8 +64,10 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
     content = _read(path)
     if isinstance(content, Table):
         return content.columns
-    numbers = {name: values for name, values in content.items() if values.dtype.kind in "fiub"}
-    return {name: _floats(name, values) for name, values in (numbers or content).items()}
+    numbers = {name: np.asarray(s, float) for name, s in content.items() if _is_numeric(s)}
+    if content and not numbers:
+        raise ParameterError(f"{path}: {', '.join(content)} are not numbers")
+    return numbers
 
 
 def read_table(path: Path) -> Table:
@@ -110,10 +113,6 @@ def _write_csv(path: Path, columns: Columns) -> None:
         writer.writerows(zip(*(each.tolist() for each in columns.values()), strict=True))
 
 
-def _write_parquet(path: Path, columns: Columns) -> None:
-    parquet.write_table(arrow.table(dict(columns)), path)
-
-
 def write_parquet_rows(
     path: Path, types: Mapping[str, type], rows: Iterable[Mapping[str, Any]]
 ) -> None:
@@ -133,12 +132,7 @@ def _read_parquet(path: Path) -> dict[str, np.ndarray]:
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
-def _write_matlab(path: Path, columns: Columns) -> None:
-    savemat(path, dict(columns), appendmat=False, do_compression=True, oned_as="column")
-
-
 def _read_matlab(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of a file, those in structs by the names of their fields."""
     try:
         _check_size(path, sum(8 * prod(shape) for _, shape, _ in whosmat(path, appendmat=False)))
         content = loadmat(path, appendmat=False, simplify_cells=True)
@@ -148,9 +142,11 @@ def _read_matlab(path: Path) -> dict[str, np.ndarray]:
 
 
 def _flat(content: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
+    """The arrays, those in structs by the names of their fields."""
     for name, values in content.items():
-        if isinstance(values, Mapping):
-            yield from _flat(values)
+        fields = values if isinstance(values, Mapping) else np.asarray(values).dtype.names
+        if fields:
+            yield from _flat({field: values[field] for field in fields})
         else:
             yield name, np.atleast_1d(values)
 
@@ -177,10 +173,10 @@ def tabulated(path: Path, arrays: Columns) -> Table:
     """Arrays as columns: vectors of one length, and a matrix with as many names as columns."""
     table = Table(path, {}, {}, {})
     texts = [values for values in arrays.values() if values.dtype.kind in "OU"]
-    for name, values in _fields(arrays):
+    for name, values in _flat(arrays):
         vector = values.reshape(-1) if values.ndim < 2 or 1 in values.shape else values
         names = next((text for text in texts if text.shape == vector.shape[1:]), None)
-        if vector.dtype.kind not in "fiub":
+        if not _is_numeric(vector):
             continue
         if vector.ndim == 1:
             table.columns[name] = vector.astype(float)
@@ -192,14 +188,6 @@ def tabulated(path: Path, arrays: Columns) -> Table:
             size = " x ".join(map(str, values.shape))
             table.problems[name] = f"{name} is a matrix ({size}) without names of its columns"
     return _of_one_length(table)
-
-
-def _fields(arrays: Columns) -> Iterator[tuple[str, np.ndarray]]:
-    """The arrays, those with fields field by field."""
-    for name, values in arrays.items():
-        yield from ((each, values[each]) for each in values.dtype.names or ())
-        if not values.dtype.names:
-            yield name, values
 
 
 def _of_one_length(table: Table) -> Table:
@@ -218,15 +206,19 @@ def _check_size(path: Path, size: int) -> None:
         raise ParameterError(f"{path} holds {size} bytes, at most {LARGEST_CONTENT} are read")
 
 
-def _floats(name: str, values: np.ndarray) -> np.ndarray:
-    if values.dtype.kind not in "fiub":
-        raise ParameterError(f"{name} holds {values.dtype}, not numbers")
-    return np.asarray(values, dtype=float)
+def _is_numeric(values: np.ndarray) -> bool:
+    return values.dtype.kind in "fiub"
 
 
 _FORMATS: dict[str, tuple[Callable[[Path, Columns], None], Callable[[Path], Any]]] = {
     ".csv": (_write_csv, read_csv),
-    ".parquet": (_write_parquet, _read_parquet),
-    ".mat": (_write_matlab, _read_matlab),
+    ".parquet": (
+        lambda path, columns: parquet.write_table(arrow.table(columns), path),
+        _read_parquet,
+    ),
+    ".mat": (
+        partial(savemat, appendmat=False, do_compression=True, oned_as="column"),
+        _read_matlab,
+    ),
     ".npz": (write_npz, _read_npz),
 }
