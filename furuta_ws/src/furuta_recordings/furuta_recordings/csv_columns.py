@@ -25,8 +25,6 @@ LONGEST_LINE = 2**20
 MOST_CELLS = 50_000_000
 # Rows that are read together; more do not stay in the processor's cache.
 ROWS_TOGETHER = 256
-# First bytes of a text in UTF-16, and of a zip archive, which a workbook is too.
-UTF16, ZIP = (b"\xff\xfe", b"\xfe\xff"), b"PK\x03\x04"
 
 
 class Table(NamedTuple):
@@ -61,9 +59,9 @@ def _encodings(path: Path) -> tuple[str, ...]:
     """Encodings to try."""
     with open_regular(path, "table") as file:
         start = file.read(4096)
-    if start.startswith(ZIP):
+    if start.startswith(b"PK\x03\x04"):
         raise ParameterError(f"cannot read {path}: a zip archive or workbook, not a text file")
-    if start.startswith(UTF16):
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         return ("utf-16",)
     return () if b"\0" in start else ("utf-8-sig", "cp1252")
 

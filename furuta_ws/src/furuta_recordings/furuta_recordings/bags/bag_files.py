@@ -26,8 +26,6 @@ _TYPES = {
     "message_definitions": dict.fromkeys(_DEFINITION, "text"),
     "messages": {"topic_id": "integer", "timestamp": "integer", "data": "blob"},
 }
-# Files that sqlite3 reads with a file of the same name.
-_COMPANIONS = ("-wal", "-shm", "-journal")
 
 
 class BagFiles(NamedTuple):
@@ -144,7 +142,7 @@ def _whole(file: Path, directory: Path) -> Path:
 @contextmanager
 def open_sqlite(file: Path) -> Iterator[sqlite3.Connection]:
     """Open a bag file for reading; text that is no UTF-8 is replaced."""
-    for ending in _COMPANIONS:
+    for ending in ("-wal", "-shm", "-journal"):  # which sqlite3 reads with the file
         companion = file.with_name(file.name + ending)
         if os.path.lexists(companion) and (companion.is_symlink() or not companion.is_file()):
             raise ParameterError(f"{companion.name} is not a regular file")

@@ -22,9 +22,6 @@ _SUFFIXES = (".mcap", ".db3")
 # Most problems that a recovery lists.
 MOST_PROBLEMS = 100
 
-# Most topics of a file that are looked at.
-MOST_KNOWN = 10 * MOST_TOPICS
-
 # A message: its topic, its time [ns] and its content.
 StoredMessage = tuple[BagTopic, int, bytes]
 
@@ -136,7 +133,7 @@ class _Recovery:
                 check_values(connection)
             except (ParameterError, sqlite3.Error) as error:  # what comes before may be sound
                 self._note(f"{file.name}: {error}")
-            rows = connection.execute(f"SELECT id, name, type FROM topics LIMIT {MOST_KNOWN}")
+            rows = connection.execute(f"SELECT id, name, type FROM topics LIMIT {10 * MOST_TOPICS}")
             topics = {
                 number: BagTopic(name, type_name, "", "")
                 for number, name, type_name in rows

@@ -119,11 +119,8 @@ def _listed(types: dict[str, str]) -> str:
 
 def joint_numbers(message: Any, index: int) -> list[float]:
     """Position, velocity and effort of a joint in a JointState message; NaN where not given."""
-    return [_at(series, index) for series in (message.position, message.velocity, message.effort)]
-
-
-def _at(series: Any, index: int) -> float:
-    return float(series[index]) if index < len(series) else nan
+    series = message.position, message.velocity, message.effort
+    return [float(each[index]) if index < len(each) else nan for each in series]
 
 
 def _command_value(path: Path, message: Any) -> float:

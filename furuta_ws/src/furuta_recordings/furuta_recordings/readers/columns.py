@@ -80,17 +80,16 @@ def column(name: str) -> Column:
 def _unit(text: str) -> str:
     """A unit as the tables above write it: N·m, N m and N_m are nm, rad_s and rad_per_s rad/s."""
     text = text.strip().lower()
-    if text in (DATE, DAY_TIME, INSTANT):
-        return text
     text = text.replace("_per_", "/").replace("_", "/")
     return re.sub(r"[\s·⋅*.]", "", text).replace("n/m", "nm")
 
 
 def unit_of(table: Table, name: str) -> str:
     """The unit of a column, in its name or below it."""
-    own, below = column(name).unit, _unit(table.units.get(name, "").strip("[]()-"))
-    if below in (DATE, DAY_TIME, HOUR_TIME, INSTANT):
-        return below
+    text = table.units.get(name, "")
+    if text in (DATE, DAY_TIME, HOUR_TIME, INSTANT):
+        return text
+    own, below = column(name).unit, _unit(text.strip("[]()-"))
     if own and below and own != below:
         raise ParameterError(f"{table.path}: column {name} has another unit below, {below}")
     return own or below
