@@ -83,23 +83,18 @@ def _with_content(name: str, value: Any, hint: Any) -> Any:
 
 
 def _group(name: str, group: Any, hint: Any) -> Any:
-    """The named tuple with its fields checked."""
+    """The named tuple with its fields checked; NaN may be in arrays and in what is not declared."""
     _check_shapes(name, group, hint)
-    return group._replace(
-        **{
-            field: _field(f"{name}.{field}", getattr(group, field), kind, bool(metadata))
-            for field, kind, metadata in group_fields(hint)
-        }
-    )
+    checked_fields = {}
+    for field, kind, metadata in group_fields(hint):
+        value = getattr(group, field)
+        may_be_nan = kind is np.ndarray or (kind is float and not metadata)
+        if not (may_be_nan and isinstance(value, kind)):
+            checked_fields[field] = check(f"{name}.{field}", value, kind)
+    return group._replace(**checked_fields)
 
 
 _known_group = lru_cache(_group)  # a loop has hundreds of fields
-
-
-def _field(name: str, value: Any, kind: Any, declared: bool) -> Any:
-    """The value of a field, checked."""
-    may_be_nan = kind is np.ndarray or (kind is float and not declared)
-    return value if may_be_nan and isinstance(value, kind) else check(name, value, kind)
 
 
 def _check_shapes(name: str, group: Any, hint: Any) -> None:
