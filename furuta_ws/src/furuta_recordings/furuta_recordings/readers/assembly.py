@@ -42,10 +42,10 @@ def recording_of(
     """
     measured = np.full((len(time), RIGID_STATES), np.nan)
     told = [text for text in findings if text]
-    for index, joint in zip((PHI, THETA), joints, strict=False):
+    names = JOINTS if len(joints) > 1 else ("axis",)
+    for index, own, joint in zip((PHI, THETA), names, joints, strict=False):
         measured[:, index], measured[:, index + 1] = joint.angle, joint.speed
         if joint.turn:
-            own = JOINTS[index // 2] if len(joints) > 1 else "axis"
             told.append(f"the angle of the {own} begins anew after {joint.turn:.6g}: continued")
     known = [np.isfinite(joint.angle) & np.isfinite(time) for joint in joints]
     rows = np.logical_and.reduce(known)
@@ -53,7 +53,10 @@ def recording_of(
         rows = _merge(measured, time, known)
         told.append("arm and pendulum come at different times: interpolated between samples")
     if not np.any(rows):
-        raise ParameterError(f"{name}: {_missing(joints)}")
+        held = [np.any(np.isfinite(joint.angle)) for joint in joints]
+        empty = [own for own, holds in zip(names, held, strict=True) if not holds]
+        reason = f"angle of the {empty[0]} in any row" if empty else "row with time and all angles"
+        raise ParameterError(f"{name}: no {reason}")
     if np.sum(rows) < len(rows):
         told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows hold no position")
     start = time[rows][0]
@@ -65,17 +68,6 @@ def recording_of(
     for text in told:
         recording = recording.noting(text)
     return recording
-
-
-def _missing(joints: Sequence[Joint]) -> str:
-    """Why no row is usable."""
-    names = JOINTS if len(joints) > 1 else ("axis",)
-    for name, joint in zip(names, joints, strict=True):
-        if not np.any(np.isfinite(joint.angle)):
-            return f"no angle of the {name} in any row"
-    return (
-        "no row with time and both angles" if len(joints) > 1 else "no row with time and position"
-    )
 
 
 def _merge(measured: np.ndarray, time: np.ndarray, known: Sequence[np.ndarray]) -> np.ndarray:

@@ -50,9 +50,8 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
         for name, angle in zip(names, angles, strict=True)
     ]
     if len(joints) == 1:
-        joints.insert(
-            0, Joint(np.zeros(len(joints[0].angle)), np.full(len(joints[0].angle), np.nan))
-        )
+        rest = np.zeros(len(joints[0].angle))
+        joints.insert(0, Joint(rest, np.full(len(rest), np.nan)))
     time, overflow = seconds(table, stamps)
     command_time, _ = seconds(table, clock)
     source = f"command from column {command}" if command else "no command"
