@@ -74,14 +74,8 @@ class _Rigs:
         self._initial = initial_plant(plants[0])
         self._initial["x"] = 0.0
         self._balances = task == "balance"
-        self._memory = np.repeat(self._initial, number)
+        self.memory = np.repeat(self._initial, number)
         self._plants = np.repeat(self._designs[:1], number)
-
-    @property
-    def states(self) -> np.ndarray:
-        """True states x (number, 4)."""
-        states: np.ndarray = self._memory["x"][:, :RIGID_STATES]
-        return states
 
     def check_reset(self, seed: Any, options: Any) -> np.ndarray | None:
         """Reject arguments of ``reset``; the plants (indices) that the options name, if they do."""
@@ -93,9 +87,9 @@ class _Rigs:
         if "plants" not in options:
             return None
         given, last = np.asarray(options["plants"]), len(self._designs) - 1
-        right = given.shape == self._memory.shape and given.dtype.kind in "iu"
+        right = given.shape == self.memory.shape and given.dtype.kind in "iu"
         if not (right and given.min() >= 0 and given.max() <= last):
-            wanted = f"{len(self._memory)} indices from 0 to {last}"
+            wanted = f"{len(self.memory)} indices from 0 to {last}"
             raise ParameterError(f"plants must be {wanted}, given {shortened(options['plants'])}")
         return given
 
@@ -111,7 +105,7 @@ class _Rigs:
         memory = np.repeat(self._initial, len(which))
         memory["x"][:, :RIGID_STATES] = START * random.uniform(-1.0, 1.0, (len(which), len(START)))
         memory["x"][:, THETA] += 0.0 if self._balances else pi
-        self._memory[which], self._plants[which] = memory, designs
+        self.memory[which], self._plants[which] = memory, designs
         observations = np.zeros((len(which), OBSERVED), np.float32)
         noise = random.standard_normal((len(which), NOISE_CHANNELS))
         _read(memory, designs, noise, observations)
@@ -121,7 +115,7 @@ class _Rigs:
         self, actions: np.ndarray, random: np.random.Generator
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Observations, rewards, and which episodes have ended, after a sample."""
-        n = len(self._memory)
+        n = len(self.memory)
         if actions.size != n or actions.dtype.kind not in "iuf" or not np.isfinite(actions).all():
             given = shortened(actions.tolist())
             raise ParameterError(f"each of {n} actions must be a finite number, given {given}")
@@ -130,7 +124,7 @@ class _Rigs:
         noise = random.standard_normal((n, NOISE_CHANNELS))
         clipped = np.clip(actions.reshape(n).astype(float), -1.0, 1.0)
         limit = FALL_ANGLE if self._balances else np.inf
-        _step(self._memory, self._plants, noise, clipped, limit, observations, rewards, ended)
+        _step(self.memory, self._plants, noise, clipped, limit, observations, rewards, ended)
         return observations, rewards, ended
 
 
@@ -191,7 +185,8 @@ class FurutaVectorEnv(VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     @property
     def states(self) -> np.ndarray:
         """True states x (num_envs, 4), which are not observed."""
-        return self._rigs.states
+        states: np.ndarray = self._rigs.memory["x"][:, :RIGID_STATES]
+        return states
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
