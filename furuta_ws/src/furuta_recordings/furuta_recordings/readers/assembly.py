@@ -55,7 +55,7 @@ def recording_of(
     if not np.any(rows):
         held = [np.any(np.isfinite(joint.angle)) for joint in joints]
         empty = [own for own, holds in zip(names, held, strict=True) if not holds]
-        reason = f"angle of the {empty[0]} in any row" if empty else "row with time and all angles"
+        reason = f"angle of the {empty[0]} in any row" if empty else "row with time and position"
         raise ParameterError(f"{name}: no {reason}")
     if np.sum(rows) < len(rows):
         told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows hold no position")
