@@ -33,8 +33,8 @@ STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # speed in the Coulomb level, and of any other effect in the usual torque.
 ASYMMETRY, DRAG, EFFECT = 0.2, 0.1, 30.0
 FALL = ("alpha1", "stribeck_velocity")
-# Factors about a fall that is known; searches for a fall, and the probability
-# by chance above which an effect is not tried again.
+# Factors about a fall that is known; searches for a fall, and the probability by chance above which
+# a wave is not tried again.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
 FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once: stiction.
@@ -91,10 +91,9 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
             if not np.any(significant):
                 break
             chosen = groups[int(np.argmax(np.where(significant, gains, -1.0)))]
-            # What is far from significant now is not tried again.
-            groups = [
-                g for g, c in zip(groups, chances, strict=True) if g != chosen and c < HOPELESS
-            ]
+            # A wave that is far from significant now is not tried again.
+            kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
+            groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
             best = _extended(cut, best, chosen, scales)
         if once:
             best = _falling(cut, best, scales) or best

@@ -347,12 +347,8 @@ def covariance(
     The cluster jackknife CR3 with one step per segment: what is left of an encoder's counts is no
     white noise, and within a segment it may be correlated in any way. The priors' part is added.
     """
-    shift = np.array(
-        [
-            np.linalg.lstsq(information - block, score, rcond=None)[0]
-            for block, score in zip(blocks, scores, strict=True)
-        ]
-    )
+    left = np.linalg.pinv(information - blocks, hermitian=True)
+    shift = np.einsum("sij,sj->si", left, scores)
     inverse = np.linalg.pinv(information)
     of_prior = inverse @ np.diag((unknowns.sizes / unknowns.priors) ** 2) @ inverse
     return (len(shift) - 1) / len(shift) * shift.T @ shift + of_prior
