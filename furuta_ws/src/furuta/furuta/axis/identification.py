@@ -28,7 +28,7 @@ def identified_axis(fit: AxisFit, law: str = "stribeck") -> Axis:
             f"{law}"
         )
     known = {name: value for name, value in fit.values.items() if name in Friction._fields}
-    if "stribeck_velocity" not in known:
+    if "stribeck_velocity" not in known and law != "stiction":
         known["alpha1"] = 0.0
     return Axis(fit.values["inertia"], NOTHING._replace(**known), law)
 

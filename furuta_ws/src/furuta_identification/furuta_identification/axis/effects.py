@@ -16,6 +16,7 @@ from furuta_identification.axis.fitting import (
     fit,
     linearised,
     projection,
+    residuals,
     value_of,
 )
 from furuta_identification.axis.motion import MOST_WAVES, AxisModel
@@ -37,8 +38,9 @@ FALL = ("alpha1", "stribeck_velocity")
 # a wave is not tried again.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
 FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
-# Stribeck velocity, relative to the usual speed, of a fall that is over at once: stiction.
-AT_ONCE = 1e-6
+# Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
+# and one that no recording tells from it.
+AT_ONCE, SHORT = 1e-6, 1e-3
 # Smallest fall, in the Coulomb level.
 SMALLEST_FALL = 0.01
 # Increase of the squares, in those that count, that contradicts stiction: two standard errors.
@@ -83,7 +85,7 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
     """The fit with all effects that the segments support."""
     best = base
     groups: list[tuple[str, ...]] = [(name,) for name in _smooth_effects(drift)]
-    groups += [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
+    groups += _waves(scales)
     for once in (True, False):
         while groups and len(best.model.waves) < MOST_WAVES:
             chances, gains = _chances(cut, best, groups, scales)
@@ -95,9 +97,33 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
             kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
             groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
             best = _extended(cut, best, chosen, scales)
+            if len(chosen) > 1:
+                best = _other_order(cut, best, chosen, scales)
         if once:
             best = _falling(cut, best, scales) or best
+    if best.model.stribeck_velocity < SHORT * scales.speed:
+        velocity = AT_ONCE * scales.speed
+        model = best.model._replace(stribeck_velocity=velocity)
+        best = fit_with_fall(cut, best, model, scales)
     return _reduced(cut, fit(cut, best.model, best.unknowns, best.first), scales)
+
+
+def _waves(scales: Scales) -> list[tuple[str, ...]]:
+    return [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
+
+
+def _other_order(cut: Segmented, best: Fit, wave: Sequence[str], scales: Scales) -> Fit:
+    """The fit with another wave instead, if it explains more now that the rest is fitted."""
+    names = [name for name in best.unknowns.names if name not in wave]
+    model = changed(best.model, wave, (0.0, 0.0))
+    about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
+    without = best._replace(
+        model=model, unknowns=about, residuals=residuals(model, best.first, cut.data)
+    )
+    others = [group for group in _waves(scales) if group[0] not in best.unknowns.names]
+    _, gains = _chances(cut, without, others, scales)
+    other = others[int(np.argmax(gains))]
+    return min(best, _extended(cut, without, other, scales), key=lambda each: each.cost)
 
 
 def _allowed(group: Sequence[str]) -> float:
@@ -113,6 +139,11 @@ def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
             model = changed(best.model, group, [0.0] * len(group))
             about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
             best = fit(cut, model, about, best.first)
+    if best.model.alpha1:
+        names = [name for name in best.unknowns.names if name not in FALL]
+        plain = best.model._replace(alpha1=0.0)
+        without = fit(cut, plain, unknowns(names, scales, plain.inertia, 1.0), best.first)
+        best = best if _gained(without, best) else without
     return best
 
 
@@ -202,9 +233,13 @@ def _falling(cut: Segmented, best: Fit, scales: Scales) -> Fit | None:
         if better.cost > result.cost - COARSE * result.rms**2:
             break
         result = better
-    gain = (best.cost - result.cost) / max(result.rms, 1.0) ** 2 / result.inflation
     falls = result.model.alpha1 > SMALLEST_FALL * scales.level
-    return result if falls and np.exp(-0.5 * gain) < BY_CHANCE else None
+    return result if falls and _gained(best, result) else None
+
+
+def _gained(without: Fit, fall: Fit) -> bool:
+    """Whether squares decrease by more than chance explains."""
+    return bool(np.exp(0.5 * (fall.cost - without.cost) / fall.inflation) < BY_CHANCE)
 
 
 def _best_falls(cut: Segmented, about: Fit, scales: Scales) -> list[AxisModel]:
@@ -252,10 +287,21 @@ def _falls(model: AxisModel, scales: Scales) -> Iterable[list[AxisModel]]:
         yield [fallen(excess * scales.level, velocity) for excess in excesses]
 
 
+def stiction_error(cut: Segmented, best: Fit) -> float:
+    """Standard error of a fall that is over at once: how far the segments do not contradict it."""
+    project, fall = projection(cut, best), best.model.alpha1
+    allowed = project(best.model).sum() + HIDDEN * best.inflation
+    factors = np.sort(NEAR)
+    good = [project(best.model._replace(alpha1=k * fall)).sum() <= allowed for k in factors]
+    inside = np.flatnonzero(good)
+    low, high = factors[max(inside[0] - 1, 0)], factors[min(inside[-1] + 1, len(factors) - 1)]
+    return float(0.25 * (high - low) * fall)
+
+
 def largest_hidden_fall(cut: Segmented, best: Fit, scales: Scales) -> float:
     """The largest stiction above the Coulomb level that the segments do not contradict."""
     project = projection(cut, best)
-    allowed = project(best.model).sum() + HIDDEN * best.inflation * max(best.rms, 1.0) ** 2
+    allowed = project(best.model).sum() + HIDDEN * best.inflation
     models = [
         best.model._replace(alpha1=excess * scales.level, stribeck_velocity=AT_ONCE * scales.speed)
         for excess in FINELY

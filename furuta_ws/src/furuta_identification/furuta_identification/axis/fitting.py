@@ -63,11 +63,11 @@ class Fit(NamedTuple):
 
     @property
     def inflation(self) -> float:
-        """Variance by segments over that of white residuals of size 1, the median of SURE."""
+        """Variance by segments over that of white noise, at least that of white residuals."""
         white = np.diag(np.linalg.pinv(self.information))
         own = np.diag(self.covariance)
         kept = [k for k, name in enumerate(self.unknowns.names) if name in SURE]
-        return float(max(np.median(own[kept] / white[kept]), 1.0))
+        return float(max(np.median(own[kept] / white[kept]), self.rms**2))
 
 
 # Unknowns that every segment with motion informs of.
@@ -87,7 +87,7 @@ def value_of(model: AxisModel, name: str) -> float:
 
 
 def changed(model: AxisModel, names: Sequence[str], values: Sequence[float]) -> AxisModel:
-    """The model with other values of some unknowns; a wave that it has not yet is added."""
+    """The model with other values of some unknowns; waves come and go with their amplitudes."""
     offsets, waves = model.offsets.copy(), model.waves.copy()
     fields = {}
     for name, value in zip(names, values, strict=True):
@@ -100,6 +100,7 @@ def changed(model: AxisModel, names: Sequence[str], values: Sequence[float]) -> 
             waves[waves[:, 0] == int(number), 1 if kind == "cos" else 2] = value
         else:
             fields[name] = float(value)
+    waves = waves[np.any(waves[:, 1:] != 0.0, axis=1)]
     return model._replace(offsets=offsets, waves=waves, **fields)
 
 

@@ -15,6 +15,7 @@ from furuta_identification.axis.effects import (
     Scales,
     covariance_with_missed,
     largest_hidden_fall,
+    stiction_error,
     supported,
     unknowns,
 )
@@ -174,19 +175,20 @@ def _result(
     for name in names:
         reported = "offset" if name == "offset 0" else name
         value, error = value_of(best.model, name), errors[name]
-        group = next((g for g in (GRAVITY, FALL) if name in g and set(g) <= set(names)), (name,))
-        certain = (
-            all(chance(best, (n,)) < BY_CHANCE for n in group)
-            if group == FALL
-            else (chance(best, group) < BY_CHANCE)
+        group = GRAVITY if name in GRAVITY and set(GRAVITY) <= set(names) else (name,)
+        certain = chance(best, group) < BY_CHANCE and (
+            name != FALL[1] or chance(best, FALL[:1]) < BY_CHANCE
         )
         if name.startswith("offset") or certain:
             values[reported], known[reported] = value, error
         else:
             undetermined[reported] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
     hidden = largest_hidden_fall(cut, best, scales)
+    if best.model.alpha1 and FALL[0] not in names:
+        values["alpha1"], known["alpha1"] = best.model.alpha1, stiction_error(cut, best)
+        undetermined["stribeck_velocity"] = "friction falls at once after breakaway"
     for name in FALL:
-        if name not in names:
+        if name not in {*names, *values, *undetermined}:
             undetermined[name] = (
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
