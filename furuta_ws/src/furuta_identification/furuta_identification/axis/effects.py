@@ -41,6 +41,8 @@ FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
 # and one that no recording tells from it.
 AT_ONCE, SHORT = 1e-6, 1e-3
+# Largest of some dozen values of noise, in its standard deviation.
+LARGEST_NOISE = 2.0
 # Smallest fall, in the Coulomb level.
 SMALLEST_FALL = 0.01
 # Increase of the squares, in those that count, that contradicts stiction: two standard errors.
@@ -98,7 +100,9 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
             groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
             best = _extended(cut, best, chosen, scales)
             if len(chosen) > 1:
-                best = _other_order(cut, best, chosen, scales)
+                other = _exchanged(cut, best, chosen, scales)
+                best = min(best, other, key=lambda each: each.cost)
+                best = _without_gravity(cut, best, best.unknowns.names[-2:], scales)
         if once:
             best = _falling(cut, best, scales) or best
     if best.model.stribeck_velocity < SHORT * scales.speed:
@@ -112,18 +116,29 @@ def _waves(scales: Scales) -> list[tuple[str, ...]]:
     return [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
 
 
-def _other_order(cut: Segmented, best: Fit, wave: Sequence[str], scales: Scales) -> Fit:
-    """The fit with another wave instead, if it explains more now that the rest is fitted."""
-    names = [name for name in best.unknowns.names if name not in wave]
-    model = changed(best.model, wave, (0.0, 0.0))
+def _exchanged(cut: Segmented, best: Fit, dropped: Sequence[str], scales: Scales) -> Fit:
+    """The fit without some unknowns, but with the wave that then explains most."""
+    names = [name for name in best.unknowns.names if name not in dropped]
+    model = changed(best.model, dropped, [0.0] * len(dropped))
     about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
     without = best._replace(
         model=model, unknowns=about, residuals=residuals(model, best.first, cut.data)
     )
-    others = [group for group in _waves(scales) if group[0] not in best.unknowns.names]
+    others = [group for group in _waves(scales) if group[0] not in names]
     _, gains = _chances(cut, without, others, scales)
     other = others[int(np.argmax(gains))]
-    return min(best, _extended(cut, without, other, scales), key=lambda each: each.cost)
+    return best if other == tuple(dropped) else _extended(cut, without, other, scales)
+
+
+def _without_gravity(cut: Segmented, best: Fit, wave: Sequence[str], scales: Scales) -> Fit:
+    """The fit with another wave instead of this one and gravity, if it explains as much.
+
+    Over a part of a turn they are alike.
+    """
+    if not set(GRAVITY) <= set(best.unknowns.names) or scales.travel > 2.0 * np.pi:
+        return best
+    other = _exchanged(cut, best, (*wave, *GRAVITY), scales)
+    return other if other.cost < best.cost + HIDDEN * best.inflation else best
 
 
 def _allowed(group: Sequence[str]) -> float:
@@ -288,14 +303,20 @@ def _falls(model: AxisModel, scales: Scales) -> Iterable[list[AxisModel]]:
 
 
 def stiction_error(cut: Segmented, best: Fit) -> float:
-    """Standard error of a fall that is over at once: how far the segments do not contradict it."""
-    project, fall = projection(cut, best), best.model.alpha1
-    allowed = project(best.model).sum() + HIDDEN * best.inflation
-    factors = np.sort(NEAR)
-    good = [project(best.model._replace(alpha1=k * fall)).sum() <= allowed for k in factors]
-    inside = np.flatnonzero(good)
+    """Standard error of a fall that is over at once.
+
+    It has three parts: how far the segments do not contradict it, how it changes without one of
+    them, and the noise of the torque, whose largest values seem to break the axis away too early.
+    """
+    project, fall, factors = projection(cut, best), best.model.alpha1, np.sort(NEAR)
+    squares = np.array([project(best.model._replace(alpha1=k * fall)) for k in factors])
+    whole, count = squares.sum(axis=1), squares.shape[1]
+    inside = np.flatnonzero(whole <= whole.min() + HIDDEN * best.inflation)
     low, high = factors[max(inside[0] - 1, 0)], factors[min(inside[-1] + 1, len(factors) - 1)]
-    return float(0.25 * (high - low) * fall)
+    without = factors[np.argmin(whole - squares.T, axis=1)]
+    own = fall * np.hypot(0.25 * (high - low), np.sqrt(count - 1.0) * np.std(without))
+    jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
+    return float(np.hypot(own, LARGEST_NOISE * jumps / (0.6745 * np.sqrt(20.0))))
 
 
 def largest_hidden_fall(cut: Segmented, best: Fit, scales: Scales) -> float:
