@@ -253,6 +253,15 @@ def test_nothing_is_invented() -> None:
     assert fit.hidden < 0.1 * PLAIN.alpha0
 
 
+def test_stiction_that_is_over_at_once() -> None:
+    """Its level is a value, its Stribeck velocity is not; a wave beside it is no gravity."""
+    axis = PLAIN._replace(alpha1=0.04, stribeck_velocity=1e-9, spring=0.06, order=4.0, wave=0.02)
+    fit = identify_axis(sampled(axis, size=2.0))
+    assert_near(fit, axis)
+    assert {"alpha1", "cos 4"} <= set(fit.values)
+    assert "stribeck_velocity" in fit.undetermined and "gravity_sin" not in fit.values
+
+
 def test_hunting_axis() -> None:
     """Friction that falls after breakaway is found at 1 kHz."""
     axis = TrueAxis(0.0025, 0.06, 0.004, alpha1=0.03, stribeck_velocity=0.05)
