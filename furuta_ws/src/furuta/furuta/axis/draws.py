@@ -45,9 +45,10 @@ class Consequences(NamedTuple):
             text += f", {self.low_rad:.2g} to {self.high_rad:.2g} rad"
         if self.is_decided:
             return text
+        level = fit.values.get("alpha0", 0.0) + fit.hidden
         return (
             f"{text}: this recording does not tell; record stops and reversals under a torque that "
-            f"rises slowly from 0 to beyond {fit.values.get('alpha0', 0.0) + fit.hidden:.2g} either way"
+            f"rises slowly from 0 to beyond {level:.2g} either way"
         )
 
 
@@ -83,11 +84,14 @@ def _drawn(
         if name in fit.values
     }
     law, (excess, velocity) = centre.law, FALL
-    if excess in fit.values:
+    if velocity in fit.values:
         relative = fit.standard_errors[velocity] / friction.stribeck_velocity
         factor = np.exp(min(relative, 1.0) * random.standard_normal())
         changes[excess] = max(drawn[excess], 0.0)
         changes[velocity] = friction.stribeck_velocity * float(factor)
+    elif excess in fit.values:
+        change = fit.standard_errors[excess] * random.standard_normal()
+        changes[excess] = max(fit.values[excess] + change, 0.0)
     else:
         changes[excess], law = max(random.uniform(-fit.hidden, fit.hidden), 0.0), "stiction"
     inertia = max(drawn["inertia"], 0.1 * centre.inertia)

@@ -12,16 +12,19 @@ from furuta_model.parameters import ParameterError
 NOTHING = Friction(alpha0=0.0, alpha1=0.0)
 
 
-def identified_axis(fit: AxisFit, law: str = "stribeck") -> Axis:
+def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
     """The axis of a fit, without what belongs to the recording: offset and drift.
 
     Args:
         fit: What :func:`furuta.identify_axis` returned.
-        law: A law that truly sticks: coulomb, stiction or stribeck.
+        law: A law that truly sticks: coulomb, stiction or stribeck. None takes stribeck, or
+            stiction if the recording shows that friction falls at once.
 
     Raises:
         ParameterError: The law has a bristle, which the recording does not show.
     """
+    at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
+    law = law or ("stiction" if at_once else "stribeck")
     if law not in LAWS or find_law(law).bristle:
         raise ParameterError(
             f"a recording shows no bristle: the law must be coulomb, stiction or stribeck, given "

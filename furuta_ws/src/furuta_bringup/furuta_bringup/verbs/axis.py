@@ -40,8 +40,8 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--inertia", type=ABOVE, metavar="J", help="Inertia [kg m²], or mass [kg].")
 @click.option("--friction", metavar="NAME=VALUE,...",
     help=f"Friction by name: {', '.join(Friction._fields)} [N m, rad/s].")  # fmt: skip
-@click.option("--law", type=click.Choice(ANALYSED_LAWS), default="stribeck", show_default=True,
-    help="Friction law.")  # fmt: skip
+@click.option("--law", type=click.Choice(ANALYSED_LAWS), help="Friction law; default: stribeck, or "
+    "stiction if a recording shows that.")  # fmt: skip
 @click.option("--pid", type=GAIN, nargs=3, metavar="KP KI KD",
     help="PID [N m/rad, N m/(rad s), N m s/rad].")  # fmt: skip
 @click.option("--cascade", type=GAIN, nargs=3, metavar="K KV KI",
@@ -69,7 +69,7 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 def command(
     inertia: float | None,
     friction: str | None,
-    law: str,
+    law: str | None,
     pid: tuple[float, float, float] | None,
     cascade: tuple[float, float, float] | None,
     reference_speed: float,
@@ -119,6 +119,7 @@ def command(
         axes = drawn_axes(fit)
         others = axes[:COMPARED]
     else:
+        law = law or "stribeck"
         axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
     counts = found if counts is None else counts
     motions = servo_motions(axis, controller, reference_speed)

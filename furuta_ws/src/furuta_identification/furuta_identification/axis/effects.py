@@ -162,11 +162,12 @@ def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
     return best
 
 
-def chance_of(best: Fit, group: Sequence[str]) -> float:
+def chance_of(best: Fit, group: Sequence[str], covered: np.ndarray | None = None) -> float:
     """Probability by chance that unknowns of a fit are as far from 0 as they are."""
     rows = [best.unknowns.names.index(name) for name in group]
     values = np.array([value_of(best.model, name) for name in group]) / best.unknowns.sizes[rows]
-    return significance(values, best.covariance[np.ix_(rows, rows)], len(best.scores))
+    covered = best.covariance if covered is None else covered
+    return significance(values, covered[np.ix_(rows, rows)], len(best.scores))
 
 
 def _extended(cut: Segmented, best: Fit, more: Sequence[str], scales: Scales) -> Fit:

@@ -13,13 +13,13 @@ from furuta_identification.axis.effects import (
     FALL,
     GRAVITY,
     Scales,
+    chance_of,
     covariance_with_missed,
     largest_hidden_fall,
     stiction_error,
     supported,
     unknowns,
 )
-from furuta_identification.axis.effects import chance_of as chance
 from furuta_identification.axis.fitting import COARSE, Fit, fit, value_of
 from furuta_identification.axis.motion import AxisModel
 from furuta_identification.axis.segments import Segmented, segmented, smoothed
@@ -163,32 +163,17 @@ def _result(
     recordings: list[Recording], cut: Segmented, best: Fit, scales: Scales, sensor: float
 ) -> AxisFit:
     """Values, errors and verdict."""
-    names, sizes = best.unknowns.names, best.unknowns.sizes
-    complete = best.rms * cut.data.noise < EXPLAINED * sensor
-    drift = len(recordings) == 1
-    covered = best.covariance if complete else covariance_with_missed(cut, best, scales, drift)
-    covariance = covered * np.outer(sizes, sizes)
-    errors = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-    values: dict[str, float] = {}
-    known: dict[str, float] = {}
-    undetermined: dict[str, str] = {}
-    for name in names:
-        reported = "offset" if name == "offset 0" else name
-        value, error = value_of(best.model, name), errors[name]
-        group = GRAVITY if name in GRAVITY and set(GRAVITY) <= set(names) else (name,)
-        certain = chance(best, group) < BY_CHANCE and (
-            name != FALL[1] or chance(best, FALL[:1]) < BY_CHANCE
-        )
-        if name.startswith("offset") or certain:
-            values[reported], known[reported] = value, error
-        else:
-            undetermined[reported] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+    left = best.rms * cut.data.noise
+    covered = best.covariance
+    if left >= EXPLAINED * sensor:
+        covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
+    values, errors, undetermined = _reported(best, covered)
     hidden = largest_hidden_fall(cut, best, scales)
-    if best.model.alpha1 and FALL[0] not in names:
-        values["alpha1"], known["alpha1"] = best.model.alpha1, stiction_error(cut, best)
+    if best.model.alpha1 and "alpha1" not in best.unknowns.names:
+        values["alpha1"], errors["alpha1"] = best.model.alpha1, stiction_error(cut, best)
         undetermined["stribeck_velocity"] = "friction falls at once after breakaway"
     for name in FALL:
-        if name not in {*names, *values, *undetermined}:
+        if name not in {*values, *undetermined}:
             undetermined[name] = (
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
@@ -198,15 +183,14 @@ def _result(
             f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
             "record a motion that accelerates"
         )
-    left = best.rms * cut.data.noise
     part = left / _forced_motion(cut)
-    usable, reasons = _verdict(best, left / sensor, part, known["inertia"] / values["inertia"])
+    usable, reasons = _verdict(best, left / sensor, part, errors["inertia"] / values["inertia"])
     return AxisFit(
         values,
-        known,
+        errors,
         undetermined,
-        names,
-        covariance,
+        best.unknowns.names,
+        covered * np.outer(best.unknowns.sizes, best.unknowns.sizes),
         usable,
         reasons,
         findings_of(recordings),
@@ -217,6 +201,34 @@ def _result(
         best,
         tuple(recordings),
     )
+
+
+def _reported(
+    best: Fit, covered: np.ndarray
+) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
+    """Values and standard errors of what is determined, and why the rest is not."""
+    values: dict[str, float] = {}
+    errors: dict[str, float] = {}
+    undetermined: dict[str, str] = {}
+    for name, size, variance in zip(
+        best.unknowns.names, best.unknowns.sizes, np.diag(covered), strict=True
+    ):
+        reported = "offset" if name == "offset 0" else name
+        value, error = value_of(best.model, name), float(size * np.sqrt(variance))
+        needed = [_together(name, best)] + ([FALL[:1]] if name == FALL[1] else [])
+        certain = all(chance_of(best, group, covered) < BY_CHANCE for group in needed)
+        if name.startswith("offset") or certain:
+            values[reported], errors[reported] = value, error
+        else:
+            undetermined[reported] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+    return values, errors, undetermined
+
+
+def _together(name: str, best: Fit) -> tuple[str, ...]:
+    """The unknowns that are one effect: those of gravity, or of a wave."""
+    kind, _, order = name.partition(" ")
+    group = (f"cos {order}", f"sin {order}") if kind in ("cos", "sin") else GRAVITY
+    return group if name in group and set(group) <= set(best.unknowns.names) else (name,)
 
 
 def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
