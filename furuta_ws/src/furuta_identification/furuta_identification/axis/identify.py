@@ -16,6 +16,7 @@ from furuta_identification.axis.effects import (
     chance_of,
     covariance_with_missed,
     largest_hidden_fall,
+    significance,
     stiction_error,
     supported,
     unknowns,
@@ -170,7 +171,11 @@ def _result(
     values, errors, undetermined = _reported(best, covered)
     hidden = largest_hidden_fall(cut, best, scales)
     if best.model.alpha1 and "alpha1" not in best.unknowns.names:
-        values["alpha1"], errors["alpha1"] = best.model.alpha1, stiction_error(cut, best)
+        value, error = best.model.alpha1, stiction_error(cut, best)
+        if significance(np.array([value]), np.array([[error**2]]), len(best.scores)) < BY_CHANCE:
+            values["alpha1"], errors["alpha1"] = value, error
+        else:
+            undetermined["alpha1"] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
         undetermined["stribeck_velocity"] = "friction falls at once after breakaway"
     for name in FALL:
         if name not in {*values, *undetermined}:
