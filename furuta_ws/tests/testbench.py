@@ -36,6 +36,10 @@ class Bench:
         self._nodes.append(node)
         return node
 
+    def node(self, name: str) -> Any:
+        """The node of this name."""
+        return next(node for node in self._nodes if node.get_name() == name)
+
     def collect(self, topic: Topic) -> list[Any]:
         """Collect what comes on a topic."""
         received = self.received.setdefault(topic.name, [])

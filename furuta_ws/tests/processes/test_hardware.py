@@ -262,6 +262,7 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
     """0 V, one stop, the reason on /diagnostics; it runs again when armed again."""
     rig = emulate()
     bridge = composed(bench, rig, disagreement=0.05)
+    controller = bench.node("controller")
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
     for fault, reason in FAULTS:
@@ -269,6 +270,8 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
         statuses.clear()
         stops = bridge.guard.stops
         rig.ask("faults", **fault)
+        # An encoder that is stuck shows only if the arm moves: it is sent elsewhere.
+        controller.set_parameters([Parameter("arm_reference", value=0.3)])
         bench.spin(lambda stops=stops: bridge.guard.stops > stops and not rig.status["armed"])
         assert rig.status["volts"] == 0.0
         given = bridge.guard.reason
@@ -279,6 +282,7 @@ def test_faults_stop_the_rig_once_with_a_reason(bench: Bench, emulate: Any) -> N
         bench.settle(0.2)
         assert (bridge.guard.stops, bridge.guard.reason) == (stops + 1, given)
         assert rig.status["volts"] == 0.0
+        controller.set_parameters([Parameter("arm_reference", value=0.0)])
         rig.ask("faults", **{name: type(value)() for name, value in fault.items()})
     balance(bench, rig, 100)
 
