@@ -58,28 +58,28 @@ class Scales:
         self.torque, self.level, self.speed = torque, max(level, 0.02 * torque), speed
         self.travel, self.length = travel, length
 
-    def of(self, name: str, inertia: float, stribeck: float) -> tuple[float, float]:
+    def of(self, name: str, model: AxisModel) -> tuple[float, float]:
         """Size of a usual change of an unknown, and standard deviation of its prior."""
         effect = EFFECT * self.torque
         return {
-            "inertia": (inertia, np.inf),
+            "inertia": (model.inertia, np.inf),
             "alpha0": (self.level, np.inf),
             "viscous": (self.level / self.speed, np.inf),
             "delay": (0.002, np.inf),
             "spring": (self.level / self.travel, effect / self.travel),
             "asymmetry": (0.1, ASYMMETRY),
             "alpha1": (self.level, effect),
-            "stribeck_velocity": (max(stribeck, 1e-9), 10.0 * self.speed),
+            "stribeck_velocity": (max(model.stribeck_velocity, 1e-9), 10.0 * self.speed),
             "viscous_difference": (self.level / self.speed, effect / self.speed),
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
         }.get(name, (self.level, effect))
 
 
-def unknowns(names: Iterable[str], scales: Scales, inertia: float, stribeck: float) -> Unknowns:
-    """Unknowns by name, with sizes and priors."""
+def unknowns(names: Iterable[str], scales: Scales, model: AxisModel) -> Unknowns:
+    """Unknowns of a model by name, with sizes and priors."""
     names = tuple(names)
-    pairs = np.array([scales.of(name, inertia, stribeck) for name in names]).reshape(-1, 2)
+    pairs = np.array([scales.of(name, model) for name in names]).reshape(-1, 2)
     return Unknowns(names, pairs[:, 0], pairs[:, 1])
 
 
@@ -116,15 +116,19 @@ def _waves(scales: Scales) -> list[tuple[str, ...]]:
     return [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
 
 
+def _without(best: Fit, dropped: Sequence[str], scales: Scales) -> tuple[AxisModel, Unknowns]:
+    """Model and unknowns of a fit without some of the unknowns, which become 0."""
+    model = changed(best.model, dropped, [0.0] * len(dropped))
+    return model, unknowns((n for n in best.unknowns.names if n not in dropped), scales, model)
+
+
 def _exchanged(cut: Segmented, best: Fit, dropped: Sequence[str], scales: Scales) -> Fit:
     """The fit without some unknowns, but with the wave that then explains most."""
-    names = [name for name in best.unknowns.names if name not in dropped]
-    model = changed(best.model, dropped, [0.0] * len(dropped))
-    about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
+    model, about = _without(best, dropped, scales)
     without = best._replace(
         model=model, unknowns=about, residuals=residuals(model, best.first, cut.data)
     )
-    others = [group for group in _waves(scales) if group[0] not in names]
+    others = [group for group in _waves(scales) if group[0] not in about.names]
     _, gains = _chances(cut, without, others, scales)
     other = others[int(np.argmax(gains))]
     return best if other == tuple(dropped) else _extended(cut, without, other, scales)
@@ -150,14 +154,11 @@ def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
     waves = [(f"cos {int(n)}", f"sin {int(n)}") for n in best.model.waves[:, 0]]
     for group in (*((name,) for name in _smooth_effects(True)), *waves):
         if group[0] in best.unknowns.names and chance_of(best, group) > _allowed(group):
-            names = [name for name in best.unknowns.names if name not in group]
-            model = changed(best.model, group, [0.0] * len(group))
-            about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
-            best = fit(cut, model, about, best.first)
+            best = fit(cut, *_without(best, group, scales), best.first)
     if best.model.alpha1:
         names = [name for name in best.unknowns.names if name not in FALL]
         plain = best.model._replace(alpha1=0.0)
-        without = fit(cut, plain, unknowns(names, scales, plain.inertia, 1.0), best.first)
+        without = fit(cut, plain, unknowns(names, scales, plain), best.first)
         best = best if _gained(without, best) else without
     return best
 
@@ -173,7 +174,7 @@ def chance_of(best: Fit, group: Sequence[str], covered: np.ndarray | None = None
 def _extended(cut: Segmented, best: Fit, more: Sequence[str], scales: Scales) -> Fit:
     model = best.model
     names = (*best.unknowns.names, *more)
-    about = unknowns(names, scales, model.inertia, model.stribeck_velocity)
+    about = unknowns(names, scales, model)
     return fit(cut, model, about, best.first, COARSE)
 
 
@@ -187,7 +188,7 @@ def _chances(
     """
     more = [name for group in groups for name in group]
     known = best.unknowns.names
-    every = unknowns((*known, *more), scales, best.model.inertia, best.model.stribeck_velocity)
+    every = unknowns((*known, *more), scales, best.model)
     about = linearised(best.model, best.first, cut, every, best.residuals)
     chances, gains = [], []
     for group in groups:
@@ -214,7 +215,7 @@ def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: boo
     for name in _smooth_effects(drift):
         if name in known:
             continue
-        every = unknowns((*known, name), scales, best.model.inertia, best.model.stribeck_velocity)
+        every = unknowns((*known, name), scales, best.model)
         about = linearised(best.model, best.first, cut, every, best.residuals)
         # A prior weighs as much against squares that are not those of white noise.
         prior = np.diag((allowed - 1.0) * (every.sizes / every.priors) ** 2)
@@ -261,7 +262,7 @@ def _gained(without: Fit, fall: Fit) -> bool:
 def _best_falls(cut: Segmented, about: Fit, scales: Scales) -> list[AxisModel]:
     """Models that explain most segments after a step of all other unknowns."""
     project = projection(cut, about)
-    samples = np.diff(np.append(cut.data.starts, len(cut.data.time)))
+    samples = cut.lengths
 
     def unexplained(model: AxisModel) -> float:
         return float(np.sum(samples * np.log1p(project(model) / samples)))
@@ -274,14 +275,12 @@ def _best_falls(cut: Segmented, about: Fit, scales: Scales) -> list[AxisModel]:
     return [model for _, model in best[:MOST_FALLS]]
 
 
-def fit_with_fall(
-    cut: Segmented, about: Fit, model: AxisModel, scales: Scales, enough: float = COARSE
-) -> Fit:
+def fit_with_fall(cut: Segmented, about: Fit, model: AxisModel, scales: Scales) -> Fit:
     """The fit from a model; a fall that is over at once is held, because squares are its stairs."""
     names = [name for name in about.unknowns.names if name not in FALL]
     more = FALL if model.stribeck_velocity > 2.0 * AT_ONCE * scales.speed else ()
-    every = unknowns((*names, *more), scales, model.inertia, model.stribeck_velocity)
-    return fit(cut, model, every, about.first, enough)
+    every = unknowns((*names, *more), scales, model)
+    return fit(cut, model, every, about.first, COARSE)
 
 
 def _falls(model: AxisModel, scales: Scales) -> Iterable[list[AxisModel]]:

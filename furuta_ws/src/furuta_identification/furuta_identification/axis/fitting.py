@@ -50,7 +50,7 @@ class Fit(NamedTuple):
     first: np.ndarray
     unknowns: Unknowns
     information: np.ndarray
-    inverse_blocks: np.ndarray
+    blocks: np.ndarray
     scores: np.ndarray
     cost: float
     rms: float
@@ -59,7 +59,7 @@ class Fit(NamedTuple):
     @property
     def covariance(self) -> np.ndarray:
         """Covariance (p, p) of the unknowns in their sizes, by segments."""
-        return covariance(self.information, self.inverse_blocks, self.scores, self.unknowns)
+        return covariance(self.information, self.blocks, self.scores, self.unknowns)
 
     @property
     def inflation(self) -> float:
@@ -133,9 +133,8 @@ def linearised(
     slopes = np.empty((len(data.time), p + 2))
     tangents(model, first, data, *kinds_of((*unknowns.names, "q", "v")), slopes)
     slopes = np.clip(np.nan_to_num(slopes), -FAR, FAR)
-    lengths = np.diff(np.append(data.starts, len(data.time)))
     columns = slopes[:, :p] * (unknowns.sizes / data.noise)
-    states = slopes[:, p:] * np.repeat(cut.spread / data.noise, lengths, axis=0)
+    states = slopes[:, p:] * np.repeat(cut.spread / data.noise, cut.lengths, axis=0)
     return _eliminated(
         columns, states, base, (cut.first - first) / cut.spread, cut, unknowns, model
     )
@@ -150,11 +149,10 @@ def _eliminated(
     unknowns: Unknowns,
     model: AxisModel,
 ) -> Linearised:
-    bounds = [*cut.data.starts, len(base)]
     count, size = len(cut.data.starts), columns.shape[1]
     blocks, scores = np.empty((count, size, size)), np.empty((count, size))
     back, own = np.empty((count, 2, size)), np.empty((count, 2))
-    for s, (start, end) in enumerate(itertools.pairwise(bounds)):
+    for s, (start, end) in enumerate(itertools.pairwise(cut.bounds)):
         a, b, r = columns[start:end], states[start:end], base[start:end]
         cross = b.T @ a
         solved = np.linalg.solve(b.T @ b + np.eye(2), np.column_stack((cross, b.T @ r + prior[s])))
@@ -248,11 +246,10 @@ def _best_starts(
 
     Near rest a residual is no smooth function of the first speed: several are compared.
     """
-    data = cut.data
-    outcomes = [residuals(model, choice, data) for choice in choices]
+    outcomes = [residuals(model, choice, cut.data) for choice in choices]
     costs = [_segment_costs(r, c, cut) for r, c in zip(outcomes, choices, strict=True)]
     best = np.argmin(costs, axis=0)
-    rows = np.repeat(best, np.diff(np.append(data.starts, len(data.time))))
+    rows = np.repeat(best, cut.lengths)
     states = np.array(choices)[best, np.arange(len(best))]
     return states, np.array(outcomes)[rows, np.arange(len(rows))]
 
@@ -268,22 +265,20 @@ def _searched(state: _State, cut: Segmented) -> np.ndarray:
 
     Each speed has the first position that suits it.
     """
-    squares = _segment_costs(state.residuals, state.first, cut)
-    squares /= np.diff(np.append(cut.data.starts, len(cut.data.time)))
+    squares = _segment_costs(state.residuals, state.first, cut) / cut.lengths
     bad = np.flatnonzero(squares > BAD * max(float(np.median(squares)), 1.0))
     first = state.first.copy()
     if not len(bad):
         return first
     part = cut.chosen(bad)
     data, choices = part.data, [first[bad]]
-    count = np.diff(np.append(data.starts, len(data.time)))
     scale = data.noise / part.spread[:, 0]
     for about in (first[bad], part.first):
         for step in (0.0, *SEARCHED, *(-step for step in SEARCHED)):
             choice = about + np.array([0.0, step]) * part.spread
             r = residuals(state.model, choice, data)
             pull = (part.first[:, 0] - choice[:, 0]) / part.spread[:, 0]
-            shift = (np.add.reduceat(r, data.starts) + pull * scale) / (count + scale**2)
+            shift = (np.add.reduceat(r, data.starts) + pull * scale) / (part.lengths + scale**2)
             choice[:, 0] += shift * data.noise
             choices.append(choice)
     first[bad], _ = _best_starts(state.model, choices, part)
@@ -321,8 +316,7 @@ def projection(cut: Segmented, about: Fit) -> Callable[[AxisModel], np.ndarray]:
     """
     at = linearised(about.model, about.first, cut, about.unknowns, about.residuals)
     columns, states = at.columns, at.states
-    bounds = [*cut.data.starts, len(about.residuals)]
-    pairs = list(itertools.pairwise(bounds))
+    pairs = list(itertools.pairwise(cut.bounds))
     bases = [np.linalg.qr(states[a:b])[0] for a, b in pairs]
 
     def without(values: np.ndarray) -> np.ndarray:

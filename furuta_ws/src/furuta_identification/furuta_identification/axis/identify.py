@@ -52,7 +52,8 @@ class AxisFit(NamedTuple):
     What the recording does not determine is only in ``undetermined``, with the reason. ``names``
     and ``covariance`` are those of all fitted unknowns. ``usable`` is yes, doubtful or no, with
     ``reasons``. ``resolution`` is the smallest change of the position. ``hidden`` is the largest
-    stiction above the Coulomb level that the recording would not show.
+    stiction above the Coulomb level that the recording would not show. ``left`` are the residuals
+    in the noise of the position, ``part`` relative to the motion that forces cause.
     """
 
     values: dict[str, float]
@@ -152,9 +153,7 @@ def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Sc
     for model in first_models(recordings, bool(gravity)):
         scales = Scales(torque, model.alpha0, speed, travel, length)
         names = (*ALWAYS, *offsets, *gravity)
-        fits.append(
-            (fit(cut, model, unknowns(names, scales, model.inertia, 1.0), enough=COARSE), scales)
-        )
+        fits.append((fit(cut, model, unknowns(names, scales, model), enough=COARSE), scales))
         if fits[-1][0].rms < EXPLAINED:
             break
     return min(fits, key=lambda each: each[0].cost)
@@ -258,8 +257,7 @@ def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tup
 def _forced_motion(cut: Segmented) -> float:
     """Root mean square [rad] of the motion within segments beyond one at constant speed."""
     data, left = cut.data, []
-    bounds = np.append(data.starts, len(data.time))
-    for start, end in itertools.pairwise(bounds):
+    for start, end in itertools.pairwise(cut.bounds):
         t, q = data.time[start:end], data.position[start:end]
         basis, _ = np.linalg.qr(np.column_stack((np.ones(len(t)), t - t[0])))
         left.append(q - basis @ (basis.T @ q))
@@ -272,5 +270,5 @@ def _free_run(result: AxisFit, recording: Recording, fitted: tuple[str, ...]) ->
     model: AxisModel = result.fit.model._replace(drift=0.0)
     model = model._replace(offsets=model.offsets[:1])
     scales = Scales(1.0, 1.0, 1.0, 1.0, 1.0)
-    run = fit(whole, model, unknowns(fitted, scales, model.inertia, 1.0))
+    run = fit(whole, model, unknowns(fitted, scales, model))
     return float(whole.data.noise * run.rms)

@@ -53,8 +53,8 @@ class AxisData(NamedTuple):
     """Recordings on one time axis: samples, commands, and the segments that are fitted.
 
     ``time`` and ``position`` (n,) [s, rad]; ``edges`` and ``torque`` (m,): from an edge [s] on the
-    torque holds. Segment k has the samples from ``starts[k]`` to before ``ends[k]``. No step of the
-    integration is longer than ``step`` [s].
+    torque holds. Segment k begins at sample ``starts[k]`` and belongs to recording ``of[k]``. No
+    step of the integration is longer than ``step`` [s]; ``noise`` is that of a position [rad].
     """
 
     time: np.ndarray
@@ -68,15 +68,19 @@ class AxisData(NamedTuple):
 
 
 @inlined
-def _slide(v: float, pull: float, damping: float, h: float) -> tuple[float, float]:
-    """Speed and travel after h of v' = pull - damping v."""
+def integrals(damping: float, h: float) -> tuple[float, float]:
+    """Once and twice the integral of the decay exp(-damping t) over h."""
     x = damping * h
     if abs(x) < SMALL:
-        first = h * (1.0 - x * (0.5 - x / 6.0))
-        second = h * h * (0.5 - x * (1.0 / 6.0 - x / 24.0))
-    else:
-        first = (1.0 - exp(-x)) / damping
-        second = (h - first) / damping
+        return h * (1.0 - x * (0.5 - x / 6.0)), h * h * (0.5 - x * (1.0 / 6.0 - x / 24.0))
+    first = (1.0 - exp(-x)) / damping
+    return first, (h - first) / damping
+
+
+@inlined
+def _slide(v: float, pull: float, damping: float, h: float) -> tuple[float, float]:
+    """Speed and travel after h of v' = pull - damping v."""
+    first, second = integrals(damping, h)
     rate = pull - damping * v
     return v + rate * first, v * h + rate * second
 

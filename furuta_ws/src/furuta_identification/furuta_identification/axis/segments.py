@@ -45,6 +45,16 @@ class Segmented(NamedTuple):
     first: np.ndarray
     spread: np.ndarray
 
+    @property
+    def bounds(self) -> np.ndarray:
+        """First sample of each segment, and the number of samples (s + 1,)."""
+        return np.append(self.data.starts, len(self.data.time))
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Samples of each segment (s,)."""
+        return np.diff(self.bounds)
+
     def with_noise(self, noise: float) -> Segmented:
         """With another noise of the position, and first states as uncertain as that makes them."""
         return self._replace(
@@ -53,10 +63,9 @@ class Segmented(NamedTuple):
 
     def chosen(self, which: np.ndarray) -> Segmented:
         """Some of the segments."""
-        data = self.data
-        bounds = np.append(data.starts, len(data.time))
+        data, bounds = self.data, self.bounds
         rows = np.concatenate([np.arange(bounds[k], bounds[k + 1]) for k in which])
-        starts = np.cumsum(np.append(0, np.diff(bounds)[which]))[:-1]
+        starts = np.cumsum(np.append(0, self.lengths[which]))[:-1]
         data = data._replace(
             time=data.time[rows], position=data.position[rows], starts=starts, of=data.of[which]
         )

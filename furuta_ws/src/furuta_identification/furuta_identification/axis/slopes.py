@@ -16,6 +16,7 @@ from furuta_identification.axis.motion import (
     AxisData,
     AxisModel,
     Slide,
+    integrals,
     level,
     next_slide,
 )
@@ -40,18 +41,15 @@ _J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = range(13
 
 
 @inlined
-def _phases(damping: float, h: float) -> tuple[float, float, float, float]:
-    """Integrals of the slide over h, and their slopes in the damping."""
+def _slopes_of_integrals(
+    damping: float, h: float, first: float, second: float
+) -> tuple[float, float]:
+    """How these integrals change with the damping."""
     x = damping * h
     if abs(x) < SMALL:
-        first = h * (1.0 - x * (0.5 - x / 6.0))
-        second = h * h * (0.5 - x * (1.0 / 6.0 - x / 24.0))
-        return first, second, h * h * (x / 3.0 - 0.5), h * h * h * (x / 12.0 - 1.0 / 6.0)
-    decay = exp(-x)
-    first = (1.0 - decay) / damping
-    second = (h - first) / damping
-    of_first = (h * decay - first) / damping
-    return first, second, of_first, -(of_first + second) / damping
+        return h * h * (x / 3.0 - 0.5), h * h * h * (x / 12.0 - 1.0 / 6.0)
+    of_first = (h * exp(-x) - first) / damping
+    return of_first, -(of_first + second) / damping
 
 
 @inlined
@@ -137,7 +135,8 @@ def _carry(
 ) -> None:
     """Tangents over a slide that began at speed v with ``left`` [s] to the end of the step."""
     h, damping = slide.time, slide.damping
-    first, second, of_first, of_second = _phases(damping, h)
+    first, second = integrals(damping, h)
+    of_first, of_second = _slopes_of_integrals(damping, h, first, second)
     rate = slide.pull - damping * v
     load, fall = _load_slope(slide.position, m) / m.inertia, _fall(slide, m)
     for c in range(len(kinds)):
