@@ -6,11 +6,11 @@ demo:
 # make test is what every push runs; make test-all, before a release, adds the long tests. The fast tests
 # of functions come first. Real-time tests run last and alone.
 test: SHORT = and not long
-PYTEST = tools/in_environment python -m pytest furuta_ws/tests
+TESTS = furuta_ws/tests
+PYTEST = tools/in_environment python -m pytest $(TESTS)
 test test-all:
-	tools/in_environment python -m pip install --disable-pip-version-check --quiet --no-deps \
-		--requirement firmware/requirements.lock \
-		--requirement furuta_ws/tests/requirements.lock
+	tools/in_environment tools/install firmware/requirements.lock $(TESTS)/requirements.lock
+	tools/in_environment python -m furuta_bringup.warm_up
 	$(PYTEST) -m "not realtime $(SHORT)" \
 		--numprocesses auto --dist loadfile --no-loadscope-reorder
 	$(PYTEST) -m "realtime $(SHORT)"
@@ -30,13 +30,13 @@ NOBLE_PYTHON = python3.12 $(wildcard $(HOME)/.pyenv/versions/3.12.*/bin/python3)
 test-noble:
 	test -d $(NOBLE) || git clone --quiet --no-checkout . $(NOBLE)
 	git -C $(NOBLE) fetch --quiet --force ../.. HEAD && git -C $(NOBLE) checkout --quiet --force FETCH_HEAD
-	cd $(NOBLE) && FURUTA_REQUIREMENTS=requirements.noble.lock FURUTA_PYTHON="$(NOBLE_PYTHON)" \
+	cd $(NOBLE) && export FURUTA_REQUIREMENTS=requirements.noble.lock FURUTA_PYTHON="$(NOBLE_PYTHON)" && \
+		tools/in_environment python -m furuta_bringup.warm_up && \
 		tools/in_environment python -m pytest $(NOBLE_TESTS) -m "not realtime and (noble or not long)" \
 		--numprocesses auto --dist loadfile
 
 bench:
-	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
-		--requirement benchmarks/requirements.lock
+	tools/in_environment tools/install benchmarks/requirements.lock $(TESTS)/requirements.lock
 	tools/in_environment python benchmarks/run.py
 
 # The documentation site in output/site, with its tools in an environment of their own. CHECK=1 also
@@ -51,8 +51,7 @@ docs: page
 
 # The closed loop in one file for a browser; the site shows it in the tutorial.
 page:
-	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
-		--requirement firmware/requirements.lock
+	tools/in_environment tools/install firmware/requirements.lock
 	tools/in_environment python docs/site/one_page.py output/furuta.html
 
 # One wheel with the library and the command line, for Python without ROS.
@@ -63,8 +62,7 @@ wheel:
 
 # make course opens JupyterLab with the exercises; CHECK=1 runs all solutions instead.
 course:
-	tools/in_environment python -m pip install --disable-pip-version-check --quiet \
-		--requirement course/requirements.lock
+	tools/in_environment tools/install course/requirements.lock
 	tools/in_environment python course/notebooks.py $(if $(CHECK),check,write) output/course
 	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises)
 
@@ -75,18 +73,23 @@ soak:
 	cd furuta_ws/tests && ../../tools/in_environment python -m soak --minutes $(MINUTES) \
 		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE)) $(if $(STEPS),--steps $(STEPS))
 
-# The lock files, with uv. A lowest version, which is noble's, is the version in noble's. Packages without
+# The lock files. A lowest version, which is noble's, is the version in noble's. Packages without
 # one are not in its apt; pip serves them. matplotlib 3.6.3 has no wheel for Python 3.12, and pyarrow 26
 # needs numpy 2.
-COMPILE = uv pip compile --quiet --universal --no-annotate --no-header --no-emit-index-url \
-	pyproject.toml requirements.in
+COMPILE = tools/in_environment uv pip compile --quiet --universal --no-annotate --no-header \
+	--no-emit-index-url
+OURS = pyproject.toml requirements.in
+LOCKED = benchmarks course examples firmware $(TESTS)
 lock:
-	$(COMPILE) --python-version 3.10 --extra cluster --extra parquet --extra ros --extra view \
-		--output-file requirements.lock
-	grep --no-filename --only-matching -E '[a-z]+>=[0-9.]+' pyproject.toml requirements.in \
+	$(COMPILE) --python-version 3.10 --extra ros --extra view $(OURS) --output-file requirements.lock
+	$(foreach folder,$(LOCKED),$(COMPILE) --python-version 3.10 --constraint requirements.lock \
+		$(folder)/requirements.in --output-file $(folder)/requirements.lock;)
+	grep --no-filename --only-matching -E '[a-z]+>=[0-9.]+' $(OURS) $(TESTS)/requirements.in \
 		| sed -e 's/>=/==/' -e 's/^matplotlib.*/&;python_version<"3.12"/' \
 			-e '$$a matplotlib==3.8.0;python_version>="3.12"' -e '$$a pyarrow<26' \
-		| $(COMPILE) --python-version 3.11 --all-extras --constraint - --output-file requirements.noble.lock
+		| $(COMPILE) --python-version 3.11 --all-extras $(OURS) $(TESTS)/requirements.in --constraint - \
+			--no-emit-package playwright --no-emit-package axe-playwright-python \
+			--output-file requirements.noble.lock
 
 clean:
 	rm -rf .venv .setup.log .setup.lock furuta_ws/build furuta_ws/install furuta_ws/log

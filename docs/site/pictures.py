@@ -16,7 +16,7 @@ from drawing import draw_pendulum
 from friction_curves import draw_friction_laws
 from pages import ROOT
 from paper_figures import draw_experiment
-from swing_up import draw_swing_up
+from animations import draw_compensation, draw_swing_up
 
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
@@ -36,6 +36,7 @@ COMMANDS = {
 }
 # Functions that draw the others.
 DRAWINGS: dict[str, Callable[[Path], None]] = {
+    "compensation.gif": draw_compensation,
     "fig9.png": partial(draw_experiment, "fig9"),
     "friction_curves.png": draw_friction_laws,
     "pendulum.png": draw_pendulum,

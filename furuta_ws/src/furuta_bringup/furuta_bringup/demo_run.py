@@ -3,7 +3,7 @@
 One pendulum keeps running while parameter services switch the compensation, as a user would.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -33,11 +33,11 @@ def in_lockstep(settings: Settings) -> Settings:
 
 
 def run_demo(
-    settings: Settings, tuned: dict[str, Any], seconds: float, bag: Path
+    settings: Settings, tuned: Callable[[], dict[str, Any]], seconds: float, bag: Path
 ) -> Iterator[Phase]:
     """Run every compensation for ``seconds``, and record the graph into ``bag``.
 
-    ``tuned`` are the parameters of the friction observer after the tuning.
+    ``tuned`` gives the parameters of the friction observer after the tuning; it may wait for them.
     """
     node = Node("furuta_demo", start_parameter_services=False)
     settings = in_lockstep(settings)
@@ -58,11 +58,11 @@ def run_demo(
 
 
 def _changes(
-    compensation: str, tuned: dict[str, Any], settings: Settings
+    compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
 ) -> dict[str, dict[str, Any]]:
     """The parameters that a phase sets, by node; the last one has the model before the tuning."""
     if compensation == TUNED:
-        return {FRICTION_OBSERVER: tuned}
+        return {FRICTION_OBSERVER: tuned()}
     if compensation != RECOMMENDED:
         return {FRICTION_OBSERVER: {"compensation": compensation}}
     chosen = settings_with(settings, [("compensation", RECOMMENDED)])

@@ -1,20 +1,28 @@
-"""Compiles all compiled functions once, so that the first run finds them in the cache."""
+"""Compiles functions before they are called, in processes side by side: ``python -m`` this module.
 
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+The files of the cache are what remains. ``furuta demo`` compiles its nodes in this way, and the
+tests compile everything.
+"""
+
+import sys
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed, wait
 from multiprocessing import get_context
+from typing import Any
 
 from furuta.axis.axis import Axis, Pid, servo_cycle
 from furuta.axis.simulation import simulate_axis
 from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.lanes.batch import available_cores
 from furuta.lanes.lanes import compile_stages
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import default_settings
+from furuta_bringup.terminal import with_progress
+from furuta_graph.settings.nodes import graph_nodes
+from furuta_model.compilation_notice import NOTICE, UNNOTICED
 from furuta_model.friction.parameters import Friction
 from furuta_ros.context import ros_context
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -44,19 +52,39 @@ def compile_library() -> None:
     simulate_axis(Axis(1.0, Friction()), Pid(1.0, 1.0, 1.0), seconds=0.01)
 
 
-def compile_nodes() -> None:
-    """What the nodes call for each message."""
+def compile_node(name: str) -> None:
+    """What a node calls for each message."""
+    (node,) = (node for node in graph_nodes() if node.name == name)
     with ros_context(private=True):
-        SimulatedGraph(default_settings()).close()
+        node.load_class()().destroy_node()
 
 
-def compile_side_by_side(*parts: Callable[[], object]) -> None:
-    """Call each part in a process of its own; the files of the cache are what remains."""
-    with ProcessPoolExecutor(mp_context=get_context("fork")) as pool:
-        for part in [pool.submit(part) for part in parts]:
-            part.result()
+def workers() -> ProcessPoolExecutor:
+    """A pool with a process for each core; it begins before ROS does."""
+    return ProcessPoolExecutor(available_cores(), mp_context=get_context("fork"))
+
+
+def compile_nodes(pool: ProcessPoolExecutor, quiet: bool = False) -> None:
+    """Compile what the nodes of the simulated graph call, and show how far it is."""
+    _wait((pool.submit(compile_node, node.name) for node in graph_nodes()), quiet)
+
+
+def compile_all() -> None:
+    """Compile everything."""
+    parts: list[Callable[[], None]] = [compile_library, compile_loop]
+    with workers() as pool:
+        begun = [pool.submit(part) for part in parts]
+        begun += [pool.submit(compile_node, node.name) for node in graph_nodes()]
+        _wait([*begun, pool.submit(compile_lanes)])
+
+
+def _wait(tasks: Iterable[Future[Any]], quiet: bool = False) -> None:
+    tasks = list(tasks)
+    if wait(tasks, UNNOTICED).not_done and not quiet:
+        print(NOTICE, file=sys.stderr, flush=True)
+    for task in with_progress("compiling", as_completed(tasks), len(tasks), quiet=quiet):
+        task.result()
 
 
 if __name__ == "__main__":
-    compile_side_by_side(compile_loop, compile_library)
-    compile_side_by_side(compile_lanes, compile_nodes)  # both need the loop
+    compile_all()

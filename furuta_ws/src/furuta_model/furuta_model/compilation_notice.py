@@ -1,4 +1,4 @@
-"""Says that functions are being compiled, which takes minutes where none is in the cache yet."""
+"""Says that functions are being compiled, which takes long where none is in the cache yet."""
 
 import sys
 from multiprocessing import parent_process
@@ -7,7 +7,7 @@ from typing import Any
 
 from numba.core import event
 
-NOTICE = "furuta: compiling; the first run takes about 3 minutes, later ones start at once"
+NOTICE = "furuta: compiling; the first run takes up to a minute, later ones start at once"
 # Time of compilation without a notice [s]: a few functions may be new after a change.
 UNNOTICED = 2.0
 
@@ -18,13 +18,18 @@ class _Notice(event.Listener):
     def __init__(self) -> None:
         self._begun: list[float] = []  # a function is compiled while the one that calls it is
         self._total = 0.0
-        self._printed = parent_process() is not None  # a worker; its parent compiles too
+        self._printed = False
 
     def on_start(self, event: Any) -> None:
         if not hasattr(event.data["dispatcher"], "furuta_digest"):
             return
         self._begun.append(monotonic())
-        if not self._printed and self._total + monotonic() - self._begun[0] > UNNOTICED:
+        is_worker = parent_process() is not None  # its parent says it
+        if (
+            not self._printed
+            and not is_worker
+            and self._total + monotonic() - self._begun[0] > UNNOTICED
+        ):
             self._printed = True
             print(NOTICE, file=sys.stderr, flush=True)
 

@@ -21,6 +21,10 @@ import numba.extending
 
 from furuta_model.compilation_notice import announce_compilation
 
+# Options of numba for what compiled code calls. Its code is part of the caller's. Wrappers for Python
+# and C and a file in the cache would be for nobody, and take half of the compilation.
+UNWRAPPED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -32,17 +36,21 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
     functions that call it.
     """
     digest = _digest(function)
-    cache = _cache_directory(inspect.getfile(function)) / digest[:16]
+    options = {"nogil": True, "error_model": "numpy", **options}
     config: Any = numba.config
     previous = config.CACHE_DIR
-    config.CACHE_DIR = str(cache)
+    config.CACHE_DIR = str(_cache_directory(inspect.getfile(function)) / digest[:16])
     try:
-        dispatcher: Any = numba.njit(cache=cached, nogil=True, error_model="numpy", **options)(
-            function
-        )
+        dispatcher: Any = numba.njit(cache=cached, **options)(function)
     finally:
         config.CACHE_DIR = previous
     dispatcher.furuta_digest = digest
+    if not config.DISABLE_JIT:
+        unwrapped: Any = numba.njit(**UNWRAPPED, **options)(function)
+        unwrapped.furuta_digest = digest
+        # What compiled code calls.
+        dispatcher.get_call_template = unwrapped.get_call_template
+        dispatcher.get_overload = unwrapped.get_overload
     return cast(Function, dispatcher)
 
 
@@ -52,23 +60,16 @@ def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
     All functions take and return the same types: numbers and named tuples of numbers. The returned
     function has them as ``furuta_choices``.
     """
-    dispatcher: Any = _by_kind(functions)
+    # Written out, because compiled code cannot index functions. One calling the next would compile
+    # the last of them as often as there are functions.
+    names = {f"function_{kind}": each for kind, each in enumerate(functions)}
+    *choices, last = (f"return {name}(*arguments)" for name in names)
+    lines = [f"    if kind == {kind}: {choice}" for kind, choice in enumerate(choices)]
+    source = "\n".join(["def dispatch(kind, *arguments):", *lines, f"    {last}"])
+    exec(compile(source, __file__, "exec"), names)
+    dispatcher: Any = inlined(names["dispatch"], cached=False)
     dispatcher.furuta_choices = tuple(functions)
     return cast(Callable[..., Any], dispatcher)
-
-
-def _by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
-    first, *others = functions
-    if not others:
-        return inlined(lambda kind, *arguments: first(*arguments), cached=False)
-    rest = _by_kind(others)
-
-    def dispatch(kind: int, *arguments: Any) -> Any:
-        if kind == 0:
-            return first(*arguments)
-        return rest(kind - 1, *arguments)
-
-    return inlined(dispatch, cached=False)
 
 
 def inlined(function: Function, **options: Any) -> Function:
@@ -102,8 +103,7 @@ def for_types_of(function: Function, *arguments: Any) -> Function:
     if key not in _machine_code:
         dispatcher: Any = function
         types = tuple(map(numba.typeof, arguments))
-        dispatcher.compile(types)
-        _machine_code[key] = dispatcher.get_overload(types)
+        _machine_code[key] = dispatcher.compile(types)
     return cast(Function, _machine_code[key])
 
 

@@ -18,6 +18,7 @@ from furuta.limit_cycles.smooth_motion import (
     STUCK,
     TIME_OUT,
     UNBOUNDED,
+    traced,
 )
 from furuta_model.compiled import compiled
 from furuta_model.state import PHI_DOT
@@ -71,16 +72,13 @@ def follow_exactly(
             ended = True
         x = end
         t += used
-        y[:] = x[:-1]
         for i in range(len(y)):
+            y[i] = x[i]
             extent[LOW, i] = min(extent[LOW, i], y[i])
             extent[HIGH, i] = max(extent[HIGH, i], y[i])
         if mode == 0.0:
             extent[FURTHER, STUCK] += used
-        if rows < len(trace):
-            trace[rows, 0] = t
-            trace[rows, 1:] = y
-            rows += 1
+        rows = traced(t, y, trace, rows)
         if ended:
             creeps = mode != 0.0 and t < SHORTEST_SLIDE
             resting = creeps and rest_distance(y, 0.0, loop) < RESTING
@@ -114,7 +112,8 @@ def _generator(mode: float, loop: LinearLoop) -> np.ndarray:
         for i in range(n):
             m[i, j] = column[i] - constant[i]
         unit[j] = 0.0
-    m[:-1, -1] = constant
+    for i in range(n):
+        m[i, n] = constant[i]
     return m
 
 

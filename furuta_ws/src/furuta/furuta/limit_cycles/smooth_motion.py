@@ -49,6 +49,18 @@ def extent_at(y: np.ndarray) -> np.ndarray:
 
 
 @compiled
+def traced(t: float, y: np.ndarray, trace: np.ndarray, rows: int) -> int:
+    """Add time and state to the trace if it has a row left; return the number of rows in use."""
+    if rows == len(trace):
+        return rows
+    # By elements: numba compiles an assignment of rows for seconds.
+    trace[rows, 0] = t
+    for i in range(len(y)):
+        trace[rows, 1 + i] = y[i]
+    return rows + 1
+
+
+@compiled
 def integrate(
     y: np.ndarray,
     mode: float,
@@ -87,11 +99,9 @@ def integrate(
                 end[PHI_DOT] = 0.0
         _update_extent(y, end, used, k, mode, loop, extent)
         t += used
-        y[:] = end
-        if rows < len(trace):
-            trace[rows, 0] = t
-            trace[rows, 1:] = y
-            rows += 1
+        for i in range(len(y)):
+            y[i] = end[i]
+        rows = traced(t, y, trace, rows)
         distance = rest_distance(y, mode, loop)
         extent[FURTHER, CLOSEST] = min(extent[FURTHER, CLOSEST], distance)
         if ended:

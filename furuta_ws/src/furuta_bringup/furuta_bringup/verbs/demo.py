@@ -18,6 +18,7 @@ from furuta_bringup.file_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_bringup.terminal import print_table, with_progress
+from furuta_bringup.warm_up import compile_nodes, workers
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_ros.context import ros_context
@@ -38,7 +39,7 @@ HEADINGS = {
 
 @click.command()
 @option(
-    "--seconds", type=MEASURED_SECONDS, default=40.0, help="Simulated time per compensation [s]."
+    "--seconds", type=MEASURED_SECONDS, default=20.0, help="Simulated time per compensation [s]."
 )
 @option(
     "--out",
@@ -78,12 +79,13 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     _check(bag)
     _clear(new)
     console = Console(stderr=True, quiet=quiet)
-    with console.status("tuning"):  # in a simulation, which has the numbers of the graph
-        result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
-    tuned = observer_parameters(result.after.observer)
-    with ros_context(private=True):
-        running = run_demo(settings, tuned, seconds, new)
-        phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
+    with workers() as pool:
+        # In a simulation, which has the numbers of the graph; the first phases run meanwhile.
+        tuning = pool.submit(_tuned, settings)
+        compile_nodes(pool, quiet)
+        with ros_context(private=True):
+            running = run_demo(settings, tuning.result, seconds, new)
+            phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
     with console.status("reading the bag, drawing"):
         _clear(bag)
         new.rename(bag)
@@ -93,11 +95,16 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
         draw_demo(recorded, phases, figure)
     return {
         "runs": evaluate(phases, recorded),
-        "tuned_parameters": tuned,
+        "tuned_parameters": tuning.result(),
         "search": SEARCH,
         "figure": str(figure),
         "bag": str(bag),
     }
+
+
+def _tuned(settings: Any) -> dict[str, Any]:
+    result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
+    return observer_parameters(result.after.observer)
 
 
 def _check(bag: Path) -> None:

@@ -197,10 +197,13 @@ def _run(
         friction_estimate, u = control_measured(
             loop, noise, plant, control_system, measurement, estimate
         )
-        record.state[k] = loop.plant.x[:RIGID_STATES]
-        record.estimate[k] = estimate
+        # By elements: numba compiles an assignment of rows for seconds.
+        for i in range(RIGID_STATES):
+            record.state[k, i] = loop.plant.x[i]
+        for i in range(SIGNALS):
+            record.estimate[k, i] = estimate[i]
+            record.measurement[k, i] = measurement[i]
         record.friction[k] = true_friction(loop.plant, plant)
         record.friction_estimate[k] = friction_estimate
         record.command[k] = u
-        record.measurement[k] = measurement
         loop.torque = move(loop.plant, u, plant)

@@ -1,4 +1,4 @@
-"""The pictures of the swing-up: series over time, and a short animation of the rig in 3D."""
+"""Animations of the rig in 3D beside its series, and the picture of the swing-up."""
 
 from math import cos, pi, sin
 from pathlib import Path
@@ -14,11 +14,14 @@ from furuta.figures.run import draw_run
 from furuta.studies.swing_up_starts import swing_up_settings
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import PHI, THETA
+from furuta_sim.simulation.closed_loop import Simulation
 
 FRAMES_PER_SECOND = 20
 DPI = 72
-# Time of the run and of its animation [s].
+# Time of the swing-up and of its animation [s].
 SECONDS, SHOWN = 8.0, 6.0
+# Time until the limit cycle is there, then without and with compensation [s].
+TRANSIENT, WITHOUT, WITH = 20.0, 4.0, 5.0
 # Lengths in the animation: arm, pendulum, and the part of the past that the tip's path shows [s].
 ARM, PENDULUM = 1.0, 0.8
 PATH_TIME = 0.4
@@ -29,17 +32,32 @@ def draw_swing_up(path: Path) -> None:
     settings = swing_up_settings(furuta.load_rig("paper_full_turn"))
     run = furuta.simulate(loop(load_settings([], [], settings)), SECONDS)
     if path.suffix == ".gif":
-        _animate(run, path)
+        _animate(run.sample_time, run.state[: round(SHOWN / run.sample_time)], path)
     else:
         draw_run(run, path)
 
 
-def _animate(run: furuta.Record, path: Path) -> None:
-    """Write the beginning of a run as an animated GIF, in real time."""
-    shown = np.arange(0.0, SHOWN, 1.0 / FRAMES_PER_SECOND)
-    rows = np.rint(shown / run.sample_time).astype(int)
-    figure, draw = _prepared(run, int(rows[-1]))
-    animation = FuncAnimation(figure, draw, frames=rows.tolist(), blit=False)
+def draw_compensation(path: Path) -> None:
+    """The limit cycle without compensation, which the recommended setting ends."""
+    simulation = Simulation(furuta.make_loop())
+    simulation.run(TRANSIENT)
+    before = simulation.run(WITHOUT)
+    simulation.loop = furuta.make_loop({"compensation": "recommended"})
+    after = simulation.run(WITH)
+    state = np.concatenate([before.state, after.state])
+    _animate(before.sample_time, state, path, "without | with compensation", WITHOUT)
+
+
+def _animate(
+    sample_time: float, state: np.ndarray, path: Path, title: str = "", change: float = 0.0
+) -> None:
+    """Write states (n, 4) as an animated GIF, in real time; a line marks a ``change`` [s]."""
+    step = round(1.0 / (FRAMES_PER_SECOND * sample_time))
+    figure, draw = _prepared(np.arange(len(state)) * sample_time, state)
+    for axis in figure.axes[1:]:
+        axis.axvline(change, color="0.4", ls="--", lw=0.8)
+    figure.axes[1].set_title(title, fontsize="medium")
+    animation = FuncAnimation(figure, draw, frames=range(0, len(state), step), blit=False)
     animation.save(path, writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
     plt.close(figure)
 
@@ -53,7 +71,7 @@ def _positions(state: np.ndarray) -> np.ndarray:
     return np.array((np.zeros(3), end, end + PENDULUM * (sin(theta) * across + cos(theta) * up)))
 
 
-def _prepared(run: furuta.Record, last: int) -> tuple[Any, Any]:
+def _prepared(time: np.ndarray, state: np.ndarray) -> tuple[Any, Any]:
     """The figure, and the function that draws the sample of a frame in it."""
     figure = plt.figure(figsize=(8, 3.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
@@ -64,24 +82,24 @@ def _prepared(run: furuta.Record, last: int) -> tuple[Any, Any]:
     (arm,) = scene.plot([], [], [], color="C0", lw=4, solid_capstyle="round")
     (pendulum,) = scene.plot([], [], [], color="C1", lw=3, marker="o", markevery=[1])
     axes, signals = (arm_axis, pendulum_axis), (PHI, THETA)
-    angles = run.state[: last + 1].copy()
+    angles = state.copy()
     angles[:, THETA] = (angles[:, THETA] + pi) % (2.0 * pi) - pi
     angles[np.abs(np.diff(angles[:, THETA], prepend=0.0)) > pi, THETA] = np.nan
     for axis, signal, label in zip(axes, signals, ("arm φ", "pendulum θ"), strict=True):
-        axis.plot(run.time[: last + 1], angles[:, signal], color="0.85", lw=1.0)
+        axis.plot(time, angles[:, signal], color="0.85", lw=1.0)
         style_time_series(axis, f"{label} [rad]")
     curves = [axis.plot([], [], color=f"C{k}", lw=1.4)[0] for k, axis in enumerate(axes)]
     pendulum_axis.set_xlabel("time [s]")
-    tips = np.array([_positions(state)[2] for state in run.state[: last + 1]])
-    length = round(PATH_TIME / run.sample_time)
+    tips = np.array([_positions(each)[2] for each in state])
+    length = round(PATH_TIME / time[1])
 
     def draw(sample: int) -> tuple[Any, ...]:
-        joints = _positions(run.state[sample])
+        joints = _positions(state[sample])
         arm.set_data_3d(*joints[:2].T)
         pendulum.set_data_3d(*joints[1:].T)
         past.set_data_3d(*tips[max(0, sample - length) : sample + 1].T)
         for curve, signal in zip(curves, signals, strict=True):
-            curve.set_data(run.time[: sample + 1], angles[: sample + 1, signal])
+            curve.set_data(time[: sample + 1], angles[: sample + 1, signal])
         return arm, pendulum, past, *curves
 
     return figure, draw
