@@ -189,5 +189,5 @@ def test_rig(extended: Path) -> None:
 def test_verb(extended: Path) -> None:
     """The new verb is in the table and does what it says."""
     assert "The controller's gain L." in run(extended, "--help")
-    gain = json.loads(run(extended, "gain", "--set", "omega1=10", "--json"))["L"]
+    gain = json.loads(run(extended, "gain", "--set", "omega1=10"))["L"]
     assert gain == json.loads(run(extended, "linearize", "--set", "omega1=10", "--json"))["L"]

@@ -43,7 +43,7 @@ def test_library_page_has_every_name() -> None:
 
 def test_pages_with_python_are_found() -> None:
     """Those of the course run by themselves."""
-    assert {LIBRARY, ROOT / "README.md", ROOT / "docs" / "studies.md"} <= set(PAGES)
+    assert {LIBRARY, ROOT / "README.md"} <= set(PAGES)
 
 
 def blocks(page: Path) -> list[str]:

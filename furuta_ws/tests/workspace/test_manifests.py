@@ -1,6 +1,7 @@
 """What a ROS package carries: a valid package.xml, its metadata and licence."""
 
 import pytest
+import yaml
 from catkin_pkg.package import Package, parse_package
 from sources import PACKAGES, ROOT, SOURCES, setup_options
 
@@ -37,9 +38,12 @@ def test_setup_has_the_metadata_of_the_manifest(package: str) -> None:
 
 
 def test_packages_have_the_same_version_and_address() -> None:
-    """They are released together."""
+    """They are released together, and cited so."""
     manifests = [parsed(package) for package in PACKAGES]
-    assert len({(each.version, each.urls[0].url, each.authors[0].name) for each in manifests}) == 1
+    ((version, url, author),) = {(m.version, m.urls[0].url, m.authors[0].name) for m in manifests}
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert (cited["version"], cited["repository-code"]) == (version, url)
+    assert cited["authors"] == [{"name": author}]
 
 
 @pytest.mark.parametrize("package", PACKAGES)
