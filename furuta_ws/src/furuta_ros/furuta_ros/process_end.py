@@ -60,8 +60,9 @@ class _Event(ctypes.Structure):
 def bounded_end(status: int) -> Iterator[None]:
     """End the process with ``status`` if the ``with`` block takes longer than ``LONGEST_END``.
 
-    The block destroys nodes, after all else is closed. rclpy holds Python's lock meanwhile, so that
-    no handler and no thread of Python runs. A timer of the C library calls its ``_exit`` instead.
+    The block destroys nodes, after all else is closed. Fast DDS 2.14 sometimes waits for itself for
+    ever there (eProsima/Fast-DDS issue 6502). rclpy holds Python's lock meanwhile, so that no
+    handler and no thread of Python runs. A timer of the C library calls its ``_exit`` instead.
     """
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError):  # nobody reads it any more

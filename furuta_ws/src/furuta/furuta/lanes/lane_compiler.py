@@ -4,7 +4,9 @@ A block has a row for every number of a record and a column for every lane. A re
 tuple or a memory. Compiled code gets a :class:`LanesType`; ``lanes[i]`` has the fields of the
 record, which can be read and written. The functions of a sample are therefore used in lanes as they
 are. Neighbouring lanes are neighbours in memory, so the compiler turns a loop over the lanes into
-vector instructions. It does so only if the loop has no call and no index that depends on a value.
+vector instructions. It does so only if the loop has no call and no index that depends on a value,
+and if the number of lanes is not a constant, for which it unrolls the loop instead. A loop of many
+hundred instructions waits for each result, so it is split.
 
 Numbers that are equal in all lanes and select what is computed, such as the kind of a friction law,
 are constants of the block's type. Each combination of them is compiled for itself.

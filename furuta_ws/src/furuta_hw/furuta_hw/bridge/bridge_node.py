@@ -198,7 +198,10 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         return FAILURE
 
     def _data_arrived(self) -> None:
-        """Called by the reading thread: let this node's own thread decode the data."""
+        """Called by the reading thread: let this node's own thread decode the data.
+
+        By a task, because the events executor supports no guard conditions.
+        """
         executor = self.executor
         if executor is not None and not self._receive_scheduled:
             self._receive_scheduled = True
