@@ -123,7 +123,7 @@ law_option = click.option(
     "--law",
     callback=_law,
     metavar="NAME",
-    help=f"Friction law: {', '.join(LAWS)}, or or one of --own-parts; default: plant.friction.law.",
+    help=f"Friction law: {', '.join(LAWS)}, or one of --own-parts; default: plant.friction.law.",
 )
 
 feedback_option = click.option(
@@ -160,7 +160,7 @@ def names_options(function: Function) -> Function:
         return function(*args, names=Mapping(**given), **others)
 
     for name, text in (
-        ("time", "Column of a table's time."),
+        ("time", "Column of the time in a table."),
         ("states", "Topic of the joint states."),
         ("command", "Topic or column of the command, or `effort`."),
         ("pendulum", "Name of the pendulum's joint."),

@@ -39,9 +39,9 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.command()
 @click.option("--inertia", type=ABOVE, metavar="J", help="Inertia [kg m²], or mass [kg].")
 @click.option("--friction", metavar="NAME=VALUE,...",
-    help=f"Friction by name: {', '.join(Friction._fields)} [N m, rad/s].")  # fmt: skip
+    help=f"Friction parameters: {', '.join(Friction._fields)} [N m, rad/s].")  # fmt: skip
 @click.option("--law", type=click.Choice(ANALYSED_LAWS), help="Friction law; default: stribeck, or "
-    "stiction if a recording shows that.")  # fmt: skip
+    "stiction if the recording shows stiction.")  # fmt: skip
 @click.option("--pid", type=GAIN, nargs=3, metavar="KP KI KD",
     help="PID [N m/rad, N m/(rad s), N m s/rad].")  # fmt: skip
 @click.option("--cascade", type=GAIN, nargs=3, metavar="K KV KI",
@@ -49,21 +49,21 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--reference-speed", type=FiniteRange(-1e6, 1e6), default=0.0, show_default=True,
     help="Speed of the reference [rad/s].")  # fmt: skip
 @click.option("--counts", type=click.IntRange(0, 2**31),
-    help="Counts of the encoder per turn (2π m of a straight axis), 0 for a perfect one; default: "
-    "those of the table, or 4096.")  # fmt: skip
+    help="Encoder counts per turn (per 2π m of a linear axis), 0 for a perfect encoder; default: "
+    "those of the recording, or 4096.")  # fmt: skip
 @click.option("--identify", "records", type=click.Path(path_type=Path), metavar="FILE",
-    multiple=True, help="Table or bag of time, position and torque: finds inertia and friction; "
-    "repeatable. Without a controller that is all.")  # fmt: skip
-@click.option("--force", is_flag=True, help="Use also what is not usable.")
+    multiple=True, help="Identify inertia and friction from a table or bag with time, position and "
+    "torque; repeatable. Without a controller the verb stops then.")  # fmt: skip
+@click.option("--force", is_flag=True, help="Use an identification that is not usable.")
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
-    "torque, current or voltage; of a bag by default the joint's effort.")  # fmt: skip
-@click.option("--joint", metavar="NAME", help="Joint in a bag of several.")
+    "torque, current or voltage; default in a bag: the joint's effort.")  # fmt: skip
+@click.option("--joint", metavar="NAME", help="Joint to use if a bag has several.")
 @click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
-    help="Torque or force per unit of that column.")  # fmt: skip
-@click.option("--prove", is_flag=True, help="Prove the cycle of the law stiction in interval "
-    "arithmetic (needs python-flint).")  # fmt: skip
-@click.option("--out", type=FIGURE, help="Draw the cycle, and the error with the recommended "
+    help="Torque or force per unit of the column of --command.")  # fmt: skip
+@click.option("--prove", is_flag=True, help="Prove the limit cycle in interval arithmetic, for "
+    "the law stiction (needs python-flint).")  # fmt: skip
+@click.option("--out", type=FIGURE, help="Draw the limit cycle, and the error with the recommended "
     "compensation.")  # fmt: skip
 @json_option
 def command(
@@ -84,13 +84,12 @@ def command(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Find how an axis with friction ends under its controller, and which compensation helps.
+    """Find the final motion of a servo axis with friction, and which compensation helps.
 
-    The axis is given by numbers or by a recording. Its final motion is exact: a limit cycle
-    (hunting, stick-slip), rest, steady motion, or unbounded. Then each compensation is simulated
-    at 1 kHz with the encoder, and one is recommended. From a recording, both are also computed for
-    axes that it may have come from. Units are N m, rad, kg m² and s, or N, m and
-    kg.
+    Describe the axis by numbers or by a recording. The final motion is computed exactly: a limit
+    cycle (hunting, stick-slip), rest, steady or unbounded motion. Then each compensation is
+    simulated at 1 kHz with the encoder, and one is recommended. For a recording, both are repeated
+    for other axes that may have produced it. Units are N m, rad, kg m² and s, or N, m, kg and s.
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
     """

@@ -59,26 +59,26 @@ HEADINGS = {
 
 @click.command()
 @option("--truths", is_flag=True,
-    help="Take the named rigs of docs/comparison.md, and list each.")  # fmt: skip
+    help="Compare on the built-in named rigs, and list each of them.")  # fmt: skip
 @option("--rigs", "number", type=click.IntRange(1, MOST_RIGS), default=100,
     help="Number of random rigs.")  # fmt: skip
 @option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
-    help="A further disturbance of random rigs; repeatable.")  # fmt: skip
+    help="Add a disturbance to the random rigs; repeatable.")  # fmt: skip
 @option("--seed", type=SEED, default=0,
-    help="Seed of the random rigs. plant.seed is that of the sensor noise.")  # fmt: skip
+    help="Seed of the random rigs. The seed of the sensor noise is plant.seed.")  # fmt: skip
 @rig_option
 @parameter_options
 @option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
-    help=f"A candidate by its settings, or one of {', '.join(STANDARD)}; repeatable "
+    help=f"Candidate: a name with its settings, or one of {', '.join(STANDARD)}; repeatable "
     "(default: all of these).")  # fmt: skip
 @option("--tune-budget", type=click.IntRange(0, 100_000), default=0,
-    help="Evaluations to tune each candidate, on rigs of their own; 0: as it is set.")  # fmt: skip
+    help="Evaluations for tuning each candidate, on other random rigs; 0: no tuning.")  # fmt: skip
 @option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
-    help="Push on the arm [V] of 0.1 s, in a run of its own; repeatable.")  # fmt: skip
+    help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.")  # fmt: skip
 @option("--seconds", type=MEASURED_SECONDS, default=30.0,
     help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
 @option("--out", type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES),
-    help="A table with a row per run, or a picture.")  # fmt: skip
+    help="Write a table with one row per run, or draw a picture.")  # fmt: skip
 @json_option
 @click.pass_context
 def command(
@@ -102,9 +102,9 @@ def command(
     Example: furuta compare --rigs 1000 --candidate none --candidate lugre
     --candidate stiff=compensation=lugre,sigma0=1000
 
-    A candidate keeps its values on every rig. The rigs are named ones (--truths), or as uncertain
-    as the file of --rig says, or random. With --tune-budget a parameter of a candidate may have a
-    range, PARAMETER=LOW:HIGH.
+    A candidate keeps its settings on every rig. The rigs are random by default, named ones with
+    --truths, and drawn from the uncertainty in its file with --rig. With --tune-budget a candidate
+    may have a range for a parameter, PARAMETER=LOW:HIGH.
     """
     if truths:
         _reject_random_options(ctx)

@@ -61,13 +61,13 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     type=FiniteRange(0.0, min_open=True),
     default=1.0,
     metavar="V",
-    help="Voltage that a command of 1 stands for [V].",
+    help="Voltage of a command of 1 [V].",
 )
 @option(
     "--ceiling",
     type=FiniteRange(0.0, 1e3, min_open=True),
     metavar="V",
-    help="Highest voltage of the drive [V]; default: found, if the data show it.",
+    help="Highest voltage of the drive [V]; default: detected, if the data show it.",
 )
 @option(
     "--window",
@@ -86,8 +86,8 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 @option(
     "--laws",
     is_flag=True,
-    help="Compare laws of the arm's friction by their predictions of held-out recordings, or of "
-    "held-out halves of a single one.",
+    help="Compare friction laws of the arm by how well they predict held-out recordings, or "
+    "held-out halves of a single recording.",
 )
 @option(
     "--coupling", is_flag=True, help="Look for an elastic coupling of motor and arm, or backlash."
@@ -101,7 +101,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     "base",
     default="",
     metavar="NAME|FILE",
-    help="Rig whose sensors, line and limits the written rig has; default: according to the "
+    help="Rig from which --write takes sensors, line and limits; default: according to the "
     "recording.",
 )
 @json_option
@@ -125,7 +125,7 @@ def command(
     """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
 
     Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    withheld, with the reason, and a model that is not usable is not written. With `--command none`
+    left out, with the reason. A model that is not usable is not written. Use `--command none` if
     the pendulum swings freely while the arm rests.
     """
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)

@@ -33,13 +33,15 @@ QUARTER_TURN = 0.5 * np.pi
     "ranges",
     multiple=True,
     metavar="NAME=LOW:HIGH[:COUNT]",
-    help="Parameter, or gain l1 to l4 of u = l·x. Given once: follow the branch of the limit "
-    "cycle; given twice: map the limit cycle.",
+    help="Range of a parameter, or of a gain l1 to l4 of u = l·x. Given once: follow the branch "
+    "of the limit cycle. Given twice: map the limit cycles.",
 )
-@option("--predict", is_flag=True, help="Predict it by the describing function instead.")
+@option(
+    "--predict", is_flag=True, help="Predict the limit cycle by the describing function instead."
+)
 @law_option
 @feedback_option
-@option("--linear", is_flag=True, help="Linear pendulum instead of the nonlinear one.")
+@option("--linear", is_flag=True, help="Use the linear pendulum instead of the nonlinear one.")
 @option(
     "--release",
     type=FiniteRange(-QUARTER_TURN, QUARTER_TURN, min_open=True, max_open=True),
@@ -64,9 +66,9 @@ def command(
     """Compute the exact periodic motion of the ideal loop, including sticking.
 
     In the ideal loop all states are measured, and the feedback u = l·x is neither sampled nor
-    saturated: left_out names what was set otherwise. Other parts of the plant, such as drive.lag,
-    are refused. A branch is followed through folds and along unstable cycles. The prediction,
-    1 + G(jω) N(A, ω) = 0, uses first harmonics only.
+    saturated. left_out names the settings that this ignores. Other parts of the plant, such as
+    drive.lag, are rejected. A branch is followed through folds and along unstable cycles. The
+    prediction, 1 + G(jω) N(A, ω) = 0, uses first harmonics only.
 
     Example: furuta limit-cycle --over omega1=2:12 --over omega2=2:12
     """

@@ -25,7 +25,7 @@ GIVEN = "given"
 @click.command()
 @option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
 @option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
-@option("--passivity", is_flag=True, help="Condition for the LuGre observer to converge.")
+@option("--passivity", is_flag=True, help="Condition under which the LuGre observer converges.")
 @option("--out", type=FIGURE, help="Draw the Nyquist plot.")
 @feedback_option
 @model_options
@@ -42,12 +42,13 @@ def command(
 ) -> None:
     """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7).
 
-    The margins are those of the loop whose friction is compensated exactly: factors of the torque,
-    phase, delay, and the disk margin.
+    The margins apply if the friction is compensated exactly. They are the gain margins of the
+    torque, the phase, delay and disk margins.
 
-    --nyquist adds the crossings of the real axis, with the plant's model. Limit cycles are possible
-    where G crosses the negative real axis: -1/N of Coulomb friction covers it. --passivity depends
-    on the plant's model and friction, on the feedback, and on the observer's gain K.
+    --nyquist adds the crossings of the real axis, for the plant's model. Limit cycles are possible
+    where G crosses the negative real axis, because -1/N of Coulomb friction covers this axis.
+    --passivity depends on the plant's model and friction, on the feedback, and on the observer's
+    gain K.
     """
     nyquist = nyquist or figure_4
     if figure_4 and feedback is not None:

@@ -41,7 +41,10 @@ GUARD = FiniteRange(0, min_open=True)
 )
 @namespace_option
 @option(
-    "--seconds", type=SIMULATED_SECONDS, default=DEFAULT.seconds, help="Total pendulum time [s]."
+    "--seconds",
+    type=SIMULATED_SECONDS,
+    default=DEFAULT.seconds,
+    help="Total time of all trials [s].",
 )
 @option(
     "--arm-guard",
@@ -72,11 +75,11 @@ def command(
     """Find the compensation with the smallest remaining limit cycle.
 
     The pendulum first swings without compensation, and the friction parameters are fitted to the
-    friction that the estimator observes. Then sigma1 of the LuGre compensator is optimised by
-    trials, and the other compensations are tried with the fitted friction. If the initial
-    parameters or no compensation are better than all of them, they are the result ("gain": false in
-    the JSON); the exit status is 0 then too. On a running graph the result stays active. If the
-    motion leaves the guard, or at Ctrl-C, the initial parameters are restored.
+    friction that the estimator observes. Then trials optimise sigma1 of the LuGre compensator, and
+    the other compensations are tried with the fitted friction. If the initial parameters or no
+    compensation are better, they are the result ("gain": false in the JSON), and the exit status is
+    still 0. On a running graph the result stays active. The initial parameters are restored if the
+    motion leaves the guard, or at Ctrl-C.
     """
     plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
