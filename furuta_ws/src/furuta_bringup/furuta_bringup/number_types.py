@@ -21,3 +21,6 @@ class FiniteRange(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
+
+    def _describe_range(self) -> str:  # click's own says "x<=None" of a range without ends
+        return super()._describe_range() if self.min != self.max else ""

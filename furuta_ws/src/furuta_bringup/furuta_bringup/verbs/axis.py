@@ -53,7 +53,7 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
     "those of the recording, or 4096.")  # fmt: skip
 @click.option("--identify", "records", type=click.Path(path_type=Path), metavar="FILE",
     multiple=True, help="Identify inertia and friction from a table or bag with time, position and "
-    "torque; repeatable. Without a controller the verb stops then.")  # fmt: skip
+    "torque; repeatable. Give no controller to do only this.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Use an identification that is not usable.")
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
