@@ -167,7 +167,6 @@ report, which tools cannot make for compiled functions, and a policy for securit
 - **Public interface**: topics, parameters, verbs and the library `furuta`.
 - **Changes**: each one passes `.ci/run` in a clean checkout.
 - **Documentation**: each feature has a page, and each public name a docstring.
-- **Licence**: Apache-2.0 in every package.
 - **Tests**: all features, and numbers against independent integrators.
 - **Static analysis**: ruff, and mypy in strict mode.
 - **Dependencies**: [CONTRIBUTING](../CONTRIBUTING.md#dependencies) gives a reason for each.
