@@ -24,7 +24,7 @@ GIVEN = "given"
 
 @click.command()
 @option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
-@option("--figure-4", is_flag=True, help="The same with the paper's four feedbacks.")
+@option("--figure-4", is_flag=True, help="Nyquist plot of the four feedbacks of Fig. 4.")
 @option("--passivity", is_flag=True, help="Condition under which the LuGre observer converges.")
 @option("--out", type=FIGURE, help="Draw the Nyquist plot.")
 @feedback_option
@@ -42,8 +42,7 @@ def command(
 ) -> None:
     """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7).
 
-    The margins apply if the friction is compensated exactly. They are the gain margins of the
-    torque, the phase, delay and disk margins.
+    The gain, phase, delay and disk margins apply if the friction is compensated exactly.
 
     --nyquist adds the crossings of the real axis, for the plant's model. Limit cycles are possible
     where G crosses the negative real axis, because -1/N of Coulomb friction covers this axis.

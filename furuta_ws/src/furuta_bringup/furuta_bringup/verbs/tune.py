@@ -77,9 +77,9 @@ def command(
     The pendulum first swings without compensation, and the friction parameters are fitted to the
     friction that the estimator observes. Then trials optimise sigma1 of the LuGre compensator, and
     the other compensations are tried with the fitted friction. If the initial parameters or no
-    compensation are better, they are the result ("gain": false in the JSON), and the exit status is
-    still 0. On a running graph the result stays active. The initial parameters are restored if the
-    motion leaves the guard, or at Ctrl-C.
+    compensation are better than all of these, they are the result. "gain" is then false in the
+    JSON, and the exit status is still 0. On a running graph the result stays active. The initial
+    parameters are restored if the motion leaves the guard, or at Ctrl-C.
     """
     plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
