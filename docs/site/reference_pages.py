@@ -1,7 +1,7 @@
 """Writes the pages of the reference from the code: ``python docs/site/reference_pages.py FOLDER``.
 
 Verbs, parameters, rig files and the names of the library go into the folder, from which the site
-takes them. docs/topics.md is written in its place; a test compares it.
+takes them. The tables of docs/topics.md are written in its place; a test compares them.
 """
 
 import inspect
@@ -93,17 +93,21 @@ def _message_type(message: type) -> str:
 
 
 def topics_page() -> str:
-    """The topics of the graph, and the columns of the series made from them."""
+    """The topics and the columns of series, and what docs/topics.md says about bags."""
+    page = (DOCS / "topics.md").read_text()
     return "\n".join(
         [
-            f"# Topics\n\n{GENERATED}\n",
-            "Names are relative, so that a namespace moves a whole graph. Joints are `arm` (φ) and "
-            "`pendulum` (θ, zero\nupright). Torque and friction are in volts at the drive, as the "
-            "paper normalises them. All topics are\nreliable with depth 10.\n",
-            *topic_rows((*EVERY_TOPIC, *(topic.throttled for topic in THROTTLED_TOPICS))),
-            "\n## Columns of exported series\n",
+            "# Topics and bags\n",
+            "Names are relative: in the namespace `left`, `command` becomes `/left/command`. The "
+            "joints are `arm` (φ) and\n`pendulum` (θ, zero upright). Torque and friction are in "
+            "volts at the drive. All topics are reliable with depth 10.\n",
+            *topic_rows(EVERY_TOPIC),
+            f"\n{_code(topic.name for topic in THROTTLED_TOPICS)} each have a copy for programs "
+            "that draw,\nsuch as `command_throttle`, with about 100 messages per second of the "
+            "loop's time.\n",
+            "## Columns of exported series\n",
             *column_table(),
-            "",
+            page[page.index("\n## Record") :],
         ]
     )
 

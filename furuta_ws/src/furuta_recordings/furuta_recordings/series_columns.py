@@ -20,7 +20,7 @@ def _of_state(prefix: str, adjective: str) -> dict[str, Column]:
     return {
         f"{prefix}_phi_rad": Column("rad", f"{adjective} arm angle φ"),
         f"{prefix}_phi_dot_rad_s": Column("rad/s", f"{adjective} arm speed φ̇"),
-        f"{prefix}_theta_rad": Column("rad", f"{adjective} pendulum angle θ, zero upright"),
+        f"{prefix}_theta_rad": Column("rad", f"{adjective} pendulum angle θ"),
         f"{prefix}_theta_dot_rad_s": Column("rad/s", f"{adjective} pendulum speed θ̇"),
     }
 
@@ -62,7 +62,7 @@ def known(series: Series) -> Series:
 
 def column_table() -> Iterator[str]:
     """Lines of a Markdown table of all columns."""
-    yield "| column | unit | content |"
-    yield "|---|---|---|"
+    yield "| column | content |"
+    yield "|---|---|"
     for name, about in COLUMNS.items():
-        yield f"| `{name}` | {about.unit} | {about.meaning} |"
+        yield f"| `{name}` | {about.meaning} [{about.unit}] |"

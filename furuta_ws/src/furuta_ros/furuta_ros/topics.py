@@ -80,13 +80,13 @@ ACTIVE_MODE = Topic(
     topic_names.ACTIVE_MODE,
     String,
     "controller → any subscriber",
-    "what the controller does, at its start and when that changes; transient local",
+    "what the controller does, sent when that changes; transient local",
 )
 ARMED = Topic(
     topic_names.ARMED,
     Bool,
     "hardware bridge → controller",
-    "whether the rig applies commands, at the start and when that changes; transient local",
+    "whether the rig applies commands, sent when that changes; transient local",
 )
 LATCHED = QoSProfile(
     depth=QOS.depth,
@@ -105,7 +105,7 @@ TIMING = Topic(
     topic_names.TIMING,
     UInt64MultiArray,
     "plant → any subscriber",
-    "how late samples were in real time, once a second",
+    "histograms of latency and lateness in real time, once a second",
 )
 
 # Its name is relative too: two graphs must not mix their times.
