@@ -13,12 +13,16 @@ import reference_pages
 from sources import ROOT
 
 from furuta_bringup.main import furuta
+from furuta_graph.settings.nodes import NODES
+
+PACKAGES = [file.parent for file in (ROOT / "furuta_ws" / "src").glob("*/package.xml")]
 
 
 @cache
 def site_pages() -> dict[Path, str]:
-    """The pages with the links of the site; a broken link raises an error."""
-    return {file: pages.site_text(file, lambda target: target.name) for file in pages.page_names()}
+    """The pages and those of the packages, as on the site; a broken link raises an error."""
+    files = [*pages.page_names(), *(package / "README.md" for package in PACKAGES)]
+    return {file: pages.site_text(file, lambda target: target.name) for file in files}
 
 
 @cache
@@ -63,6 +67,18 @@ def slug(heading: str) -> str:
     """The anchor that GitHub gives a heading."""
     kept = re.sub(r"[^\w\- ]", "", heading.lower().replace("`", ""))
     return kept.strip().replace(" ", "-")
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_package_page_names_what_is_there(package: Path) -> None:
+    """Files and folders of the package, its executables, and how to list its nodes' parameters."""
+    page = (package / "README.md").read_text()
+    for name in re.findall(r"`([\w/]+(?:\.py|\.yaml|/))`", page):
+        assert any((folder / name).exists() for folder in (package, package / package.name)), name
+    for executable in re.findall(r"^    (\w+) = furuta", (package / "setup.cfg").read_text(), re.M):
+        assert f"`{executable}`" in page
+        if executable in NODES:
+            assert f"./furuta param defaults {executable}" in page
 
 
 def test_commands_exist(monkeypatch: pytest.MonkeyPatch, no_parts: None) -> None:
