@@ -84,7 +84,7 @@ own_parts_option = click.option(
     expose_value=False,
     callback=_accept,
     metavar="NAME",
-    help="Accept a part of your own in parameters: module:function or file.py:function; "
+    help="Allow parameters to name this code of yours: module:function or file.py:function; "
     "repeatable.",
 )
 
@@ -98,8 +98,8 @@ def parameter_options(function: Function) -> Function:
         multiple=True,
         metavar="NAME=VALUE",
         callback=_given,
-        help="Set a parameter: alpha0=0.3 wherever it occurs, or plant.friction.alpha0=0.3; "
-        "repeatable.",
+        help="Set a parameter: alpha0=0.3 in every node that has it, plant.friction.alpha0=0.3 in "
+        "one; repeatable.",
     )(function)
     return click.option(
         "--params",
@@ -162,8 +162,8 @@ def names_options(function: Function) -> Function:
     for name, text in (
         ("time", "Column of the time in a table."),
         ("states", "Topic of the joint states."),
-        ("command", "Topic or column of the command, or `effort`."),
-        ("pendulum", "Name of the pendulum's joint."),
+        ("command", "Topic or column of the command; effort: that of the joint states."),
+        ("pendulum", "Name of the pendulum's joint, in a recording of another rig."),
         ("arm", "Name of the arm's joint, in a recording of another rig."),
     ):
         with_names = click.option(f"--{name}", f"{name}_name", help=text)(with_names)

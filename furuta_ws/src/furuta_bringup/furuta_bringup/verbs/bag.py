@@ -51,12 +51,12 @@ def info(bag: Path, as_json: bool) -> None:
     type=SERIES,
     required=True,
     metavar="FILE",
-    help="File to write, which ends in .csv, .parquet, .mat (MATLAB) or .npz.",
+    help="File to write: .csv, .parquet, .mat (MATLAB) or .npz.",
 )
 @names_options
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
-    """Write BAG as a table with one row per measurement; docs/topics.md lists its columns."""
+    """Write BAG as a table, one row per measurement; docs/topics.md lists the columns."""
     from furuta.studies.series import series_with_findings
     from furuta_recordings.series_columns import TIME
     from furuta_recordings.table_files import write_columns

@@ -19,7 +19,7 @@ from furuta_ros.yaml_files import read_yaml
 
 @click.group(cls=HelpfulGroup)
 def command() -> None:
-    """Export the control system for use without Python."""
+    """Export estimator, friction observer and controller for use without Python."""
 
 
 @command.command("c")
@@ -37,8 +37,8 @@ def c(
 ) -> None:
     """Write estimator, friction observer and controller as C99.
 
-    The C is translated from the functions that the nodes run. In double it gives the same commands
-    to the last bit. loop_test.c replays a simulated run and compares.
+    The code is translated from the functions that the nodes run. With numbers of 64 bits the
+    commands are the same to the last bit. loop_test.c replays a simulated run and compares them.
     """
     exported = loop(load_settings(files, assignments))
     given, rig = {file: read_yaml(file, "parameter file") for file in files}, Rig()

@@ -23,7 +23,7 @@ from furuta_ros.spinning import executor_of
 def command() -> None:
     """Commission a rig, arm and disarm the bridge, emulate a rig.
 
-    All verbs except arm, disarm and state open the port themselves, so no bridge may be using it.
+    check, read, zero, signs and friction open the port themselves: end a bridge that uses it first.
     """
 
 
@@ -43,8 +43,8 @@ def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
 def arm(namespace: str) -> None:
     """Arm the bridge: commands drive the rig from now on.
 
-    If the bridge refuses, or stops within a second, the reason is printed and the exit status
-    is 1.
+    If the bridge refuses, or stops the rig within a second, the reason is printed and the exit
+    status is 1.
     """
     with _bridge_client(namespace) as client:
         client.arm_and_watch()
@@ -64,7 +64,7 @@ def disarm(namespace: str) -> None:
 @click.argument("transition", required=False, type=click.Choice(list(TRANSITIONS)))
 @namespace_option
 def state(transition: str | None, namespace: str) -> None:
-    """Print the state of the managed bridge, after a TRANSITION if given."""
+    """Print the state of the bridge; TRANSITION changes it first."""
     with _bridge_client(namespace) as client:
         if transition:
             client.change_state(transition)

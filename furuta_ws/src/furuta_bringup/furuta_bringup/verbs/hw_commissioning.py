@@ -44,7 +44,9 @@ RATES = FiniteRange(1e-3, 10.0)
 
 def rig_options(function: Function) -> Function:
     """``--port``, ``--rig`` and ``--own-parts``."""
-    rig = option("--rig", "name", default="paper", metavar="NAME|FILE", help="Rig file.")
+    rig = option(
+        "--rig", "name", default="paper", metavar="NAME|FILE", help="Rig, by name or file."
+    )
     port = "Port of the rig, or mock for an emulated rig."
     return option("--port", required=True, metavar="PORT", help=port)(
         rig(own_parts_option(function))
@@ -101,7 +103,7 @@ def check(port: str, name: str, seconds: float, as_json: bool) -> None:
 def read(port: str, name: str, seconds: float, as_json: bool) -> None:
     """Show live sensor values, as codes and in SI units. Drives nothing.
 
-    With --json prints their mean and spread.
+    With --json, print their mean and spread instead.
     """
     samples: list[RigSample] = []
     with _open_rig(port, name) as session:
@@ -162,7 +164,7 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
 @rig_options
 @drive_options
 @option("--rate", type=RATES, default=RAMP_RATE, help="Rate of the voltage ramps [V/s].")
-@option("--removed", is_flag=True, help="There is no pendulum; do not check that it hangs.")
+@option("--removed", is_flag=True, help="The pendulum is removed; do not check that it hangs.")
 @json_option
 def friction(
     port: str,
@@ -175,7 +177,7 @@ def friction(
 ) -> None:
     """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
 
-    The pendulum must hang at rest or be removed. Takes one to two minutes.
+    The pendulum must hang at rest or be removed. This takes one to two minutes.
     """
     with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
         check_arm_range(session.rig, arm_range)

@@ -24,7 +24,7 @@ from furuta_ros.spinning import StopSignal
 @click.command()
 @option("--plant", type=click.Choice(["sim", "hardware"]), default="sim",
     help="Simulated plant or real rig.")  # fmt: skip
-@option("--port", default="", metavar="PORT", help="Serial port of the rig, or mock.")
+@option("--port", default="", metavar="PORT", help="Serial port of the rig; mock: an emulated rig.")
 @rig_option
 @option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
 @option(
@@ -43,7 +43,9 @@ from furuta_ros.spinning import StopSignal
 @option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
 @option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
     help="Stop after this time of the plant or rig [s].")  # fmt: skip
-@option("--priority", type=click.IntRange(1, 99), help="SCHED_FIFO priority (real time).")
+@option(
+    "--priority", type=click.IntRange(1, 99), help="Priority of the real-time scheduler SCHED_FIFO."
+)
 @option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
 @parameter_options
 def command(
@@ -65,7 +67,7 @@ def command(
 ) -> None:
     """Run the graph until Ctrl-C.
 
-    At the start, the command prints what the system granted of --priority and --lock-memory.
+    With --priority or --lock-memory, the command first prints whether the system granted it.
     """
     hardware = plant == "hardware"
     scheduling = Scheduling(priority or 0, lock_memory)
@@ -74,7 +76,7 @@ def command(
             "--processes cannot be combined with --seconds, --priority or --lock-memory"
         )
     if hardware and clock:
-        raise ParameterError("a rig has its own clock: no --lockstep or --realtime")
+        raise ParameterError("a rig has its own clock: omit --lockstep and --realtime")
     if not hardware and (port or read_only):
         raise ParameterError("--port and --read-only need --plant hardware")
     options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace)

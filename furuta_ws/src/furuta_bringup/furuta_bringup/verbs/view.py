@@ -38,11 +38,13 @@ def command(
 ) -> None:
     """Run the graph and show it in a browser: pendulum, charts, and all parameters.
 
-    The address of the page is the first line on standard output. OPTIONS are those of furuta run,
-    after --; for example: furuta view -- --lockstep
+    The address of the page is the first line on standard output. Options of furuta run follow
+    after --, for example: furuta view -- --lockstep
     """
     if bag and (attach or options or namespace):
-        raise click.UsageError("--bag shows no graph: it takes no other option of one")
+        raise click.UsageError(
+            "--bag shows a recording: omit --attach, --namespace and options of furuta run"
+        )
     if bag:
         from furuta_view.bag_page import run_bag_page
         from furuta_view.server import PageServer
@@ -50,7 +52,7 @@ def command(
         run_bag_page(PageServer(port), bag, opens=not no_open)
         return
     if attach and options:
-        raise click.UsageError("--attach starts no graph, so it takes no options for one")
+        raise click.UsageError("--attach starts no graph: omit the options of furuta run")
     if attach:
         os.nice(NICENESS)  # before any thread starts: each has its own
         from furuta_view.page_process import run_page

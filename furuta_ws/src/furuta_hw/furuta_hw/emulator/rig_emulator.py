@@ -64,18 +64,30 @@ def main() -> None:
 def _parse_arguments() -> argparse.Namespace:
     parser = _Parser(prog="rig_emulator", description=__doc__)
     parser.add_argument("--rig", type=Path, help="rig file; default: the paper's rig")
-    parser.add_argument("--link", type=Path, help="make a link to the port's name here")
-    parser.add_argument("--monitor", type=Path, help="Unix socket to observe it and inject faults")
-    parser.add_argument("--lockstep", action="store_true", help="wait for each answer when driven")
+    parser.add_argument("--link", type=Path, help="make a link to the port, such as /tmp/rig")
+    parser.add_argument("--monitor", type=Path, help="Unix socket for requests (docs/hardware.md)")
+    parser.add_argument("--lockstep", action="store_true", help="wait for each answer while driven")
     parser.add_argument(
-        "--firmware", action="store_true", help="run the C firmware for boards, not the reference"
+        "--firmware", action="store_true", help="run the C firmware instead of the rules in Python"
     )
     parser.add_argument(
         "--loop", type=Path, metavar="DIR", help="run this exported loop in the C firmware"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the sensors' noise")
-    parser.add_argument("--initial", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("--fault", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument(
+        "--initial",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="initial state, such as theta=0.1; repeatable",
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="fault to inject, such as lost=0.1; repeatable",
+    )
     # ros2 run and ros2 launch add ROS arguments, which are ignored here.
     return parser.parse_args(own_arguments(sys.argv[1:]))
 
