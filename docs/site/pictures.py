@@ -31,8 +31,6 @@ COMMANDS = {
     "limit_cycle.png": "limit-cycle --out OUT",
     "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --out OUT",
     "nyquist.png": "linearize --figure-4 --out OUT",
-    "release.png": "simulate --set enabled=false --set initial.theta=0.01 --ideal-sensors "
-    "--seconds 20 --out OUT",
 }
 # Functions that draw the others.
 DRAWINGS: dict[str, Callable[[Path], None]] = {

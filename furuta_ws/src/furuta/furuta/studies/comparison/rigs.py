@@ -2,7 +2,7 @@
 
 Estimator, friction observer and controller keep the values of the settings. So the rigs show what a
 compensation does when the truth is not its model. The named rigs are the truths of the table in
-docs/comparison.md. Random rig k of a seed is the same in a comparison of any size: its parameters
+docs/compensation.md. Random rig k of a seed is the same in a comparison of any size: its parameters
 are drawn from the covariance of a rig file if it states one, otherwise it differs from the settings
 in friction law, friction and pendulum. Disturbances come on top. Each has a random stream of its
 own, so a further one leaves the other choices as they are.
