@@ -63,22 +63,19 @@ else:
 class ControllerParameters(NamedTuple):
     """Parameters of the node ``controller``."""
 
-    enabled: Annotated[bool, About("drive the arm; 0 V if false")] = True
-    mode: Annotated[
-        str,
-        About(_MEANINGS, choices=_NAMES, own=True),
-    ] = "balance"
+    enabled: Annotated[bool, About("drive the arm; if false, the command is 0 V")] = True
+    mode: Annotated[str, About(_MEANINGS, choices=_NAMES, own=True)] = "balance"
     poles: Annotated[DesiredPoles, INLINE] = DesiredPoles()
     gain: Annotated[
         tuple[float, ...],
-        About("explicit L of u = -Lx: four numbers; [0.0]: L by pole placement", "V/x"),
+        About("the four numbers of L in u = -Lx; [0.0]: L by pole placement", "V/x"),
     ] = POLE_PLACEMENT
     model: FurutaPendulum = FurutaPendulum()
     model_viscous: Annotated[
         float,
         About(
-            "viscous friction in the model of the pole placement; the friction estimate must then "
-            "not contain it",
+            "viscous friction of the arm in the model of the pole placement; the friction estimate "
+            "must not contain it",
             "V s/rad",
             0,
             100,
@@ -95,7 +92,8 @@ class ControllerParameters(NamedTuple):
         float, About("after a fall: highest pendulum speed to start balancing", "rad/s", 0.0, 1e3)
     ] = 2.0
     catch_time: Annotated[
-        float, About("after a fall: time within catch angle and speed before it", "s", 0.0, 10.0)
+        float,
+        About("after a fall: time to stay within catch_angle and catch_speed", "s", 0.0, 10.0),
     ] = 0.05
     arm_reference: Annotated[
         float, About("arm angle at which the arm is held", "rad", -1e6, 1e6)
@@ -104,19 +102,19 @@ class ControllerParameters(NamedTuple):
         float, About("largest arm error that is fed back, so that u stays small", "rad", 1e-3, 1e6)
     ] = 1.0
     integral_time: Annotated[
-        float, About("time of the integral action on the arm's error, 0 for none", "s", 0.0, 1e4)
+        float, About("integral time of the arm's error, 0 for no integral action", "s", 0.0, 1e4)
     ] = 0.0
     super_twisting: Annotated[
-        float, About("super-twisting: bound on the friction's rate, 0 for none", "V/s", 0.0, 1e4)
+        float,
+        About("super-twisting: gain, the largest rate of friction, 0 for off", "V/s", 0.0, 1e4),
     ] = 0.0
     super_twisting_bandwidth: Annotated[
-        float, About("super-twisting: bandwidth that limits its gain, 0 for none", "1/s", 0.0, 1e4)
+        float,
+        About("super-twisting: bandwidth that limits the gain, 0 for none", "1/s", 0.0, 1e4),
     ] = 0.0
     vibration_limit: Annotated[
         float,
-        About(
-            "super-twisting: amplitude of its vibration from which it is reduced", "V", 1e-3, 1e6
-        ),
+        About("super-twisting: vibration amplitude above which it is reduced", "V", 1e-3, 1e6),
     ] = 0.8
     arm_angle_limit: Annotated[
         float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
@@ -126,7 +124,7 @@ class ControllerParameters(NamedTuple):
     ] = 9.9
     friction_timeout: Annotated[
         float,
-        About("age up to which a friction estimate is used, then 0 V", "s", 0, 10),
+        About("age beyond which a friction estimate is replaced by 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     parts: Annotated[ModeParameters, INLINE] = ModeParameters()

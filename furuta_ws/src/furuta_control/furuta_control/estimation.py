@@ -71,7 +71,7 @@ class EstimatorParameters(NamedTuple):
     model_viscous: Annotated[
         float,
         About(
-            "viscous friction in the model; the observed friction does then not contain it",
+            "viscous friction of the arm in the model; the observed friction does not contain it",
             "V s/rad",
             0,
             100,

@@ -56,7 +56,7 @@ class ObserverParameters(NamedTuple):
     compensation: Annotated[str, About(_MEANINGS, choices=COMPENSATIONS, own=True)] = "none"
     friction: Annotated[Friction, INLINE] = Friction()
     observer_gain: Annotated[
-        float, About("correction gain K of the observer on the arm angle", "1/s", -1e3, 1e3)
+        float, About("gain K by which the arm angle corrects the LuGre observer", "1/s", -1e3, 1e3)
     ] = 0.01
     parts: Annotated[CompensatorParameters, INLINE] = CompensatorParameters()
     sample_time: Annotated[

@@ -23,7 +23,7 @@ class Sensors(NamedTuple):
     """Encoder on the arm, tachometer on the arm, potentiometer on the pendulum."""
 
     ideal: Annotated[
-        bool, About("measure all four states exactly, without the rest of this group")
+        bool, About("measure all four states exactly and ignore the rest of this group")
     ] = False
     encoder_counts: Annotated[
         int,

@@ -22,7 +22,7 @@ class RecorderParameters(NamedTuple):
 
     directory: Annotated[str, About("directory of the bag; must not exist", read_only=True)] = ""
     stamped: Annotated[
-        bool, About("time of a message: newest stamp before it, for lock-step", read_only=True)
+        bool, About("lock-step: use the newest stamp before a message as its time", read_only=True)
     ] = False
     graph_parameters: Annotated[
         str, About("text of a ROS parameter file to keep with the bag", read_only=True)

@@ -44,7 +44,7 @@ class PlantFriction(NamedTuple):
     )
     parameters: Annotated[Friction, INLINE] = Friction()
     springs: Annotated[
-        int, About("maxwell_slip: number of springs", "", 1, MAX_SPRINGS, shape=True)
+        int, About("number of springs of maxwell_slip", "", 1, MAX_SPRINGS, shape=True)
     ] = 4
     variation: FrictionVariation = FrictionVariation()
 
@@ -99,8 +99,8 @@ class PlantNodeParameters(NamedTuple):
     ] = "realtime"
     run_until: Annotated[
         float,
-        About("time at which the plant pauses, until this is raised", "s", 0, 1e9),
+        About("time at which the plant pauses until you raise this value", "s", 0, 1e9),
     ] = 1e9
     command_timeout: Annotated[
-        float, About("age beyond which a command is replaced by 0 V (realtime)", "s", 1e-3, 10.0)
+        float, About("realtime: age beyond which a command is replaced by 0 V", "s", 1e-3, 10.0)
     ] = 0.05

@@ -53,7 +53,7 @@ class KalmanParameters(NamedTuple):
     friction_process_noise: Annotated[
         float,
         About(
-            "kalman: process noise of the friction: its random walk in a second, grows as √t",
+            "kalman: random change of the friction in one second (process noise)",
             "V/√s",
             1e-3,
             1e3,
@@ -62,7 +62,7 @@ class KalmanParameters(NamedTuple):
     pendulum_process_noise: Annotated[
         float,
         About(
-            "kalman: process noise of the pendulum speed: its random walk from the model",
+            "kalman: random change of the pendulum speed in one second (process noise)",
             "rad/s/√s",
             1e-3,
             1e3,
@@ -184,7 +184,7 @@ def predict(memory: Any, torque: float, p: Any, predicted: np.ndarray) -> None:
 
 PART = Method(
     "kalman",
-    "fuses all sensors and the applied torque, and observes the friction",
+    "Kalman filter on all sensors and the applied torque, which also observes the friction",
     update,
     predict=predict,
     observes_friction=True,

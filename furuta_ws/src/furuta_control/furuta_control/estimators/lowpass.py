@@ -74,7 +74,7 @@ def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
 
 PART = Method(
     "lowpass",
-    "the paper's filter on the potentiometer, arm as measured",
+    "the paper's filter on the potentiometer, with the arm as measured",
     update,
     begin,
     parameters=LowpassParameters,

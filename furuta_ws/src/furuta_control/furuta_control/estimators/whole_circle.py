@@ -110,7 +110,7 @@ def _correct(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
 
 PART = Method(
     "whole_circle",
-    "kalman for any pendulum angle, with the nonlinear model",
+    "Kalman filter with the nonlinear model, for any pendulum angle",
     update,
     observes_friction=True,
     needs_applied_torque=True,

@@ -90,7 +90,7 @@ def at_limit(memory: np.ndarray) -> bool:
 
 PART = Compensator(
     "adaptive",
-    "the same with levels that adapt",
+    "LuGre observer with levels that follow the observed friction",
     estimate,
     needs_observed_friction=True,
     runs_observer=True,

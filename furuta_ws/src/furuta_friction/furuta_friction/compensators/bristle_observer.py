@@ -40,4 +40,4 @@ def observe(memory: Any, x: np.ndarray, p: Friction, design: Any) -> float:
     return min(max(force, -highest), highest) + p.viscous * v
 
 
-PART = Compensator("lugre", "the observer (9)", estimate, runs_observer=True)
+PART = Compensator("lugre", "LuGre observer, eq. (9)", estimate, runs_observer=True)

@@ -42,10 +42,13 @@ class CombinedParameters(NamedTuple):
     """Parameters of the compensator."""
 
     filter_time: Annotated[
-        float, About("combined: time constant T of the filter on the rest", "s", 0.0, 1.0)
+        float, About("combined: time constant of the filter on the rest", "s", 0.0, 1.0)
     ] = 0.003
     reversal_speed: Annotated[
-        float, About("combined: speed w at which tanh(v/w) is 0.76", "rad/s", 1e-4, 10.0)
+        float,
+        About(
+            "combined: speed w within which the level changes sign, tanh(v/w)", "rad/s", 1e-4, 10.0
+        ),
     ] = 0.05
     level_rate: Annotated[
         float, About("combined: rate at which a level is learned", "1/s", 0.0, 1e3)
@@ -106,7 +109,7 @@ def _dry_friction(
 
 PART = Compensator(
     "combined",
-    "that, with levels that are learned",
+    "learned level for each direction plus the filtered rest of the observed friction",
     estimate,
     needs_observed_friction=True,
     largest_factor=LARGEST_FACTOR,

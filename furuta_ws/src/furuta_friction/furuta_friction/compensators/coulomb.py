@@ -20,4 +20,4 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
     return (level if v > 0.0 else -level) + p.friction.viscous * v
 
 
-PART = Compensator("coulomb", "eq. (4) with level alpha0", estimate)
+PART = Compensator("coulomb", "Coulomb level with the sign of the speed, eq. (4)", estimate)

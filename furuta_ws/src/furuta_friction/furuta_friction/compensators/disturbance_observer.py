@@ -25,7 +25,7 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
 
 PART = Compensator(
     "disturbance_observer",
-    "the observed friction",
+    "observed friction",
     estimate,
     needs_observed_friction=True,
     largest_factor=LARGEST_FACTOR,

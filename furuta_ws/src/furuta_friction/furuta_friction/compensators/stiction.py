@@ -35,7 +35,7 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
 
 PART = Compensator(
     "stiction",
-    "that; at rest the observed friction",
+    "Coulomb level while sliding, observed friction at rest",
     estimate,
     needs_observed_friction=True,
 )

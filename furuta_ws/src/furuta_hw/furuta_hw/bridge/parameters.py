@@ -20,8 +20,8 @@ class BridgeParameters(NamedTuple):
     ] = "unconfigured"
     read_only: Annotated[bool, _Fixed("never drive: the node cannot be activated")] = False
     any_pendulum_angle: Annotated[
-        bool, _Fixed("do not stop on the pendulum's angle, as swing-up needs it")
+        bool, _Fixed("allow any pendulum angle, which swing-up needs")
     ] = False
     network_commands: Annotated[
-        bool, _Fixed("can be armed although other machines can discover it and send commands")
+        bool, _Fixed("allow arming although other machines can discover the node")
     ] = False

@@ -42,7 +42,7 @@ class SpeedSensor(NamedTuple):
     bits: Annotated[int, _BITS] = 12
     sign: Annotated[int, _SIGN] = 1
     zero: Annotated[float, _ZERO] = 0.0
-    bandwidth: Annotated[float, About("of the difference's low-pass", "rad/s", 0.1, 1e5)] = 200.0
+    bandwidth: Annotated[float, About("filter on the encoder's speed", "rad/s", 0.1, 1e5)] = 200.0
 
     @property
     def channel(self) -> Channel:
@@ -54,7 +54,8 @@ class PendulumSensor(NamedTuple):
     """The sensor of the pendulum angle θ, zero upright."""
 
     sensor: Annotated[
-        str, About("potentiometer: AD converter; encoder", choices=("potentiometer", "encoder"))
+        str,
+        About("potentiometer (AD converter) or encoder", choices=("potentiometer", "encoder")),
     ] = "potentiometer"
     range: Annotated[float, About("potentiometer at full scale", "rad", 1e-3, 2 * pi)] = pi / 4
     bits: Annotated[int, _BITS] = 12

@@ -23,18 +23,19 @@ class PhysicalParameters(NamedTuple):
     """A rig's parameters as in its data sheet. The zero defaults are replaced by the rig file."""
 
     arm_inertia: Annotated[
-        float, About("J_a, arm about the motor's axis, without pendulum", "kg m²", 0.0, 100.0)
+        float,
+        About("J_a, arm's inertia about its axis, without pendulum", "kg m²", 0.0, 100.0),
     ] = 0.0
-    rotor_inertia: Annotated[float, About("J_r, motor's rotor", "kg m²", 0.0, 10.0)] = 0.0
+    rotor_inertia: Annotated[float, About("J_r, inertia of the rotor", "kg m²", 0.0, 10.0)] = 0.0
     gear_ratio: Annotated[float, About("N, turns of the motor per turn of the arm", "", 1e-3)] = 1.0
     arm_length: Annotated[float, About("L, axis to pendulum joint", "m", 0.0, 5.0)] = 0.0
     pendulum_mass: Annotated[float, About("m, mass of the pendulum", "kg", 0.0, 20.0)] = 0.0
     pendulum_length: Annotated[float, About("l, joint to centre of mass", "m", 0.0, 5.0)] = 0.0
     pendulum_inertia: Annotated[
-        float, About("J_p, about its centre of mass", "kg m²", 0.0, 100.0)
+        float, About("J_p, pendulum's inertia about its centre of mass", "kg m²", 0.0, 100.0)
     ] = 0.0
     gravity: Annotated[float, About("g, gravity", "m/s²", 0.0)] = 9.81
-    resistance: Annotated[float, About("R, motor's terminals", "Ω", 0.0)] = 0.0
+    resistance: Annotated[float, About("R, resistance of the motor", "Ω", 0.0)] = 0.0
     torque_constant: Annotated[float, About("k_t, torque per current", "N m/A", 0.0)] = 0.0
     back_emf_constant: Annotated[float, About("k_e, voltage per speed", "V s/rad", 0.0)] = 0.0
     arm_damping: Annotated[float, About("b, viscous friction at the arm", "N m s/rad", 0.0)] = 0.0

@@ -27,7 +27,7 @@ class RigLine(NamedTuple):
     baud: Annotated[int, About("bits per second", "1/s", 1200, 12_000_000)] = 1_000_000
     sample_time: Annotated[float, About("time between samples", "s", 1e-4, 0.1)] = 0.001
     watchdog: Annotated[
-        float, About("without a new voltage for this long the rig goes to 0 V", "s", 1e-3, 1.0)
+        float, About("time without a new voltage after which the rig sets 0 V", "s", 1e-3, 1.0)
     ] = 0.05
 
 
@@ -42,10 +42,10 @@ class SafetyLimits(NamedTuple):
     arm_angle: Annotated[float, About("stop beyond this |φ|", "rad", 0.01, 1e6)] = 2 * pi
     arm_speed: Annotated[float, About("stop beyond this |φ̇|", "rad/s", 0.1, 1e6)] = 9.9
     command_age: Annotated[
-        float, About("stop when a measurement has no command for", "s", 1e-3, 10.0)
+        float, About("stop if no command follows a measurement for", "s", 1e-3, 10.0)
     ] = 0.05
     estimate_age: Annotated[
-        float, About("stop when a measurement has no friction estimate for", "s", 1e-3, 1e9)
+        float, About("stop if no friction estimate follows a measurement for", "s", 1e-3, 1e9)
     ] = 0.03
     measurement_age: Annotated[float, About("stop without measurement for", "s", 1e-3, 10.0)] = 0.05
     bad_frames: Annotated[
@@ -53,7 +53,7 @@ class SafetyLimits(NamedTuple):
         About("stop at this fraction of frames lost or corrupt, over a second", "", 1e-4, 1.0),
     ] = 0.1
     disagreement: Annotated[
-        float, About("stop where encoder and tachometer differ by, over a second", "rad", 1e-3, 1e3)
+        float, About("stop if encoder and tachometer differ by this in a second", "rad", 1e-3, 1e3)
     ] = 0.5
 
 

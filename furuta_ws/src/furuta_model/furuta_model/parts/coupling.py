@@ -56,28 +56,26 @@ class Coupling(NamedTuple):
     """The coupling of motor and arm. It is rigid with frequency 0."""
 
     frequency: Annotated[
-        float, About("natural frequency of the coupling, 0: motor and arm are one", "Hz", 0, 1000)
+        float, About("frequency of the vibration, 0 for a rigid arm", "Hz", 0, 1000)
     ] = 0.0
-    damping: Annotated[float, About("damping ratio of this vibration", "", 0, 1, shape=True)] = 0.03
+    damping: Annotated[float, About("damping ratio of the vibration", "", 0, 1, shape=True)] = 0.03
     motor_inertia: Annotated[
         float,
         About(
-            "part of the inertia alpha - gamma²/beta that is the motor's",
+            "part of the inertia alpha - gamma²/beta that belongs to the motor",
             "",
             0.02,
             0.98,
             shape=True,
         ),
     ] = 0.5
-    backlash: Annotated[float, About("gap of the coupling", "rad", 0, 1)] = 0.0
+    backlash: Annotated[float, About("whole gap of the coupling", "rad", 0, 1)] = 0.0
     arm_friction: Annotated[
         float,
-        About(
-            "part of the friction that acts on the arm; the rest on the motor", "", 0, 1, shape=True
-        ),
+        About("part of the friction on the arm; the rest is on the motor", "", 0, 1, shape=True),
     ] = 0.0
     sensors: Annotated[
-        str, About("where encoder and tachometer of the arm are", choices=SIDES, shape=True)
+        str, About("side on which encoder and tachometer are", choices=SIDES, shape=True)
     ] = "arm"
 
     @property

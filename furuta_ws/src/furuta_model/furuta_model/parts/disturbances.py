@@ -35,7 +35,7 @@ Numbers = tuple[float, ...]
 class Pushes(NamedTuple):
     """The profile. A list with one element applies to every push."""
 
-    times: Annotated[Numbers, About("begin of each push", "s", 0, 1e6)] = (0.0,)
+    times: Annotated[Numbers, About("start of each push", "s", 0, 1e6)] = (0.0,)
     durations: Annotated[Numbers, About("duration of each push", "s", 0, 1e6)] = (0.0,)
     arm: Annotated[Numbers, About("torque on the arm", "V", -1e3, 1e3)] = (0.0,)
     pendulum: Annotated[Numbers, About("torque on the pendulum's joint", "V", -1e3, 1e3)] = (0.0,)
@@ -127,11 +127,11 @@ def with_tilt(push: Push, p: Tilt) -> Push:
 class TorqueWaves(NamedTuple):
     """The waves: three lists of one length."""
 
-    orders: Annotated[Numbers, About("waves per turn of each wave", "", 0, 10_000, shape=True)] = (
-        0.0,
-    )
-    cosine: Annotated[Numbers, About("factor of cos(order φ)", "V", -10, 10)] = (0.0,)
-    sine: Annotated[Numbers, About("factor of sin(order φ)", "V", -10, 10)] = (0.0,)
+    orders: Annotated[
+        Numbers, About("periods per turn of each wave", "", 0, 10_000, shape=True)
+    ] = (0.0,)
+    cosine: Annotated[Numbers, About("amplitude of cos(order φ)", "V", -10, 10)] = (0.0,)
+    sine: Annotated[Numbers, About("amplitude of sin(order φ)", "V", -10, 10)] = (0.0,)
 
     def check(self) -> None:
         """Reject lists of different lengths, and too many waves."""

@@ -19,7 +19,7 @@ class Drive(NamedTuple):
     lag: Annotated[float, About("time constant of the torque, 0 for none", "s", 0, 1)] = 0.0
     dead_band: Annotated[
         float,
-        About("voltage up to which there is no torque; beyond it the excess acts", "V", 0, 10),
+        About("voltage up to which there is no torque; above it only the excess acts", "V", 0, 10),
     ] = 0.0
 
 

@@ -46,7 +46,7 @@ class PendulumFriction(NamedTuple):
 class Cogging(NamedTuple):
     """Cogging torque -torque sin(periods φ + phase) of the arm's motor."""
 
-    torque: Annotated[float, About("amplitude", "V", 0, 10)] = 0.0
+    torque: Annotated[float, About("amplitude of the cogging torque", "V", 0, 10)] = 0.0
     periods: Annotated[int, About("periods per turn of the arm", "", 1, 10_000, shape=True)] = 100
     phase: Annotated[float, About("phase at arm angle 0", "rad", -pi, pi, shape=True)] = 0.0
 

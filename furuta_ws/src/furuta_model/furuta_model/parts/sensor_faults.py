@@ -23,7 +23,7 @@ class SensorFaults(NamedTuple):
     reading_delay: Annotated[int, About("delay of all readings", "samples", 0, MAX_DELAY)] = 0
     missing: Annotated[float, About("probability that a reading is missing", "", 0, 1)] = 0.0
     stuck: Annotated[str, About("sensor that repeats its reading", choices=SENSORS)] = "none"
-    stuck_from: Annotated[float, About("time from which it does", "s", 0, 1e6)] = 0.0
+    stuck_from: Annotated[float, About("time from which it is stuck", "s", 0, 1e6)] = 0.0
     arm_bias: Annotated[float, About("error of the arm angle", "rad", -10, 10)] = 0.0
     arm_speed_bias: Annotated[float, About("error of the arm speed", "rad/s", -10, 10)] = 0.0
     pendulum_bias: Annotated[float, About("error of the pendulum angle", "rad", -1, 1)] = 0.0

@@ -28,16 +28,16 @@ SpringMemory = PlantMemory | MotorMemory
 class FrictionVariation(NamedTuple):
     """How the friction level changes; relative to the level of the law."""
 
-    angle: Annotated[
-        float, About("change of the level over the arm's turn: amplitude", "", 0, 1)
-    ] = 0.0
+    angle: Annotated[float, About("amplitude of the change of the level over a turn", "", 0, 1)] = (
+        0.0
+    )
     angle_periods: Annotated[
         int, About("periods of this change per turn", "", 1, 1000, shape=True)
     ] = 1
     angle_phase: Annotated[
         float, About("phase of this change at arm angle 0", "rad", -pi, pi, shape=True)
     ] = 0.0
-    drift: Annotated[float, About("change of the level with time, at the end", "", -1, 10)] = 0.0
+    drift: Annotated[float, About("final change of the level with time", "", -1, 10)] = 0.0
     drift_time: Annotated[
         float, About("time constant of the drift", "s", 1e-3, 1e6, shape=True)
     ] = 60.0
