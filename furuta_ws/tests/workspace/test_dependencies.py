@@ -178,7 +178,9 @@ def test_imports_are_required() -> None:
 
 def test_lowest_versions_are_those_of_the_tests() -> None:
     """Each is declared once and is the version of requirements.noble.lock, no later one."""
-    declared = [*product_requirements(), *(ROOT / "requirements.in").read_text().splitlines()]
+    declared = [*product_requirements()]
+    for folder in (".", "furuta_ws/tests"):
+        declared += (ROOT / folder / "requirements.in").read_text().splitlines()
     lowest = [each.partition(",")[0].split(">=") for each in declared if ">=" in each]
     names = [name for name, _ in lowest]
     assert len(names) == len(set(names))
@@ -188,9 +190,13 @@ def test_lowest_versions_are_those_of_the_tests() -> None:
     assert {name: tested[name] for name in names} == wanted
 
 
-@pytest.mark.parametrize("file", ["requirements.lock", "requirements.noble.lock"])
-def test_everything_required_is_locked(file: str) -> None:
-    """What a verb needs is in both environments, but for two extras that only tests use."""
+OF_TESTS = "furuta_ws/tests/requirements.lock"
+
+
+@pytest.mark.parametrize(
+    "files", [("requirements.lock", OF_TESTS), ("requirements.noble.lock",)], ids=str
+)
+def test_everything_required_is_locked(files: tuple[str, ...]) -> None:
+    """What a verb needs is in both environments, extras of a few users only in that of the tests."""
     names = {re.split(r"[\[>]", each)[0] for each in product_requirements()}
-    optional = {"gymnasium", "python-flint"} if file == "requirements.lock" else set()
-    assert names - optional <= locked(file).keys()
+    assert names <= set().union(*(locked(file).keys() for file in files))
