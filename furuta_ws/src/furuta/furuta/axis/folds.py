@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, Pid, released, servo_cycle, servo_joint
-from furuta.limit_cycles.joint import JointCycle, joint_branch, joint_cycle
+from furuta.limit_cycles.joint import JointCycle, branch, joint_cycle
 from furuta_model.friction.parameters import Friction
 
 CLOSE = 0.01  # half of the range of the second search, relative to the fold of the first
@@ -59,11 +59,11 @@ def fold(loop_at: LoopAt, low: float, high: float) -> Fold | None:
     found = None
     for _ in range(2):
         start = np.array(cycle.start)
-        branch = joint_branch(lambda at: servo_joint(*loop_at(at)), low, high, value, start)
-        folds = [i for i, (_, _, event) in enumerate(branch) if event == "fold"]
+        points = branch(lambda at: servo_joint(*loop_at(at)), low, high, value, start)
+        folds = [i for i, (_, _, event) in enumerate(points) if event == "fold"]
         if not folds:
             return found
-        three = branch[folds[0] - 1 : folds[0] + 2]
+        three = points[folds[0] - 1 : folds[0] + 2]
         found = _vertex(three)
         low, high = found.value * (1.0 - CLOSE), found.value * (1.0 + CLOSE)
         stable = [(v, cycle) for v, cycle, _ in three if cycle.stable and low < v < high]

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from furuta.limit_cycles import continuation
 from furuta.limit_cycles.exact_motion import state_after
@@ -255,6 +254,8 @@ def _peak_to_peak(loop: LinearLoop, cycle: LimitCycle) -> float:
     lasts = cycle.observed_s if cycle.kind == "irregular" else cycle.period_s
     if not STILL <= abs(drift) * lasts < np.inf:
         return cycle.phi_peak_to_peak_rad
+    from scipy.interpolate import CubicHermiteSpline  # slow; only a cycle that drifts needs it
+
     path = trace(loop, cycle)
     time, position, speed = path.time, path.state[:, PHI] - drift * path.time, path.state[:, 1]
     found = CubicHermiteSpline(time, position, speed - drift).derivative().roots()
@@ -285,7 +286,7 @@ def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
     )
 
 
-def joint_branch(
+def branch(
     joint_at: Callable[[float], Joint],
     low: float,
     high: float,
@@ -311,6 +312,6 @@ def joint_branch(
     """
     here = joint_at(value)
     cycle = limit_cycle(here.loop, here.state(start))
-    branch = continuation.Branch(lambda value: joint_at(value).in_units(here.units).loop, low, high)
-    points = branch.follow(value, cycle)
+    found = continuation.Branch(lambda value: joint_at(value).in_units(here.units).loop, low, high)
+    points = found.follow(value, cycle)
     return [(point.value, _with_units(here, point.cycle), point.event) for point in points]
