@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy
-from scipy.optimize import minimize
 
 # COBYQA needs fewer evaluations; scipy has it since 1.14, and Ubuntu 24.04 has scipy 1.11.
 SEARCH = "COBYQA" if tuple(map(int, scipy.__version__.split(".")[:2])) >= (1, 14) else "COBYLA"
@@ -21,6 +20,8 @@ def search(
 
     The caller keeps what it has tried. A point may be outside the bounds by rounding.
     """
+    from scipy.optimize import minimize
+
     first, last = radii
     options = {"maxfev": evaluations, "initial_tr_radius": first, "final_tr_radius": last}
     if SEARCH == "COBYLA":

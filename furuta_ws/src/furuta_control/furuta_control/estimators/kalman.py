@@ -23,7 +23,6 @@ from math import pi
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import expm, solve_discrete_are
 
 from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
@@ -119,6 +118,8 @@ def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarr
 
     Each is computed by one matrix exponential (Van Loan).
     """
+    from scipy.linalg import expm  # slow; not every node needs it
+
     a, b = linearize(rig.model, rig.viscous)
     dt = rig.sample_time
     system = np.zeros((SIGNALS + 1, SIGNALS + 1))
@@ -136,6 +137,8 @@ def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarr
 
 def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.ndarray:
     """Stationary Kalman gain (4, 2) for tachometer and potentiometer."""
+    from scipy.linalg import solve_discrete_are
+
     outputs = np.zeros((2, 4))
     outputs[0, PHI_DOT - 1] = outputs[1, THETA - 1] = 1.0
     _, *variances = sensors.variances

@@ -10,7 +10,6 @@ from math import nan
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import expm
 
 from furuta_control.estimators.method import Method
 from furuta_model.compiled import inlined
@@ -41,6 +40,8 @@ class Lowpass(NamedTuple):
 
 def design(p: Any) -> Lowpass:
     """The filter, by the matrix exponential of the system with its linear input."""
+    from scipy.linalg import expm  # slow; not every node needs it
+
     own, dt = p.parts.lowpass, p.sample_time
     omega, zeta = own.filter_bandwidth, own.filter_damping
     system = np.zeros((4, 4))

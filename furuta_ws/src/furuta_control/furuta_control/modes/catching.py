@@ -22,7 +22,6 @@ from math import nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_continuous_are
 
 from furuta_control.modes.arm_limits import ArmLimits
 from furuta_model.compiled import inlined
@@ -63,6 +62,8 @@ def design(
     model: FurutaPendulum, voltage: float, limits: ArmLimits, arm_reference: float
 ) -> Catching:
     """The feedback for a rig; NaN if there is none."""
+    from scipy.linalg import solve_continuous_are  # slow; not every node needs it
+
     frequency = sqrt(model.delta / model.beta)
     a, b = linearize(model)
     deviations = np.array(
