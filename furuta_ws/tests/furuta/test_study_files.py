@@ -1,6 +1,7 @@
 """Points, journal and table of a sweep: what continues, what is kept, types."""
 
 import csv
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ from furuta.studies.sweep import Sweep, SweptParameter, parse_swept_parameter
 from furuta.studies.sweep_journal import Journal
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
-from furuta_recordings.table_files import parquet
 
 RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
 ALPHA0 = SweptParameter("alpha0", (1.0, 2.0))
@@ -86,7 +86,7 @@ def test_parquet_has_types_and_empty_values(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also if no value of a column is in the first rows; written in groups."""
-    pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.setattr(table_files, "ROWS_TOGETHER", 4)
     write_runs(rows(10), tmp_path / "a.parquet")
     assert parquet.ParquetFile(tmp_path / "a.parquet").num_row_groups == 3
@@ -113,7 +113,7 @@ def test_a_table_is_checked_before_the_runs(
     (tmp_path / "a.csv").touch()
     with pytest.raises(ParameterError, match="already exists"):
         check_table(tmp_path / "a.csv")
-    monkeypatch.setattr(table_files, "arrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ParameterError, match="need pyarrow"):
         check_table(tmp_path / "a.parquet")
 

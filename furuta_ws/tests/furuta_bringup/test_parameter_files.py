@@ -41,5 +41,5 @@ class Tiny(NamedTuple):
 
 def test_small_and_large_defaults(file: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Numbers with an exponent are written so that they are read as numbers."""
-    monkeypatch.setitem(NODES, "tiny", NodeDescription("tiny", Tiny, "m:C"))
+    monkeypatch.setitem(NODES, "tiny", NodeDescription("tiny", f"{__name__}:Tiny", "m:C"))
     assert read_file(file(parameter_file("tiny")))["tiny"] == {"small": 1e-5, "large": -2e22}

@@ -5,8 +5,8 @@ from math import pi
 import numpy as np
 import pytest
 
+from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.commissioning.friction import (
-    RAMP_RATE,
     check_arm_range,
     check_hanging,
     measure_friction,

@@ -1,6 +1,7 @@
 """Tables of series: written and read in every format, and refused with one line."""
 
 import csv
+import sys
 from math import isnan, nan
 from pathlib import Path
 from typing import Any
@@ -78,7 +79,7 @@ def test_bad_calls(tmp_path: Path, monkeypatch: Any) -> None:
         read_columns(tmp_path / "missing.csv")
     with pytest.raises(ParameterError, match="one and the same length"):
         write_columns(tmp_path / "table.csv", {"a": np.zeros(2), "b": np.zeros(3)})
-    monkeypatch.setattr(table_files, "arrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ParameterError, match="need pyarrow"):
         write_columns(tmp_path / "table.parquet", COLUMNS)
     assert not list(tmp_path.glob("table.*"))

@@ -1,6 +1,8 @@
 """The command line as a user meets it: results, exit status, one-line errors."""
 
 import json
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -47,6 +49,33 @@ def test_every_command_has_help(path: tuple[str, ...]) -> None:
     usage, *rest = done.output.splitlines()
     assert usage.startswith(" ".join(("Usage: furuta", *path)))
     assert any(line.startswith("  ") and line.strip().endswith((".", "?")) for line in rest)
+
+
+# demo says how many seconds it takes of a plan that it imports, compare names its candidates.
+LIGHT = [verb for verb in main.VERBS if verb not in ("demo", "compare")]
+SLOW = {"matplotlib", "scipy.optimize", "scipy.signal", "scipy.interpolate", "scipy.stats"}
+SLOW |= {"scipy.io", "rosbags", "control", "pyarrow", "rclpy", "rich"}
+
+
+@pytest.mark.parametrize(
+    ("runs", "never"),
+    [
+        ([["--help"], *([verb, "--help"] for verb in LIGHT)], SLOW | {"numba", "numpy", "scipy"}),
+        ([["simulate", "--seconds", "0.01"], ["linearize"]], SLOW),
+    ],
+    ids=["help", "runs"],
+)
+def test_a_verb_loads_only_what_it_uses(runs: list[list[str]], never: set[str]) -> None:
+    """In a process of its own; help loads no numerical code at all."""
+    code = f"""
+import sys
+from furuta_bringup.main import furuta
+for arguments in {runs!r}:
+    furuta.main(arguments, "furuta", standalone_mode=False)
+print(*sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.splitlines()[-1].split()) & never
 
 
 def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 
-from furuta_recordings.table_files import parquet
-
 PNG = b"\x89PNG"
 
 
@@ -41,7 +39,7 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
 
 def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> None:
     """What ``identify --write`` writes is enough; the table has the rigs' parameters."""
-    pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
     file, table = tmp_path / "mine.yaml", tmp_path / "a.parquet"
     file.write_text("uncertainty: {standard_errors: {alpha0: 0.001, beta: 0.002}}\n")
     status, out, err = furuta(

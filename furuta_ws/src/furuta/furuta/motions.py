@@ -22,7 +22,7 @@ from furuta.outcomes import Outcome, outcome
 from furuta.transfer import transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_sim.parameters import MOST_SECONDS
+from furuta_ros.time_stamps import MOST_SECONDS
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Record
 

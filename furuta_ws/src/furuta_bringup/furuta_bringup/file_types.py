@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from furuta_recordings.table_files import SUFFIXES
+from furuta_recordings.suffixes import SUFFIXES, TABLE_SUFFIXES
 
 # A file or directory that a verb reads or writes.
 PATH = click.Path(path_type=Path)
@@ -34,4 +34,5 @@ class OutputFile(click.Path):
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 FIGURE = OutputFile(*FIGURE_SUFFIXES)
 SERIES = OutputFile(*SUFFIXES)
+TABLE = OutputFile(*TABLE_SUFFIXES)
 SERIES_OR_FIGURE = OutputFile(*SUFFIXES, *FIGURE_SUFFIXES)

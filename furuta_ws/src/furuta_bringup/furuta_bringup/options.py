@@ -1,4 +1,7 @@
-"""Options that several verbs have."""
+"""Options that several verbs have.
+
+Help shows them without numerical code: what computes is imported when a verb runs.
+"""
 
 import sys
 from collections.abc import Callable
@@ -10,14 +13,12 @@ import click
 
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
-from furuta_graph.settings.parameter_names import parameters_named
-from furuta_hw.rigs.known_rigs import rig_file
 from furuta_model.accepted_parts import accept_parts, parts_in
-from furuta_model.friction.laws import LAWS
+from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
+from furuta_ros.time_stamps import MOST_SECONDS
 from furuta_ros.topic_names import full_namespace
-from furuta_sim.parameters import MOST_SECONDS
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -42,7 +43,10 @@ def model_options(function: Function) -> Function:
 
     @wraps(function)
     def with_rig(*args: Any, rig: str, files: tuple[Path, ...], **others: Any) -> Any:
-        files = (rig_file(rig), *files) if rig else files
+        if rig:
+            from furuta_hw.rigs.known_rigs import rig_file
+
+            files = (rig_file(rig), *files)
         return function(*args, files=files, **others)
 
     return rig_option(parameter_options(cast(Function, with_rig)))
@@ -65,6 +69,8 @@ def _tell_all(assignments: tuple[str, ...]) -> None:
     """Say after the verb which parameters an assignment has set if its name means several."""
     if sys.exc_info()[0]:
         return  # an error is one line
+    from furuta_graph.settings.parameter_names import parameters_named
+
     for assignment in assignments:
         matches = parameters_named(assignment.partition("=")[0].strip())
         if len(matches) > 1:

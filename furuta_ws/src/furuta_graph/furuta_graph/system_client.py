@@ -11,19 +11,13 @@ from std_srvs.srv import SetBool, Trigger
 
 from furuta_graph.services import ATTEMPTS, ServiceCaller, ServiceError
 from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
+from furuta_graph.transitions import TRANSITIONS
 from furuta_ros.topics import DIAGNOSTICS
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0
 # Time after arming within which a stop is reported [s]: that of the bridge's diagnostics and more.
 STARTING = 1.2
-# Each transition with its number and the state after it.
-TRANSITIONS = {
-    "configure": (Transition.TRANSITION_CONFIGURE, "inactive"),
-    "activate": (Transition.TRANSITION_ACTIVATE, "active"),
-    "deactivate": (Transition.TRANSITION_DEACTIVATE, "inactive"),
-    "cleanup": (Transition.TRANSITION_CLEANUP, "unconfigured"),
-}
 
 
 def reset_plant(services: ServiceCaller) -> str:
@@ -84,7 +78,8 @@ class BridgeClient:
 
     def change_state(self, transition: str) -> None:
         """Make one of :data:`TRANSITIONS`; nothing to do if the bridge is already there."""
-        number, goal = TRANSITIONS[transition]
+        number = getattr(Transition, f"TRANSITION_{transition.upper()}")
+        goal = TRANSITIONS[transition]
         request = ChangeState.Request(transition=Transition(id=number))
         if self._call("change_state", ChangeState, request).success:
             return

@@ -3,7 +3,6 @@
 import csv
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -11,21 +10,12 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile
 
 import numpy as np
-from scipy.io import loadmat, savemat, whosmat
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.csv_columns import Table, read_csv
+from furuta_recordings.suffixes import SUFFIXES
 from furuta_ros.whole_files import whole_file
 
-_PROBLEM = "not installed"
-try:
-    import pyarrow as arrow
-    from pyarrow import parquet
-except ImportError as error:  # only Parquet files need it
-    arrow = parquet = None
-    _PROBLEM = str(error)
-
-SUFFIXES = (".csv", ".parquet", ".mat", ".npz")
 # Largest content of a file that is read [bytes]: an hour and a quarter of 14 columns at 1 kHz.
 LARGEST_CONTENT = 2**29
 # Rows of a Parquet file that are written together.
@@ -94,15 +84,21 @@ def _format(path: Path) -> tuple[Callable[[Path, Columns], None], Callable[[Path
     if suffix not in SUFFIXES:
         raise ParameterError(f"{path} does not end in {', '.join(SUFFIXES)}")
     if suffix == ".parquet":
-        check_parquet()
+        parquet_library()
     return _FORMATS[suffix]
 
 
-def check_parquet() -> None:
-    """Raise ParameterError if Parquet files cannot be read and written."""
-    if arrow is None:
+def parquet_library() -> tuple[Any, Any]:
+    """Pyarrow and its module for Parquet files; raises ParameterError if they cannot be used."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
         fitting = "'pyarrow<26'" if np.__version__ < "2" else "pyarrow"  # 26 needs numpy 2
-        raise ParameterError(f"Parquet files need pyarrow ({_PROBLEM}): pip install {fitting}")
+        raise ParameterError(
+            f"Parquet files need pyarrow ({error}): pip install {fitting}"
+        ) from None
+    return pyarrow, parquet
 
 
 def _write_csv(path: Path, columns: Columns) -> None:
@@ -117,6 +113,7 @@ def write_parquet_rows(
     path: Path, types: Mapping[str, type], rows: Iterable[Mapping[str, Any]]
 ) -> None:
     """Write rows to a Parquet file, some at a time; ``types`` (float, int, bool, str) by column."""
+    arrow, parquet = parquet_library()
     schema = arrow.schema([(name, _ARROW[kind]) for name, kind in types.items()])
     iterator = iter(rows)
     with parquet.ParquetWriter(path, schema) as writer:
@@ -125,14 +122,28 @@ def write_parquet_rows(
             writer.write_table(arrow.table(columns, schema))
 
 
+def _write_parquet(path: Path, columns: Columns) -> None:
+    arrow, parquet = parquet_library()
+    parquet.write_table(arrow.table(columns), path)
+
+
 def _read_parquet(path: Path) -> dict[str, np.ndarray]:
+    _, parquet = parquet_library()
     about = parquet.ParquetFile(path).metadata
     _check_size(path, 8 * about.num_rows * about.num_columns)
     table = parquet.read_table(path)
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
+def _write_matlab(path: Path, columns: Columns) -> None:
+    from scipy.io import savemat
+
+    savemat(path, columns, appendmat=False, do_compression=True, oned_as="column")
+
+
 def _read_matlab(path: Path) -> dict[str, np.ndarray]:
+    from scipy.io import loadmat, whosmat
+
     try:
         _check_size(path, sum(8 * prod(shape) for _, shape, _ in whosmat(path, appendmat=False)))
         content = loadmat(path, appendmat=False, simplify_cells=True)
@@ -212,13 +223,7 @@ def _is_numeric(values: np.ndarray) -> bool:
 
 _FORMATS: dict[str, tuple[Callable[[Path, Columns], None], Callable[[Path], Any]]] = {
     ".csv": (_write_csv, read_csv),
-    ".parquet": (
-        lambda path, columns: parquet.write_table(arrow.table(columns), path),
-        _read_parquet,
-    ),
-    ".mat": (
-        partial(savemat, appendmat=False, do_compression=True, oned_as="column"),
-        _read_matlab,
-    ),
+    ".parquet": (_write_parquet, _read_parquet),
+    ".mat": (_write_matlab, _read_matlab),
     ".npz": (write_npz, _read_npz),
 }

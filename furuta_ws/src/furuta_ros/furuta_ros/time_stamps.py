@@ -8,6 +8,7 @@ NANOSECONDS: Final = 1_000_000_000
 NEW_START_AFTER: Final = 150_000_000
 # No sample has this stamp [ns].
 NEVER: Final = -(2**62)
+MOST_SECONDS: Final = 1e6  # of a simulation [s]
 
 
 def stamp_nanoseconds(message: Any) -> int:

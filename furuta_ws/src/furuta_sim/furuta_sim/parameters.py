@@ -22,7 +22,6 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 
 CLOCKS = ("realtime", "lockstep")
-MOST_SECONDS = 1e6  # of a simulation [s]
 
 
 class InitialState(NamedTuple):

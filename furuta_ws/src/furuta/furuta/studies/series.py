@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.recorded_loop import graph_topics, read_recorded_loop
 from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import is_bag, read
 from furuta_recordings.recording import Recording
@@ -81,6 +79,9 @@ def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
 
 def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
     """The columns of a bag of the graph, or of another rig's if there are ``names``."""
+    from furuta_recordings.bags.bag import Bag
+    from furuta_recordings.bags.recorded_loop import graph_topics, read_recorded_loop
+
     with Bag(path) as bag:
         of_graph = bool(graph_topics(path, bag))
     if not of_graph or names != Names():

@@ -14,10 +14,9 @@ import numpy as np
 
 from furuta.outcomes import Outcome
 from furuta_model.parameters import ParameterError
-from furuta_recordings.table_files import check_parquet, write_parquet_rows
+from furuta_recordings.table_files import parquet_library, write_parquet_rows
 from furuta_ros.whole_files import whole_file
 
-SUFFIXES = (".csv", ".parquet")
 # Columns of a run beside its parameters; they are empty if the parameters are impossible.
 OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
 
@@ -25,7 +24,7 @@ OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
 def check_table(out: Path) -> None:
     """Reject a file that exists, or whose format cannot be written."""
     if out.suffix == ".parquet":
-        check_parquet()
+        parquet_library()
     if out.exists():
         raise ParameterError(f"{out} already exists; name another file with --out")
 

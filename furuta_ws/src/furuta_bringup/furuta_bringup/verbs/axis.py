@@ -1,36 +1,27 @@
 """``furuta axis``."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta.axis.axis import (
-    Axis,
-    Cascade,
-    Controller,
-    Pid,
-    axis_report,
-    servo_joint,
-    servo_motions,
-)
-from furuta.axis.compensations import SHORTEST, compare_on_axis
-from furuta.axis.draws import COMPARED, consequences, drawn_axes, report
-from furuta.axis.identification import identified_axis, parse_friction
-from furuta.axis.simulation import simulate_axis
-from furuta.limit_cycles.joint import JointCycle, trace_joint
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import show
-from furuta_identification.axis.identify import AxisFit, identify_axis
-from furuta_identification.result.report import UNUSABLE
-from furuta_model.friction.laws import ANALYSED_LAWS
+from furuta_model.friction.names import ANALYSED_LAWS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.axis_table import read_axis
 from furuta_ros.errors import UserError
+
+if TYPE_CHECKING:
+    from furuta.axis.axis import Axis, Controller
+    from furuta.limit_cycles.joint import JointCycle
+    from furuta_identification.axis.identify import AxisFit
 
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
@@ -93,6 +84,10 @@ def command(
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
     """
+    from furuta.axis.axis import Axis, Cascade, Pid, axis_report, servo_motions
+    from furuta.axis.compensations import compare_on_axis
+    from furuta.axis.friction_text import parse_friction
+
     if pid is not None and cascade is not None:
         raise click.UsageError("give either --pid or --cascade")
     if (inertia is not None, friction is not None) != (not records, not records):
@@ -100,8 +95,7 @@ def command(
     result: dict[str, Any] = {}
     fit, others, found = None, [], 4096
     if records:
-        given = [read_axis(each, position, driven, torque_constant, joint) for each in records]
-        fit = identify_axis(given)
+        fit = _fit(records, position, driven, torque_constant, joint)
         result["identified"] = fit.report()
         if not as_json:
             del result["identified"]["covariance"]
@@ -113,6 +107,9 @@ def command(
         return
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
     if fit is not None:
+        from furuta.axis.draws import COMPARED, consequences, drawn_axes, report
+        from furuta.axis.identification import identified_axis
+
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
         axes = drawn_axes(fit)
@@ -141,7 +138,16 @@ def command(
     show(result, as_json)
 
 
+def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
+    from furuta_identification.axis.identify import identify_axis
+    from furuta_recordings.readers.axis_table import read_axis
+
+    return identify_axis([read_axis(each, *columns) for each in records])
+
+
 def _refuse_unusable(fit: AxisFit, force: bool) -> None:
+    from furuta_identification.result.report import UNUSABLE
+
     if fit.usable == UNUSABLE and not force:
         raise UserError(f"not usable: {'; '.join(fit.reasons)}; --force uses it all the same")
 
@@ -165,7 +171,11 @@ def _draw(
     out: Path,
 ) -> None:
     """Draw the cycle, and simulations without and with the recommended compensation."""
+    from furuta.axis.axis import servo_joint
+    from furuta.axis.compensations import SHORTEST
+    from furuta.axis.simulation import simulate_axis
     from furuta.figures.axis import PERIODS, draw_axis
+    from furuta.limit_cycles.joint import trace_joint
 
     motion = None
     if cycle.kind == "limit_cycle":

@@ -11,8 +11,6 @@ from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.bag_files import parameter_file_of
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
 
@@ -29,6 +27,9 @@ def command() -> None:
 @json_option
 def info(bag: Path, as_json: bool) -> None:
     """Show what BAG contains: topics, types, messages, times."""
+    from furuta_recordings.bags.bag import Bag
+    from furuta_recordings.bags.bag_files import parameter_file_of
+
     with Bag(bag) as content:
         result: dict[str, Any] = {
             "messages": content.message_count,

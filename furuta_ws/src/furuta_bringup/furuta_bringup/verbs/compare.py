@@ -1,14 +1,16 @@
 """``furuta compare``."""
 
+from __future__ import annotations
+
 from collections import deque
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
 
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import Comparison, Table, encoder_resolution
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     MOST_RIGS,
@@ -17,9 +19,6 @@ from furuta.studies.comparison.rigs import (
     RandomRigs,
     named_rigs,
 )
-from furuta.studies.comparison.scores import comparison_report, rank
-from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
-from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
 from furuta_bringup.file_types import FIGURE_SUFFIXES, OutputFile
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import (
@@ -31,11 +30,14 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_bringup.terminal import console, print_table, with_progress
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.known_rigs import find_uncertain_rig, rig_file
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
+from furuta_recordings.suffixes import TABLE_SUFFIXES
+
+if TYPE_CHECKING:
+    from furuta.studies.comparison.comparison import Table
 
 # Options without effect on the named rigs.
 RANDOM_ONLY = ("--rigs", "--disturb", "--seed", "--tune-budget")
@@ -77,7 +79,7 @@ HEADINGS = {
     help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.")  # fmt: skip
 @option("--seconds", type=MEASURED_SECONDS, default=30.0,
     help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
-@option("--out", type=OutputFile(*SUFFIXES, *FIGURE_SUFFIXES),
+@option("--out", type=OutputFile(*TABLE_SUFFIXES, *FIGURE_SUFFIXES),
     help="Write a table with one row per run, or draw a picture.")  # fmt: skip
 @json_option
 @click.pass_context
@@ -106,9 +108,14 @@ def command(
     --truths, and drawn from the uncertainty in its file with --rig. With --tune-budget a candidate
     may have a range for a parameter, PARAMETER=LOW:HIGH.
     """
+    from furuta.studies.comparison.comparison import Comparison, encoder_resolution
+    from furuta.studies.comparison.scores import comparison_report, rank
+    from furuta.studies.study_tables import check_table, write_runs
+    from furuta_bringup.terminal import print_table, with_progress
+
     if truths:
         _reject_random_options(ctx)
-    table = out if out is not None and out.suffix in SUFFIXES else None
+    table = out if out is not None and out.suffix in TABLE_SUFFIXES else None
     if table is not None:
         check_table(table)
     settings = load_settings((rig_file(rig), *files) if rig else files, assignments)
@@ -117,6 +124,8 @@ def command(
     candidates = parse_candidates(texts or STANDARD, settings, bool(tune_budget))
     tuned = []
     if tune_budget:
+        from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
+
         rigs = replace(random, size=TUNING_RIGS, purpose=TUNING)
         budget = TuningBudget(tune_budget, rigs, seconds)
         results = (tune_candidate(candidate, settings, budget) for candidate in candidates)
@@ -156,6 +165,8 @@ def command(
 
 def _print_truths(table: Table) -> None:
     """Print the residual of each candidate on each rig, some candidates at a time."""
+    from furuta_bringup.terminal import console, print_table
+
     rigs = zip(table.rigs, table.residual.T, strict=True)
     rows = [
         {"rig": rig, **dict(zip(table.candidates, map(float, sizes), strict=True))}

@@ -5,16 +5,10 @@ from typing import Any
 
 import click
 
-from furuta.export.loop_files import loop_files
-from furuta.export.values import DOUBLE, FLOAT
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, model_options
 from furuta_bringup.printing import show
-from furuta_graph.settings.settings import load_settings, loop
-from furuta_hw.rigs.rig import Rig
-from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_ros.whole_files import whole_file
-from furuta_ros.yaml_files import read_yaml
 
 
 @click.group(cls=HelpfulGroup)
@@ -40,6 +34,13 @@ def c(
     The code is translated from the functions that the nodes run. With numbers of 64 bits the
     commands are the same to the last bit. loop_test.c replays a simulated run and compares them.
     """
+    from furuta.export.loop_files import loop_files
+    from furuta.export.values import DOUBLE, FLOAT
+    from furuta_graph.settings.settings import load_settings, loop
+    from furuta_hw.rigs.rig import Rig
+    from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
+    from furuta_ros.yaml_files import read_yaml
+
     exported = loop(load_settings(files, assignments))
     given, rig = {file: read_yaml(file, "parameter file") for file in files}, Rig()
     for file in filter(lambda file: is_rig_file(given[file]), files):

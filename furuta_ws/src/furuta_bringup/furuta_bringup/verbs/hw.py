@@ -1,22 +1,22 @@
 """``furuta hw``: commissioning of a rig, arming of the bridge, and the emulated rig."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import click
-from rclpy.node import Node
 
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, namespace_option
 from furuta_bringup.printing import show
 from furuta_bringup.verbs.hw_commissioning import check, friction, read, signs, zero
-from furuta_graph.processes import executable
-from furuta_graph.system_client import TRANSITIONS, BridgeClient
-from furuta_hw.rigs.known_rigs import find_rig
-from furuta_model.linear import linearize
-from furuta_ros.context import joined_graph
-from furuta_ros.spinning import executor_of
+from furuta_graph.transitions import TRANSITIONS
+
+if TYPE_CHECKING:
+    from furuta_graph.system_client import BridgeClient
 
 
 @click.group(cls=HelpfulGroup)
@@ -33,6 +33,12 @@ for verb in (check, read, zero, signs, friction):
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
+    from rclpy.node import Node
+
+    from furuta_graph.system_client import BridgeClient
+    from furuta_ros.context import joined_graph
+    from furuta_ros.spinning import executor_of
+
     with joined_graph(namespace):
         node = Node("furuta_hw", start_parameter_services=False)
         yield BridgeClient(node, executor_of([node]))
@@ -76,6 +82,9 @@ def state(transition: str | None, namespace: str) -> None:
 @json_option
 def show_rig(name: str, as_json: bool) -> None:
     """Show the normalised model and the friction of a rig file."""
+    from furuta_hw.rigs.known_rigs import find_rig
+    from furuta_model.linear import linearize
+
     rig = find_rig(name)
     a, b = linearize(rig.model)
     numbers = {"a23": a[1, 2], "a43": a[3, 2], "b21": b[1], "b41": b[3]}
@@ -92,5 +101,7 @@ def show_rig(name: str, as_json: bool) -> None:
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def emulate(arguments: tuple[str, ...]) -> None:
     """Run an emulated rig on a pseudo-terminal; --help lists its options."""
+    from furuta_graph.processes import executable
+
     path = executable("furuta_hw", "rig_emulator")
     os.execv(path, [str(path), *arguments])

@@ -1,31 +1,25 @@
 """The verbs of ``furuta hw`` that open the line to a rig themselves."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
-import numpy as np
-from rich.console import Console
 
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, option, own_parts_option
 from furuta_bringup.printing import print_json, show
-from furuta_hw.commissioning.friction import (
-    RAMP_RATE,
-    check_arm_range,
-    check_hanging,
-    measure_friction,
-)
-from furuta_hw.commissioning.session import RigSession
-from furuta_hw.commissioning.signs import find_signs
-from furuta_hw.commissioning.zeros import code_statistics, find_zeros
-from furuta_hw.connection.rig_driver import RigSample
+from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.errors import RigError
-from furuta_hw.rigs.known_rigs import find_rig
 from furuta_ros.errors import UserError
 from furuta_ros.process_start import interrupt_raised
+
+if TYPE_CHECKING:
+    from furuta_hw.commissioning.session import RigSession
+    from furuta_hw.connection.rig_driver import RigSample
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -63,6 +57,9 @@ def drive_options(function: Function) -> Function:
 @contextmanager
 def _open_rig(port: str, name: str) -> Iterator[RigSession]:
     """Open the line to a rig; errors of the rig become one line."""
+    from furuta_hw.commissioning.session import RigSession
+    from furuta_hw.rigs.known_rigs import find_rig
+
     rig = find_rig(name)
     try:
         with interrupt_raised(), RigSession(port, rig) as session:
@@ -130,6 +127,10 @@ def _sample_line(sample: RigSample) -> str:
 
 def _summary(samples: list[RigSample]) -> dict[str, Any]:
     """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
+    import numpy as np
+
+    from furuta_hw.commissioning.zeros import code_statistics
+
     codes = code_statistics(samples) if samples[-1].codes else {}
     angles = [(s.arm_angle, s.arm_speed, s.pendulum_angle) for s in samples]
     names = ("phi_rad", "phi_dot_rad_s", "theta_rad")
@@ -144,6 +145,8 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
 @json_option
 def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
     """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
+    from furuta_hw.commissioning.zeros import find_zeros
+
     with _open_rig(port, name) as session:
         zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
     show(zeros, as_json)
@@ -155,6 +158,8 @@ def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> 
 @json_option
 def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
     """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
+    from furuta_hw.commissioning.signs import find_signs
+
     with _open_rig(port, name) as session:
         result = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
     show({f"{sensor}.sign": sign for sensor, sign in result._asdict().items()}, as_json)
@@ -179,6 +184,10 @@ def friction(
 
     The pendulum must hang at rest or be removed. This takes one to two minutes.
     """
+    from rich.console import Console
+
+    from furuta_hw.commissioning.friction import check_arm_range, check_hanging, measure_friction
+
     with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
         check_arm_range(session.rig, arm_range)
         if not removed:

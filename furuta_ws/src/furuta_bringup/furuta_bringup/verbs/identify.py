@@ -1,23 +1,16 @@
 """``furuta identify``."""
 
+from math import isfinite, nan, radians
 from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
-from rich.console import Console
-from rich.markup import escape
 
 from furuta_bringup.file_types import FIGURE, PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import escaped, print_json, show
-from furuta_hw.rigs.known_rigs import find_rig
-from furuta_identification.fitting.coupling import find_coupling
-from furuta_identification.fitting.friction_laws import compare_laws, simplest_adequate_law
-from furuta_identification.identify import free_swing_of_files, identify_files
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_identification.result.report import UNUSABLE, full_report, report_lines
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.readers.mapping import NO_COMMAND
@@ -29,13 +22,13 @@ DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
 def _zero(context: click.Context, param: click.Parameter, value: str) -> str | float:
     """A position by name, or an angle in degrees, which becomes radians."""
     try:
-        angle = np.radians(float(value))
+        angle = radians(float(value))
     except ValueError:
-        angle = np.nan
-    if value not in ZEROS and not np.isfinite(angle):
+        angle = nan
+    if value not in ZEROS and not isfinite(angle):
         known = ", ".join(ZEROS)
         raise click.BadParameter(f"'{value}' is not one of {known} or an angle in degrees")
-    return value if value in ZEROS else float(angle)
+    return value if value in ZEROS else angle
 
 
 @click.command()
@@ -128,6 +121,13 @@ def command(
     left out, with the reason. A model that is not usable is not written. Use `--command none` if
     the pendulum swings freely while the arm rests.
     """
+    from rich.console import Console
+    from rich.markup import escape
+
+    from furuta_hw.rigs.known_rigs import find_rig
+    from furuta_identification.identify import free_swing_of_files, identify_files
+    from furuta_identification.result.report import UNUSABLE, full_report, report_lines
+
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
         raise ParameterError(
@@ -150,8 +150,16 @@ def command(
         stage = status.update if console.is_terminal else console.print
         options = options._replace(report=lambda text: stage(escape(escaped(text))))
         model, fitted, held_out = identify_files(paths, validation_paths, names, options)
-        compared = compare_laws(model, options.report) if laws else []
+        if laws:
+            from furuta_identification.fitting.friction_laws import (
+                compare_laws,
+                simplest_adequate_law,
+            )
+
+            compared = compare_laws(model, options.report)
         if coupling:
+            from furuta_identification.fitting.coupling import find_coupling
+
             options.report("looking for a coupling")
             model = model._replace(coupling=find_coupling(model))
     result = full_report(model, fitted, held_out)
@@ -179,5 +187,7 @@ def command(
 
 def _refuse_unusable(verdict: dict[str, Any]) -> None:
     """Raise :class:`UserError` with the reasons if a result is not usable."""
+    from furuta_identification.result.report import UNUSABLE
+
     if verdict["usable"] == UNUSABLE:
         raise UserError(f"not usable: {'; '.join(verdict['reasons'])}")

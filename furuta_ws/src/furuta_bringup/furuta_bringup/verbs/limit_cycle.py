@@ -1,30 +1,25 @@
 """``furuta limit-cycle``."""
 
+from __future__ import annotations
+
+from math import pi
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
-from furuta.describing_functions.predicted_cycles import predict_cycles
-from furuta.limit_cycles.continuation import branch_report, follow_branch
-from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
-from furuta.limit_cycles.periodic_orbit import trace
-from furuta.loops import require_stabilising
-from furuta.studies.analysis_options import AnalysisOptions, parse_range
-from furuta.studies.feedback_map import map_feedbacks
-from furuta.studies.linear_loop import prediction_report
-from furuta.transfer import transfer
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import feedback_option, json_option, law_option, model_options, option
 from furuta_bringup.printing import show
-from furuta_bringup.terminal import with_progress
 from furuta_model.parameters import ParameterError
+
+if TYPE_CHECKING:
+    from furuta.studies.analysis_options import AnalysisOptions
 
 # Values of a parameter of a map, if their number is not given.
 DEFAULT_COUNT = 20
-QUARTER_TURN = 0.5 * np.pi
+QUARTER_TURN = 0.5 * pi
 
 
 @click.command()
@@ -72,6 +67,8 @@ def command(
 
     Example: furuta limit-cycle --over omega1=2:12 --over omega2=2:12
     """
+    from furuta.studies.analysis_options import AnalysisOptions
+
     if release == 0.0:
         raise click.UsageError("--release must not be 0")
     if len(ranges) > 2 or (ranges and predict):
@@ -87,6 +84,10 @@ def command(
 
 
 def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:
+    from furuta.describing_functions.predicted_cycles import predict_cycles
+    from furuta.studies.linear_loop import prediction_report
+    from furuta.transfer import transfer
+
     ideal = options.checked_loop()
     prediction = predict_cycles(transfer(ideal.body, ideal.gains), ideal.law)
     if out is not None:
@@ -100,11 +101,17 @@ def _cycle(
     options: AnalysisOptions, ranges: tuple[str, ...], release: float, out: Path | None
 ) -> dict[str, Any]:
     """The limit cycle, and the branch that leads through it."""
+    from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
+    from furuta.loops import require_stabilising
+
     ideal = options.ideal_loop()
     cycle = limit_cycle(ideal, state_at_rest(release))
     if cycle.kind == "unbounded":
         require_stabilising(ideal)
     if ranges:
+        from furuta.limit_cycles.continuation import branch_report, follow_branch
+        from furuta.studies.analysis_options import parse_range
+
         name, ends = parse_range(ranges[0], 2)
         points = follow_branch(
             lambda value: options.ideal_loop({name: value}),
@@ -122,6 +129,7 @@ def _cycle(
         if cycle.kind != "oscillation":
             raise ParameterError(f"there is no limit cycle to draw in {out}: {cycle.kind}")
         from furuta.figures.limit_cycle import draw_limit_cycle
+        from furuta.limit_cycles.periodic_orbit import trace
 
         draw_limit_cycle(trace(ideal, cycle), cycle, ideal.law.name, out)
     return cycle.report()
@@ -134,6 +142,10 @@ def _map(
     out: Path | None,
     quiet: bool,
 ) -> dict[str, Any]:
+    from furuta.studies.analysis_options import parse_range
+    from furuta.studies.feedback_map import map_feedbacks
+    from furuta_bringup.terminal import with_progress
+
     (first, firsts), (second, seconds) = (parse_range(text, DEFAULT_COUNT) for text in ranges)
     if first == second:
         raise ParameterError(f"a map needs two different parameters, given {first} twice")

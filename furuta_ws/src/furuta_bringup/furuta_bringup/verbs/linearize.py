@@ -1,22 +1,20 @@
 """``furuta linearize``."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.margins import linear_report
-from furuta.passivity import observer_passivity
-from furuta.studies.analysis_options import AnalysisOptions
-from furuta.studies.linear_loop import nyquist_report
-from furuta.transfer import FIGURE_4
 from furuta_bringup.file_types import FIGURE
 from furuta_bringup.options import feedback_option, json_option, model_options, option
 from furuta_bringup.printing import show
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_sim.simulation.closed_loop import Loop
+
+if TYPE_CHECKING:
+    from furuta.limit_cycles.pendulum_loop import IdealLoop
+    from furuta_sim.simulation.closed_loop import Loop
 
 # Name of the loop with the controller's or the given feedback, beside those of Fig. 4.
 GIVEN = "given"
@@ -49,6 +47,10 @@ def command(
     --passivity depends on the plant's model and friction, on the feedback, and on the observer's
     gain K.
     """
+    from furuta.margins import linear_report
+    from furuta.studies.analysis_options import AnalysisOptions
+    from furuta_graph.settings.settings import load_settings, loop
+
     nyquist = nyquist or figure_4
     if figure_4 and feedback is not None:
         raise ParameterError("--figure-4 cannot be combined with --feedback")
@@ -58,6 +60,9 @@ def command(
     report = linear_report(nominal.controller, feedback)
     options = AnalysisOptions(files, assignments, "lugre", feedback)
     if nyquist:
+        from furuta.studies.linear_loop import nyquist_report
+        from furuta.transfer import FIGURE_4
+
         ideal = options.checked_loop()
         feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
         cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
@@ -72,6 +77,8 @@ def command(
 
 
 def _passivity(ideal: IdealLoop, nominal: Loop) -> dict[str, Any]:
+    from furuta.passivity import observer_passivity
+
     gain = nominal.observer.observer_gain
     result = observer_passivity(ideal, gain)
     exact = (

@@ -3,14 +3,10 @@
 import os
 
 import click
-from rclpy.node import Node
 
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import print_json
-from furuta_graph.processes import executable as find
-from furuta_ros.context import ros_context
-from furuta_ros.spinning import executor_of, spin_until
 
 # Discovery of a running graph can take this long [s].
 DISCOVERY = 3.0
@@ -25,6 +21,11 @@ def command() -> None:
 @json_option
 def list_(as_json: bool) -> None:
     """List the running nodes."""
+    from rclpy.node import Node
+
+    from furuta_ros.context import ros_context
+    from furuta_ros.spinning import executor_of, spin_until
+
     with ros_context():
         node = Node("furuta_node_list", start_parameter_services=False)
         end = node.get_clock().now().nanoseconds + int(DISCOVERY * 1e9)
@@ -49,5 +50,7 @@ def run(package: str, executable: str, arguments: tuple[str, ...]) -> None:
 
     Example: furuta node run furuta_sim plant --ros-args -p seed:=1
     """
+    from furuta_graph.processes import executable as find
+
     path = find(package, executable)
     os.execv(path, [str(path), *arguments])

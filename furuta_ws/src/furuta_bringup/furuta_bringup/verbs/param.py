@@ -1,24 +1,22 @@
 """``furuta param``: parameters of running nodes, as with ``ros2 param``, and parameter files."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-from rcl_interfaces.msg import ParameterType
-from rclpy.node import Node
 
 from furuta_bringup.groups import HelpfulGroup
 from furuta_bringup.options import json_option, namespace_option
-from furuta_bringup.parameter_files import parameter_file
 from furuta_bringup.printing import print_json
-from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError, number_from_text, shortened
-from furuta_ros.context import joined_graph
-from furuta_ros.spinning import executor_of
-from furuta_ros.yaml_files import parse_yaml
+
+if TYPE_CHECKING:
+    from furuta_graph.parameter_client import ParameterClient
 
 
 @click.group(cls=HelpfulGroup)
@@ -41,6 +39,12 @@ node_argument = click.argument("node", callback=_node_name)
 
 @contextmanager
 def _client(namespace: str) -> Iterator[ParameterClient]:
+    from rclpy.node import Node
+
+    from furuta_graph.parameter_client import ParameterClient
+    from furuta_ros.context import joined_graph
+    from furuta_ros.spinning import executor_of
+
     with joined_graph(namespace):
         node = Node("furuta_param", start_parameter_services=False)
         yield ParameterClient(node, executor_of([node]))
@@ -99,6 +103,10 @@ def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
 
     The node itself rejects a name that it does not know.
     """
+    from rcl_interfaces.msg import ParameterType
+
+    from furuta_ros.yaml_files import parse_yaml
+
     try:
         value = parse_yaml(text, name)
     except ParameterError:
@@ -122,6 +130,8 @@ def _double(name: str, value: Any) -> float:
 @click.argument("node", required=False)
 def defaults(node: str | None) -> None:
     """Print a parameter file with the defaults of NODE, or of all nodes."""
+    from furuta_bringup.parameter_files import parameter_file
+
     if node is not None and node not in NODES:
         raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
     print("\n".join(parameter_file(name) for name in ([node] if node else NODES)), end="")

@@ -1,24 +1,24 @@
 """``furuta run``."""
 
+from __future__ import annotations
+
 import sys
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
-from furuta_bringup.parameter_files import settings_file
-from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
-from furuta_graph.processes import run_processes
-from furuta_graph.run_composed import run_hardware, run_simulated
 from furuta_graph.scheduling import Scheduling
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.writer import check_new_bag
-from furuta_recordings.recorder_node import MakeRecorder, RecorderNode, chosen_topics
-from furuta_ros.spinning import StopSignal
+
+if TYPE_CHECKING:
+    from furuta_graph.graph_plan import Graph
+    from furuta_recordings.recorder_node import MakeRecorder
 
 
 @click.command()
@@ -69,6 +69,11 @@ def command(
 
     With --priority or --lock-memory, the command first prints whether the system granted it.
     """
+    from furuta_graph.graph_plan import GraphOptions, plan_graph
+    from furuta_graph.processes import run_processes
+    from furuta_graph.run_composed import run_hardware, run_simulated
+    from furuta_ros.process_end import StopSignal
+
     hardware = plant == "hardware"
     scheduling = Scheduling(priority or 0, lock_memory)
     if processes and (seconds is not None or scheduling != Scheduling()):
@@ -101,6 +106,10 @@ def _recorder(
         if topics:
             raise ParameterError("--topic needs --record")
         return None
+    from furuta_bringup.parameter_files import settings_file
+    from furuta_recordings.bags.writer import check_new_bag
+    from furuta_recordings.recorder_node import RecorderNode, chosen_topics
+
     parameters = settings_file(graph.settings)
     make = partial(RecorderNode, path, stamped, chosen_topics(topics), parameters)
     check_new_bag(path)

@@ -5,10 +5,7 @@ from time import perf_counter
 from typing import Any
 
 import click
-import numpy as np
 
-from furuta.oscillation import fell, measure_oscillation
-from furuta.studies.series import simulated_series
 from furuta_bringup.file_types import SERIES_OR_FIGURE
 from furuta_bringup.options import (
     SEED,
@@ -20,11 +17,8 @@ from furuta_bringup.options import (
     option,
 )
 from furuta_bringup.printing import show
-from furuta_graph.settings.settings import load_settings, loop
-from furuta_model.state import LARGEST_VALUE
-from furuta_recordings.table_files import SUFFIXES, write_columns, write_npz
+from furuta_recordings.suffixes import SUFFIXES
 from furuta_ros.whole_files import whole_file
-from furuta_sim.simulation.closed_loop import Simulation
 
 
 @click.command()
@@ -63,6 +57,10 @@ def command(
     as_json: bool,
 ) -> None:
     """Simulate the closed loop without ROS and measure the oscillation in the second half."""
+    from furuta_graph.settings.settings import load_settings, loop
+    from furuta_model.state import LARGEST_VALUE
+    from furuta_sim.simulation.closed_loop import Simulation
+
     first, extra = [], []
     if compensation is not None:
         extra.append(f"friction_observer.compensation={compensation}")
@@ -89,6 +87,8 @@ def command(
 
 
 def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
+    from furuta.oscillation import fell, measure_oscillation
+
     settled = record.state[len(record.command) // 2 :]
     return {
         **measure_oscillation(settled, record.sample_time)._asdict(),
@@ -101,10 +101,17 @@ def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
 def _save(record: Any, out: Path, actuator: Any) -> None:
     suffix = out.suffix.lower()
     if suffix == ".npz":
+        import numpy as np
+
+        from furuta_recordings.table_files import write_npz
+
         fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
         with whole_file(out) as new:
             write_npz(new, {"time": record.time, "drive": np.array(actuator), **fields})
     elif suffix in SUFFIXES:
+        from furuta.studies.series import simulated_series
+        from furuta_recordings.table_files import write_columns
+
         write_columns(out, simulated_series(record))
     else:
         from furuta.figures.run import draw_run

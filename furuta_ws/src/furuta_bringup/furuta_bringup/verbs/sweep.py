@@ -8,16 +8,9 @@ from typing import Any
 
 import click
 
-from furuta.lanes.batch import batch
-from furuta.studies.cluster import check_cluster, outcomes_on_cluster
-from furuta.studies.study_tables import SUFFIXES, check_table, write_runs
-from furuta.studies.sweep import Sweep, parse_swept_parameter, run
-from furuta.studies.sweep_journal import Journal
-from furuta_bringup.file_types import OutputFile
+from furuta_bringup.file_types import TABLE
 from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import show
-from furuta_bringup.terminal import with_progress
-from furuta_graph.settings.settings import load_settings
 from furuta_model.parameters import ParameterError
 
 DEFAULT_COUNT = 10
@@ -28,7 +21,7 @@ DEFAULT_COUNT = 10
 @option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time of each run [s].")
 @option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @option(
-    "--out", type=OutputFile(*SUFFIXES),
+    "--out", type=TABLE,
     default=Path("output/sweep.csv"),
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )  # fmt: skip
@@ -50,6 +43,14 @@ def command(
     Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
     arguments to continue it.
     """
+    from furuta.lanes.batch import batch
+    from furuta.studies.cluster import check_cluster, outcomes_on_cluster
+    from furuta.studies.study_tables import check_table, write_runs
+    from furuta.studies.sweep import Sweep, parse_swept_parameter, run
+    from furuta.studies.sweep_journal import Journal
+    from furuta_bringup.terminal import with_progress
+    from furuta_graph.settings.settings import load_settings
+
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()

@@ -4,17 +4,8 @@ from pathlib import Path
 
 import click
 
-from furuta.studies.swing_up_knocks import run_knocks
-from furuta.studies.swing_up_starts import (
-    random_starts,
-    run_starts,
-    summary,
-    swing_up_settings,
-)
 from furuta_bringup.options import SEED, json_option, option, parameter_options
 from furuta_bringup.printing import show
-from furuta_graph.settings.settings import load_settings, loop
-from furuta_hw.rigs.known_rigs import find_rig
 
 DEFAULT_RIG = "paper_full_turn"
 
@@ -42,9 +33,16 @@ def command(
     A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
     run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
-    given = load_settings(files, assignments, swing_up_settings(find_rig(rig)))
+    from furuta.studies import swing_up_starts
+    from furuta_graph.settings.settings import load_settings, loop
+    from furuta_hw.rigs.known_rigs import find_rig
+
+    given = load_settings(files, assignments, swing_up_starts.swing_up_settings(find_rig(rig)))
     nominal = loop(given)
-    report = summary(run_starts(random_starts(nominal, starts, seed)))._asdict()
+    runs = swing_up_starts.run_starts(swing_up_starts.random_starts(nominal, starts, seed))
+    report = swing_up_starts.summary(runs)._asdict()
     if knocks:
+        from furuta.studies.swing_up_knocks import run_knocks
+
         report |= run_knocks(nominal)._asdict()
     show(report, as_json)

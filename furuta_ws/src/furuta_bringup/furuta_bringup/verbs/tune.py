@@ -1,14 +1,13 @@
 """``furuta tune``."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-import yaml
-from rclpy.node import Node
-from rich.console import Console
 
 from furuta.studies.tuning.plan import TuningPlan, TuningResult
-from furuta.studies.tuning.tuning import ProgressCallback, tune, tune_simulated
 from furuta_bringup.file_types import PATH
 from furuta_bringup.number_types import FiniteRange
 from furuta_bringup.options import (
@@ -19,14 +18,12 @@ from furuta_bringup.options import (
     option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
-from furuta_ros.context import joined_graph
 from furuta_ros.errors import UserError
-from furuta_ros.spinning import StopSignal, executor_of
 from furuta_ros.whole_files import whole_file
+
+if TYPE_CHECKING:
+    from furuta.studies.tuning.tuning import ProgressCallback
 
 # Each of the other compensations takes a trial of 12 s more.
 DEFAULT = TuningPlan(seconds=240.0, rivals=True)
@@ -81,6 +78,9 @@ def command(
     JSON, and the exit status is still 0. On a running graph the result stays active. The initial
     parameters are restored if the motion leaves the guard, or at Ctrl-C.
     """
+    from furuta.studies.tuning.tuning import tune_simulated
+    from furuta_graph.settings.settings import load_settings, loop
+
     plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
         raise ParameterError("--running cannot be combined with --rig, --params or --set")
@@ -93,6 +93,8 @@ def command(
         result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
     tuned = result.as_json()
     if out is not None:
+        import yaml
+
         file = {"friction_observer": {"ros__parameters": tuned["parameters"]}}
         with whole_file(out) as new:
             new.write_text(yaml.safe_dump(file, sort_keys=False))
@@ -108,6 +110,14 @@ def command(
 
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
+    from rclpy.node import Node
+
+    from furuta.studies.tuning.tuning import tune
+    from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
+    from furuta_graph.parameter_client import ParameterClient
+    from furuta_ros.context import joined_graph
+    from furuta_ros.spinning import StopSignal, executor_of
+
     with joined_graph(namespace):
         node = Node("furuta_tune", start_parameter_services=False)
         executor = executor_of([node])
@@ -120,6 +130,8 @@ def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) ->
 
 
 def _reporter(quiet: bool) -> ProgressCallback:
+    from rich.console import Console
+
     console = Console(stderr=True, quiet=quiet)
 
     def report(message: str, seconds: float) -> None:

@@ -13,8 +13,9 @@ from furuta_friction.compensator import Compensator
 from furuta_friction.compensators.bristle_observer import observe
 from furuta_model.compiled import inlined
 from furuta_model.elementary import expm1
+from furuta_model.friction.levels import with_levels
 from furuta_model.friction.lugre import stribeck_level
-from furuta_model.friction.parameters import Friction, with_levels
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 

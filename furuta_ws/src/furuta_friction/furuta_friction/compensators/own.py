@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_model.compiled import inlined
-from furuta_model.friction.parameters import Friction, copied
+from furuta_model.friction.levels import copied
+from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import begin_own, call_own
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from furuta_friction.compensator import Compensator
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
-from furuta_model.friction.parameters import direction_factor
+from furuta_model.friction.levels import direction_factor
 from furuta_model.friction.stiction import breakaway
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 

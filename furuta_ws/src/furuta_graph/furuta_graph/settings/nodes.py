@@ -1,32 +1,34 @@
 """The description of the graph: its nodes, and the checks that concern several of them.
 
 Everything that starts, configures or tests the graph reads it: the composed graph, one process
-per node, the launch file, the command line, parameter files. It imports no ROS; a node's class is
-imported when it is needed.
+per node, the launch file, the command line, parameter files. It imports no ROS; a node's class and
+its parameters are imported when they are needed.
 """
+
+from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from importlib import import_module
 from math import pi
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from furuta_control.control import ControllerParameters
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
-from furuta_hw.bridge.parameters import BridgeParameters
 from furuta_model.parameters import ParameterError, values
-from furuta_sim.parameters import PlantNodeParameters
+
+if TYPE_CHECKING:
+    from furuta_control.control import ControllerParameters
+    from furuta_control.estimation import EstimatorParameters
+    from furuta_friction.compensation import ObserverParameters
 
 
 class NodeDescription(NamedTuple):
     """A node: its name, which is that of its executable too, its parameters and its class.
 
-    ``node_class`` is ``module:class``. A node with ``controlled`` is the controlled system: a graph
+    Both classes are ``module:class``. A node with ``controlled`` is the controlled system: a graph
     has exactly one of these.
     """
 
     name: str
-    parameters: type[NamedTuple]
+    parameter_class: str
     node_class: str
     controlled: bool = False
 
@@ -40,10 +42,19 @@ class NodeDescription(NamedTuple):
         """The executable that runs the node."""
         return self.name
 
+    @property
+    def parameters(self) -> type[NamedTuple]:
+        """The group of the node's parameters."""
+        return cast(type[NamedTuple], _imported(self.parameter_class))
+
     def load_class(self) -> Any:
         """The node's class, a function of a list of parameter overrides."""
-        module, _, name = self.node_class.partition(":")
-        return getattr(import_module(module), name)
+        return _imported(self.node_class)
+
+
+def _imported(named: str) -> Any:
+    module, _, name = named.partition(":")
+    return getattr(import_module(module), name)
 
 
 PLANT = "plant"
@@ -56,22 +67,29 @@ NODES: dict[str, NodeDescription] = {
     node.name: node
     for node in (
         NodeDescription(
-            PLANT, PlantNodeParameters, "furuta_sim.plant_node:PlantNode", controlled=True
+            PLANT,
+            "furuta_sim.parameters:PlantNodeParameters",
+            "furuta_sim.plant_node:PlantNode",
+            controlled=True,
         ),
         NodeDescription(
-            ESTIMATOR, EstimatorParameters, "furuta_control.estimator_node:EstimatorNode"
+            ESTIMATOR,
+            "furuta_control.estimation:EstimatorParameters",
+            "furuta_control.estimator_node:EstimatorNode",
         ),
         NodeDescription(
             FRICTION_OBSERVER,
-            ObserverParameters,
+            "furuta_friction.compensation:ObserverParameters",
             "furuta_friction.friction_observer_node:FrictionObserverNode",
         ),
         NodeDescription(
-            CONTROLLER, ControllerParameters, "furuta_control.controller_node:ControllerNode"
+            CONTROLLER,
+            "furuta_control.control:ControllerParameters",
+            "furuta_control.controller_node:ControllerNode",
         ),
         NodeDescription(
             HARDWARE_BRIDGE,
-            BridgeParameters,
+            "furuta_hw.bridge.parameters:BridgeParameters",
             "furuta_hw.bridge.bridge_node:HardwareBridgeNode",
             controlled=True,
         ),

@@ -24,7 +24,6 @@ SLIDE_DIRECTIONS = (1, -1, -1, 1)
 BANDWIDTH = 10.0
 SETTLING_TIME = 1.0
 REST_TIME = 0.5  # [s] at 0 V between two motions
-RAMP_RATE = 0.05  # [V/s]
 RAMPS = 3  # in each direction
 # Largest angle [rad] between the pendulum and hanging, and largest change of it, at the start.
 HANGING_RANGE = 0.25 * pi

@@ -11,7 +11,7 @@ lugre       bristle dynamics, eq. (5); at steady speed the  (none: it creeps)
 ==========  ==============================================  =====================
 
 Each law adds the viscous part σ₂v and the factor 1 ± asymmetry by direction. To add a law, write
-its file and add it to :data:`FILES`, or give a function (:mod:`furuta_model.own_functions`).
+its file and add its name to :mod:`.names`, or give a function (:mod:`furuta_model.own_functions`).
 """
 
 from __future__ import annotations
@@ -24,26 +24,16 @@ import numba
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction.bristle import force, stretched
 from furuta_model.friction.law import Law
-from furuta_model.friction.parameters import Friction, copied, direction_factor
+from furuta_model.friction.levels import copied, direction_factor
+from furuta_model.friction.names import ANALYSED_LAWS, LAWS
+from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import address_of, call_own, own_part
 from furuta_model.parameters import SELECTS, ParameterError
 from furuta_model.registry import parts_in
 
-FILES = (
-    "coulomb",
-    "stiction",
-    "stribeck",
-    "lugre",
-    "dahl",
-    "maxwell_slip",
-)
-
-ALL: tuple[Law, ...] = parts_in("furuta_model.friction", FILES)
-LAWS = tuple(law.name for law in ALL)
+ALL: tuple[Law, ...] = parts_in("furuta_model.friction", LAWS)
 # Kind of a law of the user's own.
 OWN = len(ALL)
-# Laws for which describing functions and exact limit cycles are defined.
-ANALYSED_LAWS = tuple(law.name for law in ALL if not law.springs)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
 # The paper's parameters.

@@ -11,7 +11,8 @@ level at steady speed is that of Stribeck friction.
 from furuta_model.compiled import inlined
 from furuta_model.friction import stribeck
 from furuta_model.friction.bristle import deflection_rate, force, stretched
-from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction, direction_factor
+from furuta_model.friction.levels import direction_factor
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
 PART = stribeck.PART._replace(name="lugre", bristle=True)
 _symmetric_level = stribeck.level

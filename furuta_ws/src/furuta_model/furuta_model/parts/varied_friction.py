@@ -16,8 +16,8 @@ from typing import Annotated, NamedTuple
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import exp
 from furuta_model.friction.laws import FrictionLaw, sliding_level
+from furuta_model.friction.levels import with_levels
 from furuta_model.friction.maxwell_slip import slip_deflection, stretched
-from furuta_model.friction.parameters import with_levels
 from furuta_model.parameters import About
 from furuta_model.parts.plant_memory import MotorMemory, PlantMemory
 

@@ -1,14 +1,15 @@
 """Readers of recordings: bags, tables, and files of ``furuta simulate``; without ROS."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.bag import read_bag
 from furuta_recordings.readers.mapping import Mapping
-from furuta_recordings.readers.simulation import is_simulation, read_simulation
-from furuta_recordings.readers.table import read_table
-from furuta_recordings.readers.times import with_usable_times
-from furuta_recordings.recording import Recording
+
+if TYPE_CHECKING:
+    from furuta_recordings.recording import Recording
 
 __all__ = ["Mapping", "is_bag", "read"]
 
@@ -20,9 +21,16 @@ def is_bag(path: Path) -> bool:
 
 def read(path: Path, mapping: Mapping) -> Recording:
     """A recording with its angles as recorded."""
+    # Options need only the names above, and no table needs the library for bags.
+    from furuta_recordings.readers import simulation, table
+    from furuta_recordings.readers.times import with_usable_times
+
     if not path.exists():
         raise ParameterError(f"no recording {path}")
-    if is_simulation(path):
-        return with_usable_times(read_simulation(path))
-    read_one = read_bag if is_bag(path) else read_table
-    return with_usable_times(read_one(path, mapping))
+    if simulation.is_simulation(path):
+        return with_usable_times(simulation.read_simulation(path))
+    if is_bag(path):
+        from furuta_recordings.readers.bag import read_bag
+
+        return with_usable_times(read_bag(path, mapping))
+    return with_usable_times(table.read_table(path, mapping))

@@ -8,7 +8,6 @@ from furuta_recordings.cleaning import FEWEST_SAMPLES, with_usable_samples
 from furuta_recordings.csv_columns import Table
 from furuta_recordings.readers import is_bag
 from furuta_recordings.readers.assembly import recording_of
-from furuta_recordings.readers.bag import read_bag_axis
 from furuta_recordings.readers.columns import (
     ANGLE_WORDS,
     AXIS_SPEED_UNITS,
@@ -55,6 +54,8 @@ def read_axis(
     if is_bag(path):
         if position is not None:
             raise ParameterError(f"{path}: a bag has no columns; name its joint with --joint")
+        from furuta_recordings.readers.bag import read_bag_axis
+
         recording = read_bag_axis(path, joint, command)
     else:
         recording = _table_axis(read_table(path), position, command, joint)

@@ -1,10 +1,13 @@
 """The plan of a tuning, how much pendulum time and which guard, and its result."""
 
-from typing import Any, NamedTuple
+from __future__ import annotations
 
-from furuta.studies.trust_region import SEARCH
-from furuta_friction.compensation import ObserverParameters
+from typing import TYPE_CHECKING, Any, NamedTuple
+
 from furuta_model.parameters import ParameterError, values
+
+if TYPE_CHECKING:
+    from furuta_friction.compensation import ObserverParameters
 
 # Pendulum time [s] of a trial: transients, then the measurement of the amplitude.
 SETTLING_TIME = 2.0
@@ -101,6 +104,8 @@ class TuningResult(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """The result as a JSON object."""
+        from furuta.studies.trust_region import SEARCH
+
         return {
             "parameters": observer_parameters(self.after.observer),
             "before": self.before.as_json(),
