@@ -1,7 +1,5 @@
-"""Graphs as they are started: launched with a rig, in namespaces, with a node of one's own."""
+"""Graphs as they are started: launched with a rig, in namespaces."""
 
-import signal
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +13,6 @@ from furuta_graph.graph_plan import GraphOptions, plan_graph
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import simulate
 
-ROOT = Path(__file__).resolve().parents[3]
-EXAMPLE = ROOT / "examples" / "state_feedback_node.py"
 SAMPLES = 300
 
 
@@ -55,17 +51,3 @@ def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str,
         np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
     assert processes.run("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
     assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"
-
-
-def test_own_controller(bench: Bench, processes: Any) -> None:
-    """The example in place of our controller holds the pendulum upright, and ends by Ctrl-C."""
-    graph = PausedGraph(bench)
-    processes.furuta("run", "--lockstep", "--without", "controller", "--set", "run_until=0")
-    example = processes.start(sys.executable, EXAMPLE)
-    states = graph.run(2000)
-    assert np.abs(states[:, 2]).max() < 0.1
-    assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
-    assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held
-    example.send_signal(signal.SIGINT)
-    assert "Traceback" not in example.communicate(timeout=60)[1]
-    assert example.returncode == 0
