@@ -1,7 +1,7 @@
 """Draws the pictures of the pages anew: ``python docs/site/pictures.py [NAME ...]``.
 
-Each picture comes from its command or function below. ``view.png`` shows a page in a browser:
-``furuta_ws/tests/view_picture.py`` makes it.
+Each picture comes from its command, function or example below. ``view.png`` shows a page in a
+browser: ``furuta_ws/tests/view_picture.py`` makes it.
 """
 
 import shutil
@@ -9,14 +9,11 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
-from drawing import draw_pendulum
-from friction_curves import draw_friction_laws
-from pages import ROOT
-from paper_figures import draw_experiment
 from animations import draw_compensation, draw_swing_up
+from drawing import draw_pendulum
+from pages import ROOT
 
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
@@ -35,12 +32,12 @@ COMMANDS = {
 # Functions that draw the others.
 DRAWINGS: dict[str, Callable[[Path], None]] = {
     "compensation.gif": draw_compensation,
-    "fig9.png": partial(draw_experiment, "fig9"),
-    "friction_curves.png": draw_friction_laws,
     "pendulum.png": draw_pendulum,
     "swing-up.gif": draw_swing_up,
     "swing-up.png": draw_swing_up,
 }
+# Examples that draw the others.
+EXAMPLES = {"fig9.png": "compensations", "friction_curves.png": "friction_laws"}
 
 
 def draw(name: str) -> None:
@@ -49,16 +46,19 @@ def draw(name: str) -> None:
         DRAWINGS[name](DOCS / name)
         return
     with tempfile.TemporaryDirectory() as folder:
-        places = {"OUT": str(Path(folder, name)), "DIR": str(Path(folder, "results"))}
-        arguments = [places.get(word, word) for word in COMMANDS[name].split()]
-        done = subprocess.run(["furuta", *arguments], stdout=subprocess.DEVNULL, check=False)
+        if name in EXAMPLES:
+            command = [sys.executable, str(ROOT / "examples" / f"{EXAMPLES[name]}.py")]
+        else:
+            places = {"OUT": str(Path(folder, name)), "DIR": str(Path(folder, "results"))}
+            command = ["furuta", *(places.get(word, word) for word in COMMANDS[name].split())]
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, cwd=folder, check=False)
         if done.returncode:
             sys.exit(done.returncode)  # the command has said why
-        (picture,) = Path(folder).rglob(name)
+        (picture,) = Path(folder).rglob(f"{EXAMPLES[name]}.png" if name in EXAMPLES else name)
         shutil.copyfile(picture, DOCS / name)
 
 
 if __name__ == "__main__":
-    for picture in sys.argv[1:] or [*DRAWINGS, *COMMANDS]:
+    for picture in sys.argv[1:] or [*DRAWINGS, *EXAMPLES, *COMMANDS]:
         print(picture, flush=True)
         draw(picture)
