@@ -1,9 +1,11 @@
 """Predicted limit cycles: residuals, completeness, stability, and the simulated motion."""
 
+import control
 import numpy as np
 import pytest
 from scipy.special import ive
 
+import furuta
 from furuta.describing_functions.describing_function import residual, static_describing_function
 from furuta.describing_functions.lugre_cycles import candidate_cells, winding_number
 from furuta.describing_functions.predicted_cycles import Prediction, predict_cycles
@@ -158,3 +160,34 @@ def test_winding_number_counts_zeros() -> None:
         )
         assert inside.any()
     assert len(cells) < 100
+
+
+@pytest.mark.parametrize("law", ["coulomb", "stribeck", "lugre"])
+def test_python_control_finds_the_predicted_cycle(law: str) -> None:
+    """From G and friction as its objects, also with viscous friction; near the exact cycle."""
+    ideal = furuta.ideal_loop(furuta.make_loop({"plant.friction.viscous": 0.02}), law=law)
+    (predicted,) = furuta.predict_cycles(ideal).cycles
+    friction = furuta.friction_nonlinearity(ideal.law, predicted.omega_rad_s)
+    assert isinstance(friction, control.DescribingFunctionNonlinearity)
+    g = furuta.linearize(ideal)["phi_dot", "torque"]
+    omega, amplitudes = np.geomspace(1.0, 10.0, 50), np.linspace(0.3, 3.0, 20)
+    ((amplitude, at),) = control.describing_function_response(g, friction, amplitudes, omega)
+    assert amplitude == pytest.approx(predicted.velocity_amplitude_rad_s, rel=1e-4)
+    assert at == pytest.approx(predicted.omega_rad_s, rel=1e-4)
+    exact = furuta.limit_cycle(ideal)
+    assert 2.0 * amplitude / at == pytest.approx(exact.phi_peak_to_peak_rad, rel=0.3)
+    assert 2.0 * np.pi / at == pytest.approx(exact.period_s, rel=0.15)
+
+
+def test_friction_as_an_object_of_python_control() -> None:
+    """Force without the viscous part, its N also by their integral; bad frequencies are refused."""
+    law = furuta.friction_law("stribeck", furuta.Friction(alpha0=0.3, alpha1=0.1, viscous=0.5))
+    friction = furuta.friction_nonlinearity(law)
+    assert [friction(v) for v in (-1e6, 0.0, 1e6)] == pytest.approx([-0.3, 0.0, 0.3])
+    (theirs,) = control.describing_function(friction, [2.0], num_points=10_000, try_method=False)
+    assert theirs == pytest.approx(friction.describing_function(2.0), rel=1e-3)
+    for omega in (None, 0.0, -1.0):
+        with pytest.raises(furuta.ParameterError, match="lugre needs omega"):
+            furuta.friction_nonlinearity(furuta.friction_law("lugre"), omega)
+    with pytest.raises(furuta.ParameterError, match="not defined for the friction law maxwell"):
+        furuta.friction_nonlinearity(furuta.friction_law("maxwell_slip"), 1.0)

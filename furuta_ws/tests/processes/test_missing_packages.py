@@ -50,6 +50,7 @@ def run_there(
         ("distributed", "sweep alpha0=1 --scheduler tcp://127.0.0.1:9", "pip install distributed"),
         ("pyarrow", TABLE, "pip install"),
         ("flint", f"{AXIS} --prove", "pip install python-flint"),
+        ("control", "linearize", "pip install control"),
         ("matplotlib", "simulate --seconds 1 --out run.png", "pip install matplotlib"),
         ("ziglang", "hw emulate --firmware", "ziglang"),
         ("rclpy", "run", "ROS 2 Jazzy, or on Linux x86-64 pip install 'furuta[ros]'"),

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from furuta.limit_cycles.pendulum_loop import IdealLoop
     from furuta.limit_cycles.periodic_orbit import LimitCycle
     from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
-    from furuta.models import friction_law, linearize, place_poles
+    from furuta.models import friction_law, friction_nonlinearity, linearize, place_poles
     from furuta.motions import (
         friction_joint,
         limit_cycle,
@@ -86,6 +86,7 @@ __all__ = [
     "drawn_axes",
     "friction_joint",
     "friction_law",
+    "friction_nonlinearity",
     "ideal_loop",
     "identified_axis",
     "identified_values",
@@ -127,7 +128,7 @@ _MODULES = {
     "furuta.limit_cycles.pendulum_loop": "IdealLoop",
     "furuta.limit_cycles.periodic_orbit": "LimitCycle",
     "furuta.loops": "ideal_loop load_rig make_loop rig_names",
-    "furuta.models": "friction_law linearize place_poles",
+    "furuta.models": "friction_law friction_nonlinearity linearize place_poles",
     "furuta.motions": "friction_joint limit_cycle measure predict_cycles simulate trace_cycle tune",
     "furuta.recordings": (
         "identified_values identify load_series read_recording simulated_series write_series"

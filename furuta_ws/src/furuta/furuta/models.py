@@ -64,6 +64,8 @@ def _parts(loop: Loop | IdealLoop | FurutaPendulum | None) -> tuple[FurutaPendul
 def place_poles(pendulum: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:
     """Gain L of u = −Lx that gives the loop these two pole pairs, eq. (7).
 
+    It solves (7) exactly; ``control.place`` loses half of the digits where poles meet.
+
     Args:
         pendulum: Coefficients α, β, γ [V s²/rad] and δ [V/rad] of eq. (1).
         poles: ω₁, ω₂ [rad/s] and ζ₁, ζ₂.
@@ -94,3 +96,27 @@ def friction_law(name: str, parameters: Friction | None = None) -> laws.Friction
     if name not in laws.LAWS:
         raise ParameterError(f"no friction law {name}; laws are {', '.join(laws.LAWS)}")
     return laws.friction_law(name, parameters or Friction())
+
+
+def friction_nonlinearity(
+    law: laws.FrictionLaw, omega: float | None = None
+) -> control.DescribingFunctionNonlinearity:
+    """Friction as ``control.describing_function_response`` takes it, beside :func:`linearize`.
+
+    Args:
+        law: What :func:`friction_law` returns. Its viscous part is left out, because it belongs to
+            the linear model.
+        omega: ω [rad/s] of the describing function of a law with a bristle; python-control's
+            depends on the amplitude alone.
+
+    Raises:
+        ParameterError: The law is not analysed, or has a bristle and ``omega`` is not above 0.
+        ModuleNotFoundError: The package control is not installed.
+    """
+    with needed_by("furuta.friction_nonlinearity"):
+        from furuta.describing_functions.nonlinearity import FrictionNonlinearity
+    law = laws.analysed_law(law.name, law.parameters._replace(viscous=0.0))
+    if law.bristle and not (omega and omega > 0.0):
+        given = f"omega [rad/s] above 0, given {omega}"
+        raise ParameterError(f"the describing function of {law.name} needs {given}")
+    return FrictionNonlinearity(law, omega or 1.0)

@@ -1,4 +1,7 @@
-"""Nyquist plots like Fig. 4 of the paper, with −1/N of Coulomb friction and the crossings."""
+"""Nyquist plots like Fig. 4 of the paper, with −1/N of Coulomb friction and the crossings.
+
+``control.nyquist_plot`` goes round a pole at 0 that G does not have (:mod:`furuta.transfer`).
+"""
 
 from pathlib import Path
 from typing import Any
