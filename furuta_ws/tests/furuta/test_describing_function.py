@@ -13,6 +13,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 
 UNEQUAL = Friction(viscous=0.3, asymmetry=0.25)
+DAMPED = Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)
 
 
 def fundamental(force: np.ndarray, phase: np.ndarray, amplitude: float) -> complex:
@@ -94,8 +95,10 @@ def test_closed_forms_by_hand() -> None:
     assert bias(1.0, friction_law("coulomb", UNEQUAL)) == pytest.approx(0.25 * 0.21)
 
 
-@pytest.mark.parametrize(("amplitude", "omega"), [(1e-3, 30.0), (0.05, 1.0), (2.0, 1.0)])
-@pytest.mark.parametrize("p", [Friction(), Friction(viscous=0.3, sigma1=0.2, alpha1=0.1)])
+@pytest.mark.parametrize(
+    ("amplitude", "omega", "p"),
+    [(1e-3, 30.0, DAMPED), (0.05, 1.0, Friction()), (2.0, 1.0, DAMPED)],
+)
 def test_lugre_by_integration_in_time(amplitude: float, omega: float, p: Friction) -> None:
     n = describing_function(amplitude, omega, friction_law("lugre", p))
     assert n == pytest.approx(simulated(amplitude, omega, p), rel=2e-6)
@@ -129,10 +132,10 @@ def test_number_of_steps_is_sufficient() -> None:
 def test_asymmetry_enters_in_second_order_only() -> None:
     equal = describing_function(0.1, 3.0, friction_law("lugre"))
     errors = [
-        abs(simulated(0.1, 3.0, Friction(asymmetry=a)) / equal - 1.0) for a in (0.1, 0.2, 0.4)
+        abs(simulated(0.1, 3.0, Friction(asymmetry=a)) / equal - 1.0) for a in (0.2, 0.4)
     ]
-    assert errors[0] < 2e-3
-    assert np.diff(np.log2(errors)) == pytest.approx([2.0, 2.0], abs=0.4)
+    assert errors[0] < 8e-3
+    assert np.diff(np.log2(errors)) == pytest.approx([2.0], abs=0.4)
     assert describing_function(0.1, 3.0, friction_law("lugre", Friction(asymmetry=0.4))) == equal
 
 

@@ -122,6 +122,7 @@ def test_a_cycle_smaller_than_the_deflection_of_the_bristle_is_found() -> None:
     assert motion.phi_peak_to_peak_rad == pytest.approx(2.07e-3, abs=5e-6)
 
 
+@pytest.mark.long
 def test_a_slow_fall_is_followed_to_its_end() -> None:
     """Just beyond the fold the pendulum falls after 127 s."""
     assert exact("viscous=0.2096").kind == "unbounded"

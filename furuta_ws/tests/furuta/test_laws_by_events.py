@@ -34,7 +34,11 @@ SETS = [
 CHOSEN = range(len(SETS)) if os.environ.get("FURUTA_ALL_LAWS") else range(1, 2)
 
 
-@pytest.mark.parametrize("law", LAWS)
+# Dahl's law is LuGre's without damping.
+@pytest.mark.parametrize(
+    "law",
+    [pytest.param(law, marks=[pytest.mark.long] if law == "dahl" else []) for law in LAWS],
+)
 @pytest.mark.parametrize("number", CHOSEN)
 def test_limit_cycle_of_a_law(law: str, number: int) -> None:
     """Peak to peak and period agree within 0.01 %; the sampled controller costs a quarter of it."""

@@ -37,6 +37,7 @@ def test_no_state_feedback_brings_the_pendulum_to_rest() -> None:
     assert theorem("pendulum", 4)["holds"]
 
 
+@pytest.mark.long
 def test_fold_under_stribeck_friction_is_that_of_independent_shooting() -> None:
     axis = EXAMPLE._replace(law="stribeck")
     found = fold(lambda kd: (axis, GAINS._replace(kd=kd)), 0.4, 2.5)

@@ -262,6 +262,7 @@ def test_stiction_that_is_over_at_once() -> None:
     assert "stribeck_velocity" in fit.undetermined and "gravity_sin" not in fit.values
 
 
+@pytest.mark.long
 def test_hunting_axis() -> None:
     """Friction that falls after breakaway is found at 1 kHz."""
     axis = TrueAxis(0.0025, 0.06, 0.004, alpha1=0.03, stribeck_velocity=0.05)

@@ -17,6 +17,7 @@ import pytest
 
 from furuta_bringup import main
 from furuta_graph.processes import executable
+from furuta_graph.services import ATTEMPTS, ServiceCaller
 from furuta_graph.settings.nodes import NODES
 from furuta_hw.emulator.monitor import ask
 from furuta_model.compilation_notice import NOTICE
@@ -94,6 +95,12 @@ def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
         line = process.stderr.readline()
         assert line, "the process ended before its nodes were ready"
         nodes -= "ready" in line
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wait a second for a node that does not exist."""
+    monkeypatch.setattr(ServiceCaller.call, "__defaults__", (1.0, ATTEMPTS))
 
 
 class EmulatedRig:

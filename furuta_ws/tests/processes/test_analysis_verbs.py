@@ -92,7 +92,7 @@ def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "branch.png"
-    result = answer(furuta("limit-cycle", "--over", "viscous=0:0.3", "--json", "--out", picture))
+    result = answer(furuta("limit-cycle", "--over", "viscous=0.2:0.3", "--json", "--out", picture))
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
     assert folds == [pytest.approx(0.2095, abs=1e-3)]
     assert {point["stable"] for point in result["branch"]} == {True, False}

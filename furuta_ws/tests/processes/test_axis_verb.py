@@ -68,16 +68,15 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_record_identifies_and_says_what_follows(furuta: Any, tables: Path) -> None:
-    """Without a controller the verb stops; with one it counts the draws that hunt."""
-    status, out, err = furuta("axis", "--identify", tables / "axis.csv", "--json")
+    """With a controller it counts the draws that hunt."""
+    arguments = ("--identify", tables / "axis.csv", "--pid", "1", "2", "0.08", "--json")
+    status, out, err = furuta("axis", *arguments)
     assert status == 0, err
     result = json.loads(out)
-    assert result["usable"] == "yes"
-    assert abs(result["inertia"] - 0.01) < 3.0 * result["standard_errors"]["inertia"] + 1e-5
-    assert "kind" not in result
-    assert len(result["covariance"]["names"]) == len(result["covariance"]["values"])
-    arguments = ("--identify", tables / "axis.csv", "--pid", "1", "2", "0.08", "--json")
-    result = json.loads(furuta("axis", *arguments)[1])
+    found = result["identified"]
+    assert found["usable"] == "yes"
+    assert abs(found["inertia"] - 0.01) < 3.0 * found["standard_errors"]["inertia"] + 1e-5
+    assert len(found["covariance"]["names"]) == len(found["covariance"]["values"])
     assert result["kind"] == "limit_cycle"
     assert result["hunts_in"] == 1.0
     assert result["hunting_rad"][0] < result["peak_to_peak_rad"] < result["hunting_rad"][1]

@@ -113,7 +113,7 @@ def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Pa
 def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     """A table with other names, a hanging zero, and commands in separate rows."""
     series = tmp_path / "run.npz"
-    furuta("simulate", "--ideal-sensors", "--seconds", "5", "--out", series)
+    furuta("simulate", "--ideal-sensors", "--seconds", "3", "--out", series)
     table = tmp_path / "log.csv"
     joints = [
         f"/js/{joint}/{part}" for joint in ("rotor", "link") for part in ("position", "velocity")
@@ -146,7 +146,7 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
 def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
     """Here the commands are in disorder."""
     series, table, rig = (tmp_path / name for name in ("run.npz", "log.csv", "rig.yaml"))
-    furuta("simulate", "--ideal-sensors", "--seconds", "4", "--out", series)
+    furuta("simulate", "--ideal-sensors", "--seconds", "2", "--out", series)
     with np.load(series) as file:
         commands = np.random.default_rng(1).permutation(file["command"])
         columns = [file["time"], *file["estimate"].T[[0, 2]], commands]

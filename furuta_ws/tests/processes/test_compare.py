@@ -14,13 +14,13 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     """On the nominal rig, with a table, and with the ranking that the rows give."""
     out = tmp_path / "named.csv"
     status, text, err = furuta(
-        "compare", "--truths", "--seconds", "20", "--out", out, "--json",
+        "compare", "--truths", "--seconds", "5", "--out", out, "--json",
         "--candidate", "none", "--candidate", "mine=compensation=lugre,sigma0=100",
     )  # fmt: skip
     assert status == 0, err
     simulated = json.loads(
         furuta(
-            "simulate", "--seconds", "20", "--compensation", "lugre", "--json",
+            "simulate", "--seconds", "5", "--compensation", "lugre", "--json",
             "--set", "friction_observer.sigma0=100",
         )[1]
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import signal
 from functools import wraps
-from itertools import pairwise, product
+from itertools import pairwise
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -20,8 +20,6 @@ from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.simulation.closed_loop import simulate
 
 SAMPLES = 1500
-# A signal and when it comes again [s].
-USUAL = (signal.SIGINT, 0.06)
 NODE_NAMES = [node.name for node in graph_nodes()]
 
 
@@ -66,13 +64,9 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
     assert all(b - a == (n - m) * 1_000_000 for (a, m), (b, n) in pairwise(truths))
 
 
-@pytest.mark.parametrize(
-    ("number", "again"),
-    [
-        pytest.param(*case, marks=() if case == USUAL else pytest.mark.long)
-        for case in product((signal.SIGINT, signal.SIGTERM), (0.02, 0.06, 0.2))
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("again", [0.02, 0.06, 0.2])
 def test_nodes_end_cleanly(processes: Any, number: int, again: float) -> None:
     """With status 0 and no traceback, also if the signal comes again while they end."""
     running = [processes.node(name) for name in NODE_NAMES]

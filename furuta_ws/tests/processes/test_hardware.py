@@ -150,7 +150,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
 
 @pytest.mark.parametrize(
     ("compensation", "options", "windows"),
-    [("none", ("--firmware",), 20), pytest.param("lugre", (), 800, marks=pytest.mark.long)],
+    [("none", ("--firmware",), 3), pytest.param("lugre", (), 800, marks=pytest.mark.long)],
 )
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench,
