@@ -3,6 +3,7 @@
 import ast
 import xml.etree.ElementTree as ET
 from configparser import ConfigParser
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ def modules(package: str) -> list[Path]:
     return sorted((SOURCES / package / package).rglob("*.py"))
 
 
+@cache
 def imports(file: Path) -> set[str]:
     """Top-level names of the packages that a file imports."""
     names = set()

@@ -84,10 +84,10 @@ def test_dead_observer_means_no_compensation(ros: None, settings: Settings) -> N
     spin_until(graph.executor, lambda: plant.pacing.timing_counts.samples > 200)
     graph.executor.remove_node(graph.node("friction_observer"))
     before = plant.sample
-    spin_until(graph.executor, lambda: plant.sample > before + 2000)
+    spin_until(graph.executor, lambda: plant.sample > before + 1000)
     theta, timeouts = plant.x[2], plant.pacing.timing_counts.timeouts
     missed = controller.missed_estimates
     graph.close()
     assert abs(theta) < 0.2
-    assert missed > 1000
+    assert missed > 500
     assert timeouts == 0

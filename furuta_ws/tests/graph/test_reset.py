@@ -27,12 +27,12 @@ def fall_and_reset(graph: SimulatedGraph, user: Node) -> None:
     )
     largest_angle(graph, 0.5)
     client.set("controller", enabled=False)
-    assert largest_angle(graph, 4.0) > np.pi / 2
+    spin_until(graph.executor, lambda: abs(graph.plant.x[2]) > np.pi / 2)
     client.set("controller", enabled=True)
     answer = reset.call_async(Trigger.Request())
     spin_until(graph.executor, answer.done)
     assert answer.result().success
-    assert largest_angle(graph, 2.0) < 0.5
+    assert largest_angle(graph, 1.0) < 0.5
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ SAMPLES = 1500
 NODE_NAMES = [node.name for node in graph_nodes()]
 
 
+@pytest.mark.long
 def test_separate_processes_are_the_same_loop(bench: Bench, processes: Any) -> None:
     """In lock-step, four processes give the offline loop's run to the last bit."""
     graph = PausedGraph(bench)

@@ -38,6 +38,7 @@ def run_until_recorded(graph: PausedGraph, bag: Path) -> tuple[int, Any]:
     return samples + SAMPLES, graph.run(samples + SAMPLES)
 
 
+@pytest.mark.long
 def test_launched_graph_is_recorded(
     monkeypatch: Any, bench: Bench, processes: Any, tmp_path: Path
 ) -> None:

@@ -49,5 +49,4 @@ def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str,
     for name, seed in seeds.items():
         expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
         np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
-    assert processes.run("param", "get", "plant", "seed", "--namespace", "left")[1].strip() == "1"
     assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"

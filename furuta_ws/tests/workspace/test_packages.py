@@ -5,6 +5,7 @@ import os
 import stat
 import subprocess
 import sys
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib.util import find_spec
 from pathlib import Path
@@ -86,6 +87,7 @@ def imported_modules(file: Path) -> set[str]:
     return names
 
 
+@cache
 def import_graph() -> dict[str, set[str]]:
     """The modules of the workspace, each with those that it imports."""
     files = {module_name(file): file for package in PACKAGES for file in modules(package)}
