@@ -60,6 +60,7 @@ def test_coefficients_of_the_paper_from_the_closed_loop(undriven: Model) -> None
         assert abs(values[name] - truth) < 4.0 * errors[name]
 
 
+@pytest.mark.long
 def test_excitation_reduces_the_errors(undriven: Model) -> None:
     driven = balanced(10.0, False, ExcitationParameters("multisine", amplitude=1.0))
     before, after, values = standard_errors(undriven), standard_errors(driven), summary(driven)

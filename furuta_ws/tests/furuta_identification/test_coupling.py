@@ -24,7 +24,7 @@ from furuta_sim.simulation.closed_loop import Loop, simulate
 BELT = Coupling(frequency=60.0, damping=0.04, motor_inertia=0.4, sensors="motor")
 
 
-def fitted(coupling: Coupling, seconds: float = 5.0) -> Model:
+def fitted(coupling: Coupling, seconds: float = 3.0) -> Model:
     """The model of a balanced pendulum under a multisine, with its coupling."""
     plant = PlantParameters(coupling=coupling)
     signal = ExcitationParameters("multisine", amplitude=1.0)

@@ -98,6 +98,7 @@ def test_the_part_that_is_used() -> None:
     assert free_part(degrees, Options()).frequency == pytest.approx(part.frequency)
 
 
+@pytest.mark.long
 def test_errors_contain_what_the_model_lacks(found: FreeSwing) -> None:
     """Drag and presliding change the frequency with the amplitude, and between recordings."""
     records = [swing(drag=0.02, stiffness=s, seed=1) for s in (0.5, 1.5)]

@@ -70,7 +70,7 @@ def test_without_dry_friction_nothing_is_predicted() -> None:
     ("friction", "law"),
     [
         ({}, "coulomb"),
-        ({"asymmetry": 0.2}, "asymmetric"),
+        pytest.param({"asymmetry": 0.2}, "asymmetric", marks=pytest.mark.long),
         pytest.param({"sigma0": 30.0, "sigma1": 0.5}, "lugre", marks=pytest.mark.long),
     ],
 )

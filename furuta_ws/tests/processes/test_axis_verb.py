@@ -55,7 +55,7 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A slow motion of a hunting axis, and noise."""
     folder = tmp_path_factory.mktemp("tables")
     friction = library.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
-    time = np.arange(0.0, 12.0, 1e-3)
+    time = np.arange(0.0, 8.0, 1e-3)
     moves = 0.5 * np.sin(1.3 * time) + 0.2 * np.sin(3.7 * time)
     recorded = library.simulate_axis(
         library.Axis(0.01, friction), library.Pid(3.0, 2.0, 0.1), reference=moves

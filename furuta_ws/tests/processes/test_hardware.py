@@ -148,9 +148,9 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     assert any(np.array_equal(quantised[k : k + tail], volts) for k in range(len(quantised) - tail))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    ("compensation", "options", "windows"),
-    [("none", ("--firmware",), 3), pytest.param("lugre", (), 800, marks=pytest.mark.long)],
+    ("compensation", "options", "windows"), [("none", ("--firmware",), 20), ("lugre", (), 800)]
 )
 def test_limit_cycle_is_the_simulated_one(
     bench: Bench,

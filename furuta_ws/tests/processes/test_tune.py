@@ -14,6 +14,7 @@ from furuta_graph.settings.settings import read_file
 Furuta = Callable[..., Any]
 
 
+@pytest.mark.long
 def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) -> None:
     """Ctrl-C ends the tuning of a running graph with one line and the initial parameters."""
     run = processes.furuta("run", "--lockstep", "--set", "compensation=coulomb")

@@ -9,7 +9,8 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    "how", ["run", pytest.param("run --processes", marks=pytest.mark.long), "node"]
+    "how",
+    ["run", *(pytest.param(how, marks=pytest.mark.long) for how in ("run --processes", "node"))],
 )
 def test_a_second_graph_does_not_start(processes: Any, how: str) -> None:
     """Beside one in its namespace and domain; the first one goes on."""

@@ -93,8 +93,8 @@ def explorer(gcc: str, directory: Path, file: str = "", old: str = "", new: str 
     include, warnings = f"-I{directory}", () if file else WARNINGS
     core, program = directory / "core.o", directory / "explore"
     for command in (
-        [*warnings, "-std=c99", "-O1", *HOOKS, "-c", HERE / "core.c", "-o", core],
-        [*WARNINGS, "-std=gnu99", "-O2", HERE / "explore.c", core, "-o", program],
+        [*warnings, "-std=c99", "-O2", *HOOKS, "-c", HERE / "core.c", "-o", core],
+        [*WARNINGS, "-std=gnu99", "-O3", HERE / "explore.c", core, "-o", program],
     ):
         subprocess.run([gcc, include, *command], check=True, capture_output=True)
     return program

@@ -83,6 +83,7 @@ def test_code_uses_what_the_library_has(name: str) -> None:
             assert used <= set(furuta.__all__), used
 
 
+@pytest.mark.long
 def test_first_notebook_accepts_right_answers_only() -> None:
     """Its solution passes all checks, and each wrong answer gets a hint."""
     both, script, tried = cells("1_model"), ["from lab import NotYetError"], 0
