@@ -59,8 +59,13 @@ def perform(rig: Rig, experiment: Experiment, true: Rig | None = None) -> tuple:
 
 @pytest.mark.parametrize(
     "friction",
-    [Friction(), Friction(asymmetry=0.15, viscous=0.05), Friction(alpha0=0.4, alpha1=0.1)],
-    ids=["paper", "asymmetric", "strong"],
+    [
+        Friction(asymmetry=0.15, viscous=0.05),
+        *(
+            pytest.param(friction, marks=pytest.mark.long)
+            for friction in (Friction(), Friction(alpha0=0.4, alpha1=0.1))
+        ),
+    ],
 )
 def test_friction_is_found(friction: Friction) -> None:
     """Levels, asymmetry and viscous part, from one count of 25 mrad and a noisy tachometer."""
