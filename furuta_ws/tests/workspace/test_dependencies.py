@@ -197,6 +197,6 @@ OF_TESTS = "furuta_ws/tests/requirements.lock"
     "files", [("requirements.lock", OF_TESTS), ("requirements.noble.lock",)], ids=str
 )
 def test_everything_required_is_locked(files: tuple[str, ...]) -> None:
-    """What a verb needs is in both environments, extras of a few users only in that of the tests."""
+    """What a verb needs is in both environments, some extras only in that of the tests."""
     names = {re.split(r"[\[>]", each)[0] for each in product_requirements()}
     assert names <= set().union(*(locked(file).keys() for file in files))

@@ -21,9 +21,9 @@ import numba.extending
 
 from furuta_model.compilation_notice import announce_compilation
 
-# Options of numba for what compiled code calls. Its code is part of the caller's. Wrappers for Python
-# and C and a file in the cache would be for nobody, and take half of the compilation.
-UNWRAPPED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Options of numba for what compiled code calls, whose code is part of the caller's. Wrappers for
+# Python and C and a file in the cache would be for nobody, and take half of the compilation.
+UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
