@@ -45,18 +45,20 @@ def draw_compensation(path: Path) -> None:
     simulation.loop = furuta.make_loop({"compensation": "recommended"})
     after = simulation.run(WITH)
     state = np.concatenate([before.state, after.state])
-    _animate(before.sample_time, state, path, "without | with compensation", WITHOUT)
+    _animate(before.sample_time, state, path, WITHOUT)
 
 
-def _animate(
-    sample_time: float, state: np.ndarray, path: Path, title: str = "", change: float = 0.0
-) -> None:
-    """Write states (n, 4) as an animated GIF, in real time; a line marks a ``change`` [s]."""
+def _animate(sample_time: float, state: np.ndarray, path: Path, compensated: float = 0.0) -> None:
+    """Write states (n, 4) as an animated GIF, in real time; friction is ``compensated`` from [s]."""
     step = round(1.0 / (FRAMES_PER_SECOND * sample_time))
     figure, draw = _prepared(np.arange(len(state)) * sample_time, state)
-    for axis in figure.axes[1:]:
-        axis.axvline(change, color="0.4", ls="--", lw=0.8)
-    figure.axes[1].set_title(title, fontsize="medium")
+    if compensated:
+        for axis in figure.axes[1:]:
+            axis.axvline(compensated, color="0.4", ls="--", lw=0.8)
+        top = figure.axes[1]
+        place: Any = {"y": 1.04, "transform": top.get_xaxis_transform()}
+        top.text(compensated - 0.15, s="no compensation", ha="right", **place)
+        top.text(compensated + 0.15, s="friction compensated", ha="left", **place)
     animation = FuncAnimation(figure, draw, frames=range(0, len(state), step), blit=False)
     animation.save(path, writer=PillowWriter(fps=FRAMES_PER_SECOND), dpi=DPI)
     plt.close(figure)
