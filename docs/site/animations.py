@@ -49,7 +49,7 @@ def draw_compensation(path: Path) -> None:
 
 
 def _animate(sample_time: float, state: np.ndarray, path: Path, compensated: float = 0.0) -> None:
-    """Write states (n, 4) as an animated GIF, in real time; friction is ``compensated`` from [s]."""
+    """Write states (n, 4) as a GIF in real time; friction is ``compensated`` from that time [s]."""
     step = round(1.0 / (FRAMES_PER_SECOND * sample_time))
     figure, draw = _prepared(np.arange(len(state)) * sample_time, state)
     if compensated:
