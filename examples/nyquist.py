@@ -19,7 +19,7 @@ FEEDBACKS = {  # l for (φ, φ̇, θ, θ̇) [V/rad, V s/rad, V/rad, V s/rad]
     "c) u = 60θ + 20θ̇ + φ̇": (0.0, 1.0, 60.0, 20.0),
     "d) u = 60θ + 20θ̇ + 7φ̇": (0.0, 7.0, 60.0, 20.0),
 }
-omega = np.geomspace(1e-3, 1e5, 10_000)
+omega = np.geomspace(1e-2, 1e4, 4000)
 figure, axes = plt.subplots(2, 2, figsize=(9, 7.5), layout="constrained")
 for axis, (title, feedback) in zip(axes.flat, FEEDBACKS.items(), strict=True):
     loop = furuta.ideal_loop(law="coulomb", feedback=feedback)
