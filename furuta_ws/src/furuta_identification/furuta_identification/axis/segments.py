@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.signal import savgol_filter
 
 from furuta_identification.axis.motion import AxisData
 from furuta_identification.shooting.optimisation import quantisation_step
@@ -91,6 +90,8 @@ def _white(time: np.ndarray, position: np.ndarray) -> float:
 
 def smoothed(recording: Recording, window: float | None = None) -> Smoothed:
     """The recording on an even grid, smoothed by parabolas over ``window`` [s]."""
+    from scipy.signal import savgol_filter  # noqa: PLC0415 - import furuta takes less time
+
     position, time = recording.measured[:, PHI], recording.time
     step = max(recording.interval, 1e-4)
     grid = np.arange(time[0], time[-1], step)
