@@ -23,7 +23,7 @@ PACKAGES = {
     "predicted_cycles": "control",
     "train_policy": "gymnasium",
 }
-LONG = ("parallel_sweep", "train_policy")
+LONG = ("parallel_sweep", "random_rigs", "train_policy")
 # A picture with curves has more bytes than an empty one.
 LEAST_BYTES = 20_000
 
