@@ -41,11 +41,6 @@ def test_library_page_has_every_name() -> None:
     assert set(re.findall(r"furuta\.(\w+)", LIBRARY.read_text())) <= {"gym", *dir(furuta)}
 
 
-def test_pages_with_python_are_found() -> None:
-    """Those of the course run by themselves."""
-    assert {LIBRARY, ROOT / "README.md"} <= set(PAGES)
-
-
 def blocks(page: Path) -> list[str]:
     """The blocks of a page that can run here: no note and no file of another rig forbids it."""
     found = [(code, tuple(commands.NOTE.findall(n))) for n, code in BLOCK.findall(page.read_text())]

@@ -103,15 +103,11 @@ def friction_nonlinearity(
 ) -> control.DescribingFunctionNonlinearity:
     """Friction as ``control.describing_function_response`` takes it, beside :func:`linearize`.
 
-    Args:
-        law: What :func:`friction_law` returns. Its viscous part is left out, because it belongs to
-            the linear model.
-        omega: ω [rad/s] of the describing function of a law with a bristle; python-control's
-            depends on the amplitude alone.
+    Without its viscous part, which belongs to the linear model. python-control's N depends on the
+    amplitude alone: of a ``law`` with a bristle it is that at ``omega`` [rad/s].
 
     Raises:
         ParameterError: The law is not analysed, or has a bristle and ``omega`` is not above 0.
-        ModuleNotFoundError: The package control is not installed.
     """
     with needed_by("furuta.friction_nonlinearity"):
         from furuta.describing_functions.nonlinearity import FrictionNonlinearity

@@ -11,8 +11,8 @@ for the feedback u = l₁φ + l₂φ̇ + l₃θ + l₄θ̇. On the imaginary axi
 because ω = 0 is the only zero of the numerator there. G is therefore real exactly where
 a₀ω⁴ − a₂ω² + a₄ = 0, a quadratic equation in ω².
 
-The element from torque to φ̇ of :func:`furuta.linearize` is the same G, for plots and designs by
-python-control; this one cancels s exactly if l₁ = 0, where ``minreal`` compares with a tolerance.
+:func:`furuta.linearize` has the same G from torque to φ̇, for plots and designs by python-control;
+this one cancels s exactly if l₁ = 0, where ``minreal`` compares with a tolerance.
 """
 
 from collections.abc import Sequence

@@ -19,6 +19,3 @@ class FrictionNonlinearity(DescribingFunctionNonlinearity):
     def describing_function(self, A: float) -> complex:  # noqa: N803
         """N [V s/rad] at v = A sin ωt."""
         return describing_function(A, self._omega, self._law)
-
-    def _isstatic(self) -> bool:
-        return True

@@ -12,8 +12,7 @@ For a law that depends on the present speed alone, V_A = 0 and U_A = dN/dA < 0. 
 covers the oscillating pair of poles. With N fixed at its real part n, the other roots of D + nB,
 with G = B/D, must be stable too.
 
-``control.describing_function_response`` knows no N that depends on ω and no stability, and drops
-intersections of small curves.
+``control.describing_function_response`` knows neither N(ω) nor stability, and drops small cycles.
 """
 
 from math import pi
