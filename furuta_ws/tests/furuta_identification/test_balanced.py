@@ -50,6 +50,7 @@ def undriven() -> Model:
     return balanced(20.0, ideal=False)
 
 
+@pytest.mark.long
 def test_coefficients_of_the_paper_from_the_closed_loop(undriven: Model) -> None:
     """The same with the paper's sensors; the truth lies within four standard errors."""
     values, errors = summary(undriven), standard_errors(undriven)

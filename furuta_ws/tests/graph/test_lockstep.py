@@ -110,6 +110,7 @@ def test_graph_is_the_offline_loop(
     require_graph_is_the_offline_loop(load_settings([], chosen), tmp_path / "bag")
 
 
+@pytest.mark.long
 def test_graph_swings_up_as_the_offline_loop(ros: None, tmp_path: Path) -> None:
     """So they are from hanging to upright, through every phase."""
     settings = swing_up_settings(find_rig("odrive_furuta"))

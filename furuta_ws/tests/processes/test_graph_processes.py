@@ -97,6 +97,7 @@ def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
     assert counts == {topic.name: 500 for topic in TOPICS} | changes
 
 
+@pytest.mark.long
 def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     """``--processes`` with ``--record``: selected topics only; Ctrl-C finishes the bag."""
     bag = tmp_path / "bag"

@@ -91,11 +91,16 @@ def _content(directory: Path) -> dict[str, int]:
     ("names", "verb"),
     [
         (tuple(BAGS), ("bag", "info")),
-        (
+        pytest.param(
             ("parent_path", "linked_file", "pipe_as_data", "claimed_array", "fixed_array"),
             ("identify",),
+            marks=pytest.mark.long,
         ),
-        (("linked_file", "zstd_liar"), ("bag", "replay", "--rate", "0")),
+        pytest.param(
+            ("linked_file", "zstd_liar"),
+            ("bag", "replay", "--rate", "0"),
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_hostile_bags_are_not_read(
