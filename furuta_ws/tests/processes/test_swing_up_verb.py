@@ -7,7 +7,6 @@ import pytest
 
 
 @pytest.mark.long
-@pytest.mark.noble
 def test_random_starts_and_knocks(furuta: Any) -> None:
     """A few starts are upright within the limits; after every push the pendulum swings up again."""
     starts = ("--starts", "5", "--rig", "qube_servo_2")
