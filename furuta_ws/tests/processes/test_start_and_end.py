@@ -199,8 +199,8 @@ def test_a_recording_that_cannot_be_made_starts_no_node(
     furuta: Any, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
 ) -> None:
     """One line names the directory."""
-    for name in ("run_simulated", "run_processes"):
-        monkeypatch.setattr(f"furuta_bringup.verbs.run.{name}", None)
+    for name in ("run_composed.run_simulated", "processes.run_processes"):
+        monkeypatch.setattr(f"furuta_graph.{name}", None)
     status, _, err = furuta("run", *options, "--record", "/proc/x")
     assert (status, len(err.splitlines())) == (1, 1), err
     assert "cannot make the bag /proc/x: /proc/.x.new: No such file" in err

@@ -12,7 +12,6 @@ from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.background_writer import BackgroundWriter
-from furuta_recordings.bags.message_types import definition_of, type_hash
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
 from furuta_ros import topic_names
 from furuta_ros.messages import RefusedError, deserialized
@@ -77,6 +76,8 @@ class RecorderNode(Node):
         self._expected = [0 for _ in chosen]  # sequence numbers
 
     def _bag_topic(self, topic: Topic) -> BagTopic:
+        from furuta_recordings.bags.message_types import definition_of, type_hash
+
         name = _type_name(topic)
         definition = definition_of(name)
         qos = _OFFERED.get(topic) or offered_qos(QOS.depth)
