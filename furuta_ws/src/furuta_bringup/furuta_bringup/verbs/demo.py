@@ -6,22 +6,11 @@ from shutil import rmtree
 from typing import Any
 
 import click
-from rich.console import Console
 
-from furuta.figures.run import draw_demo
-from furuta.studies.phases import COMPENSATIONS, evaluate
-from furuta.studies.trust_region import SEARCH
-from furuta.studies.tuning.plan import TuningPlan, observer_parameters
-from furuta.studies.tuning.tuning import tune_simulated
-from furuta_bringup.demo_run import in_lockstep, run_demo
+from furuta.studies.tuning.plan import TuningPlan
 from furuta_bringup.file_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
-from furuta_bringup.terminal import print_table, with_progress
-from furuta_bringup.warm_up import compile_nodes, workers
-from furuta_graph.settings.settings import load_settings, loop
-from furuta_recordings.bags.recorded_loop import read_recorded_run
-from furuta_ros.context import ros_context
 from furuta_ros.whole_files import whole_file
 
 PLAN = TuningPlan()
@@ -62,6 +51,9 @@ def command(
     The graph runs in lock-step in one process and is recorded. Parameter services tune
     the compensator and switch between the compensations.
     """
+    from furuta_bringup.terminal import print_table
+    from furuta_graph.settings.settings import load_settings
+
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
     with whole_file(directory / "summary.json") as new:
@@ -74,6 +66,17 @@ def command(
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
+    from rich.console import Console
+
+    from furuta.figures.run import draw_demo
+    from furuta.studies.phases import COMPENSATIONS, evaluate
+    from furuta.studies.trust_region import SEARCH
+    from furuta_bringup.demo_run import run_demo
+    from furuta_bringup.terminal import with_progress
+    from furuta_bringup.warm_up import compile_nodes, workers
+    from furuta_recordings.bags.recorded_loop import read_recorded_run
+    from furuta_ros.context import ros_context
+
     # An interrupted demo leaves the results of an earlier one as they were.
     bag, new = directory / "bag", directory / "unfinished" / "bag"
     _check(bag)
@@ -103,6 +106,11 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 
 def _tuned(settings: Any) -> dict[str, Any]:
+    from furuta.studies.tuning.plan import observer_parameters
+    from furuta.studies.tuning.tuning import tune_simulated
+    from furuta_bringup.demo_run import in_lockstep
+    from furuta_graph.settings.settings import loop
+
     result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
     return observer_parameters(result.after.observer)
 
