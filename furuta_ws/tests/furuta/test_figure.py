@@ -11,6 +11,12 @@ from furuta.figures.labels import axis_label
 PNG = b"\x89PNG"
 
 
+@pytest.fixture(autouse=True)
+def no_figure_of_others() -> None:
+    """Other tests run code of pages, which leaves figures open."""
+    plt.close("all")
+
+
 def test_figure_is_saved_and_closed(tmp_path: Path) -> None:
     path = tmp_path / "new" / "figure.png"
     with saved_figure(path, 2, figsize=(2, 2)) as (figure, axes):

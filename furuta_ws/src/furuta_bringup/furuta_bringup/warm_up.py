@@ -22,6 +22,7 @@ from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
 from furuta_bringup.terminal import with_progress
 from furuta_graph.settings.nodes import graph_nodes
+from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.compilation_notice import NOTICE, UNNOTICED
 from furuta_model.friction.parameters import Friction
 from furuta_ros.context import ros_context
@@ -60,8 +61,10 @@ def compile_node(name: str) -> None:
 
 
 def workers() -> ProcessPoolExecutor:
-    """A pool with a process for each core; it begins before ROS does."""
-    return ProcessPoolExecutor(available_cores(), mp_context=get_context("fork"))
+    """A pool with a process for each core, which accepts the same parts of one's own."""
+    # A forked child of a process with threads may wait for a lock for ever.
+    context = get_context("spawn")
+    return ProcessPoolExecutor(available_cores(), context, accept_parts, (accepted_parts(),))
 
 
 def compile_nodes(pool: ProcessPoolExecutor, quiet: bool = False) -> None:
