@@ -43,6 +43,7 @@ bench:
 # runs every command of every page in a clone; report in output/commands.md.
 SITE = output/site_environment/bin/python
 docs: page
+	$(if $(CHECK),tools/in_environment tools/install $(TESTS)/requirements.lock)
 	tools/in_environment python -m venv output/site_environment
 	$(SITE) -m pip install --disable-pip-version-check --quiet --requirement docs/requirements.lock
 	tools/in_environment python docs/site/reference_pages.py output/reference
