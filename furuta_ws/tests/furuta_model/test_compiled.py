@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 from furuta_model.compilation_notice import NOTICE
 from furuta_model.compiled import by_kind, compiled
@@ -110,17 +111,17 @@ def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
 
 
 @compiled
-def _first(x: float) -> float:
+def _first(x: Any) -> Any:
     return x + 1.0
 
 
 @compiled
-def _second(x: float) -> float:
+def _second(x: Any) -> Any:
     return 2.0 * x
 
 
 @compiled
-def _third(x: float) -> float:
+def _third(x: Any) -> Any:
     return -x
 
 
@@ -128,6 +129,20 @@ def test_one_function_of_several_by_kind() -> None:
     """``by_kind`` calls the function with that index."""
     chosen = by_kind([_first, _second, _third])
     assert [chosen(kind, 3.0) for kind in range(3)] == [4.0, 6.0, -3.0]
+
+
+def test_a_callee_is_compiled_for_python_only_if_python_calls_it() -> None:
+    """Compiled code that calls it makes no wrapper for Python; a later call makes one."""
+
+    def function(x: Any) -> Any:
+        return _third(_second(x))
+
+    caller: Any = compiled(function, cached=False)
+    called_before = len(_second.signatures)
+    assert caller(2) == -4.0
+    assert caller.signatures and len(_second.signatures) == called_before
+    assert _second(2) == 4.0
+    assert len(_second.signatures) == called_before + 1
 
 
 NOTICED = """
