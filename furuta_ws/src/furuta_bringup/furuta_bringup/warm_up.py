@@ -4,9 +4,8 @@ The files of the cache are what remains. ``furuta demo`` compiles its nodes in t
 tests compile everything.
 """
 
-import sys
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed, wait
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from typing import Any
 
@@ -23,7 +22,7 @@ from furuta.transfer import transfer
 from furuta_bringup.terminal import with_progress
 from furuta_graph.settings.nodes import graph_nodes
 from furuta_model.accepted_parts import accept_parts, accepted_parts
-from furuta_model.compilation_notice import NOTICE, UNNOTICED
+from furuta_model.compilation_notice import share_right
 from furuta_model.friction.parameters import Friction
 from furuta_ros.context import ros_context
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -64,7 +63,13 @@ def workers() -> ProcessPoolExecutor:
     """A pool with a process for each core, which accepts the same parts of one's own."""
     # A forked child of a process with threads may wait for a lock for ever.
     context = get_context("spawn")
-    return ProcessPoolExecutor(available_cores(), context, accept_parts, (accepted_parts(),))
+    shared = (accepted_parts(), context.Semaphore(1))
+    return ProcessPoolExecutor(available_cores(), context, _begin, shared)
+
+
+def _begin(parts: list[str], right: Any) -> None:
+    accept_parts(parts)
+    share_right(right)
 
 
 def compile_nodes(pool: ProcessPoolExecutor, quiet: bool = False) -> None:
@@ -83,8 +88,6 @@ def compile_all() -> None:
 
 def _wait(tasks: Iterable[Future[Any]], quiet: bool = False) -> None:
     tasks = list(tasks)
-    if wait(tasks, UNNOTICED).not_done and not quiet:
-        print(NOTICE, file=sys.stderr, flush=True)
     for task in with_progress("compiling", as_completed(tasks), len(tasks), quiet=quiet):
         task.result()
 
