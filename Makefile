@@ -39,15 +39,19 @@ bench:
 	tools/in_environment tools/install benchmarks/requirements.lock $(TESTS)/requirements.lock
 	tools/in_environment python benchmarks/run.py
 
-# The documentation site in output/site, with its tools in an environment of their own. CHECK=1 also
-# runs every command of every page in a clone; report in output/commands.md.
+# The documentation site in output/site, with its tools in an environment of their own. The site loads
+# nothing from another host. CHECK=1 also runs every command of every page in a clone; report in
+# output/commands.md.
 SITE = output/site_environment/bin/python
 docs: page
 	$(if $(CHECK),tools/in_environment tools/install $(TESTS)/requirements.lock)
 	tools/in_environment python -m venv output/site_environment
 	$(SITE) -m pip install --disable-pip-version-check --quiet --requirement docs/requirements.lock
-	tools/in_environment python docs/site/reference_pages.py output/reference
-	$(SITE) docs/site/build.py output/site output/reference output/furuta.html
+	rm -rf output/site
+	tools/in_environment $(SITE) -m sphinx --conf-dir docs/site --doctree-dir output/doctrees \
+		--fresh-env --quiet --fail-on-warning --keep-going . output/site
+	! grep -rEl '<(script|img|iframe|link)[^>]*(src|href)="(https?:)?//|(url\(|@import ).?(https?:)?//' \
+		--include=*.html --include=*.css output/site
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
 # The closed loop in one file for a browser; the site shows it in the tutorial.
@@ -85,6 +89,7 @@ lock:
 	$(COMPILE) --python-version 3.10 --extra ros --extra view $(OURS) --output-file requirements.lock
 	$(foreach folder,$(LOCKED),$(COMPILE) --python-version 3.10 --constraint requirements.lock \
 		$(folder)/requirements.in --output-file $(folder)/requirements.lock;)
+	$(COMPILE) --python-version 3.10 docs/requirements.in --output-file docs/requirements.lock
 	grep --no-filename --only-matching -E '[a-z]+>=[0-9.]+' $(OURS) $(TESTS)/requirements.in \
 		| sed -e 's/>=/==/' -e 's/^matplotlib.*/&;python_version<"3.12"/' \
 			-e '$$a matplotlib==3.8.0;python_version>="3.12"' -e '$$a pyarrow<26' \

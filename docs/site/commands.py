@@ -25,8 +25,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from pages import ROOT, sections
-
+ROOT = Path(__file__).resolve().parents[2]
 # First words of a block of shell commands; other indented blocks are equations and output.
 SHELL = re.compile(
     r"(?:\./furuta|make|tools/in_environment|\.\./tools|ros2|colcon|rosdep|cd|pip|source|echo)\b"
@@ -83,9 +82,10 @@ class Result(NamedTuple):
 
 def page_files() -> list[Path]:
     """The files of all pages: the front page first, then in the order of the site."""
-    front = ROOT / "README.md"
-    others = [file for section in sections() for file in section.files if file != front]
-    return [front, *others]
+    front, contents = ROOT / "README.md", ROOT / "docs" / "README.md"
+    links = re.findall(r"^- \[.*?\]\((.*?)\)", contents.read_text(), re.MULTILINE)
+    files = [(contents.parent / link).resolve() for link in links]
+    return [front, *(file for file in files if file != front)]
 
 
 def blocks(file: Path) -> Iterator[Block]:

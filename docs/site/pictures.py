@@ -13,8 +13,8 @@ from pathlib import Path
 
 from animations import draw_compensation, draw_swing_up
 from drawing import draw_pendulum
-from pages import ROOT
 
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {

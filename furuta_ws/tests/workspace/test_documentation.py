@@ -1,4 +1,4 @@
-"""The documentation: generated pages are up to date, links lead somewhere, commands exist."""
+"""The documentation: the page of topics is up to date, links lead somewhere, commands exist."""
 
 import re
 import shlex
@@ -7,22 +7,17 @@ from pathlib import Path
 
 import click
 import commands
-import pages
 import pytest
-import reference_pages
 from sources import ROOT
 
 from furuta_bringup.main import furuta
 from furuta_graph.settings.nodes import NODES
+from furuta_recordings.series_columns import COLUMNS
+from furuta_ros.topics import EVERY_TOPIC
 
 PACKAGES = [file.parent for file in (ROOT / "furuta_ws" / "src").glob("*/package.xml")]
-
-
-@cache
-def site_pages() -> dict[Path, str]:
-    """The pages and those of the packages, as on the site; a broken link raises an error."""
-    files = [*pages.page_names(), *(package / "README.md" for package in PACKAGES)]
-    return {file: pages.site_text(file, lambda target: target.name) for file in files}
+CONTENTS = ROOT / "docs" / "README.md"
+PAGES = [CONTENTS, *commands.page_files(), *(package / "README.md" for package in PACKAGES)]
 
 
 @cache
@@ -36,31 +31,32 @@ def every_command() -> tuple[tuple[str, str], ...]:
     )
 
 
-def test_page_of_topics_is_up_to_date() -> None:
-    """Write it with ``docs/site/reference_pages.py output/reference``."""
-    assert (ROOT / "docs" / "topics.md").read_text() == reference_pages.topics_page()
+def test_page_of_topics_lists_every_topic_and_column() -> None:
+    """As they are declared, in this order."""
+    page = (ROOT / "docs" / "topics.md").read_text().partition("\n## Record")[0]
+    rows = [
+        f"| `{topic.name}` | {topic.type.__module__.partition('.')[0]}/{topic.type.__name__} "
+        f"| {topic.ends} | {topic.content} |"
+        for topic in EVERY_TOPIC
+    ]
+    rows += [f"| `{name}` | {about.meaning} [{about.unit}] |" for name, about in COLUMNS.items()]
+    assert re.findall(r"^\| `.*$", page, re.MULTILINE) == rows
 
 
-@pytest.mark.parametrize("page", reference_pages.PAGES)
-def test_reference_pages_are_made(page: str) -> None:
-    """The links of the generated pages lead somewhere."""
-    text = reference_pages.PAGES[page]()
-    assert pages.site_text(ROOT / "docs" / page, lambda target: target.name, text)
+def test_every_page_is_listed() -> None:
+    assert set(PAGES) >= set((ROOT / "docs").rglob("*.md"))
 
 
-def test_every_page_is_listed_and_links_lead_somewhere() -> None:
-    """docs/README.md lists every page; every relative link names a file."""
-    assert set(site_pages()) >= set((ROOT / "docs").glob("*.md"))
-
-
-def test_links_to_headings() -> None:
-    """A link with an anchor names a heading of its page."""
-    names = {f"{name}.md": file for file, name in pages.page_names().items()}
-    for file, text in site_pages().items():
-        for target, anchor in re.findall(r"\]\(([\w-]*(?:\.md)?)#([^)]+)\)", text):
-            page = names[target] if target else file
-            headings = re.findall(r"^#+ (.+)$", site_pages()[page], re.MULTILINE)
-            assert anchor in {slug(each) for each in headings}, f"{file.name}: {target}#{anchor}"
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    """Each relative link names a file, and its anchor a heading there."""
+    text = re.sub(r"^```.*?^```|^    .*?$", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    for address, anchor in re.findall(r"\]\(([^)#]*)#?([^)]*)\)", text):
+        target = page.parent / address if address else page
+        assert "://" in address or target.exists(), address
+        if anchor:
+            headings = re.findall(r"^#+ (.+)$", target.read_text(), re.MULTILINE)
+            assert anchor in {slug(each) for each in headings}, f"{address}#{anchor}"
 
 
 def slug(heading: str) -> str:

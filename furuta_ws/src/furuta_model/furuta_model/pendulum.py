@@ -46,7 +46,7 @@ class FurutaPendulum(NamedTuple):
 
     @property
     def arm_length(self) -> float:
-        """L [m] from the axis to the pendulum's joint: gγ/δ, since γ = mLl and δ = mgl."""
+        """L = gγ/δ [m] from the axis to the pendulum's joint, since γ = mLl and δ = mgl."""
         return GRAVITY * self.gamma / self.delta
 
     @property

@@ -1,6 +1,6 @@
 """Names, units and meaning of the columns in which series are exported, one row per sample."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -58,11 +58,3 @@ def by_name(names: Iterable[str], values: np.ndarray) -> Series:
 def known(series: Series) -> Series:
     """The columns that hold a number."""
     return {name: values for name, values in series.items() if np.any(np.isfinite(values))}
-
-
-def column_table() -> Iterator[str]:
-    """Lines of a Markdown table of all columns."""
-    yield "| column | content |"
-    yield "|---|---|"
-    for name, about in COLUMNS.items():
-        yield f"| `{name}` | {about.meaning} [{about.unit}] |"

@@ -62,7 +62,7 @@ class IdealLoop(NamedTuple):
 
     @property
     def may_rotate(self) -> bool:
-        """Whether the arm can rotate steadily: its angle is not fed back."""
+        """Whether the arm can rotate steadily, because its angle is not fed back."""
         return self.l1 == 0.0
 
     @property

@@ -56,7 +56,7 @@ class LimitCycle(NamedTuple):
 
     @property
     def stable(self) -> bool:
-        """Whether disturbances decay: by all Floquet multipliers, or by the growth rate."""
+        """Whether disturbances decay, by all Floquet multipliers or by the growth rate."""
         if self.kind in ("rest", "rotation"):
             return self.growth_rate_1_s <= 0.0
         return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)

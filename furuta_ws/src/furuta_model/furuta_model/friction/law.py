@@ -32,7 +32,7 @@ class Law(NamedTuple):
     closed form they are computed from ``level``:
 
     - ``fundamental``: the constant level [V] with the same fundamental under v = A sin ωt,
-      :math:`\int_0^{π/2} g(A\sin x)\sin x\,dx`;
+      ``∫ g(A sin x) sin x dx`` from 0 to π/2;
     - ``mean``: the mean of g(A sin x) over a cycle [V];
     - ``slope``: dg/dv [V s/rad] at v > 0.
     """
