@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from animations import draw_compensation, draw_swing_up
-from drawing import draw_pendulum
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -32,7 +31,6 @@ COMMANDS = {
 # Functions that draw the others.
 DRAWINGS: dict[str, Callable[[Path], None]] = {
     "compensation.gif": draw_compensation,
-    "pendulum.png": draw_pendulum,
     "swing-up.gif": draw_swing_up,
     "swing-up.png": draw_swing_up,
 }
