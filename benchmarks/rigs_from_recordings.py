@@ -101,15 +101,11 @@ def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     }
 
 
-def parsed(
-    description: str | None, rigs: int = 10, couplings: tuple[str, ...] = ()
-) -> argparse.Namespace:
-    """The command line: number of rigs, seed of the first, and one of the couplings, if any."""
+def parsed(description: str | None, rigs: int = 10) -> argparse.Namespace:
+    """The command line: number of rigs, and seed of the first."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--rigs", type=int, default=rigs)
     parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
-    if couplings:
-        parser.add_argument("--coupling", choices=couplings)
     return parser.parse_args()
 
 

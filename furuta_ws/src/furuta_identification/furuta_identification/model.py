@@ -1,7 +1,5 @@
 """The result of a fit, and what it predicts."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +8,6 @@ from furuta_identification.shooting.optimisation import fit_percent
 from furuta_identification.shooting.segments import cut_into_segments
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import ParameterValues
-from furuta_model.parts.coupling import Coupling
 from furuta_recordings.recording import CHANNELS, Recording
 
 
@@ -29,17 +26,6 @@ class Prediction(NamedTuple):
         }
 
 
-class CouplingFit(NamedTuple):
-    """A coupling of motor and arm with the standard errors of its known values, and a remark.
-
-    It is rigid if the recordings do not show it; the remark then says why.
-    """
-
-    coupling: Coupling = Coupling()
-    errors: Mapping[str, float] = MappingProxyType({})
-    remark: str = ""
-
-
 class Model(NamedTuple):
     """A fitted model.
 
@@ -50,7 +36,7 @@ class Model(NamedTuple):
     ``command_negated`` is True if a positive command turns the arm in its negative direction.
     ``angles`` is the unit of the recorded angles, ``direction`` that of the pendulum's angle.
     ``command_delay`` [s] was applied to the recordings' commands before the rest of the delay was
-    fitted. ``coupling`` is that of motor and arm, if it was looked for.
+    fitted.
     """
 
     values: ParameterValues
@@ -65,7 +51,6 @@ class Model(NamedTuple):
     command_delay: float = 0.0
     angles: str = "rad"
     direction: float = 1.0
-    coupling: CouplingFit = CouplingFit()
 
     @property
     def fitted(self) -> list[str]:

@@ -82,9 +82,6 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     help="Compare friction laws of the arm by how well they predict held-out recordings, or "
     "held-out halves of a single recording.",
 )
-@option(
-    "--coupling", is_flag=True, help="Look for an elastic coupling of motor and arm, or backlash."
-)
 @option("--out", type=FIGURE, help="Draw the residuals.")
 @option(
     "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
@@ -109,7 +106,6 @@ def command(
     window: float | None,
     validation_paths: tuple[Path, ...],
     laws: bool,
-    coupling: bool,
     out: Path | None,
     write: Path | None,
     base: str,
@@ -135,10 +131,8 @@ def command(
             "add --write FILE.yaml, or leave --rig out"
         )
     if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws or coupling:
-            raise ParameterError(
-                "free swings give no model: no --out, --write, --validate, --laws, --coupling"
-            )
+        if out or write or validation_paths or laws:
+            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
         swing = free_swing_of_files(paths, names, options).as_json()
         show(swing, as_json)
         _refuse_unusable(swing["verdict"])
@@ -157,11 +151,6 @@ def command(
             )
 
             compared = compare_laws(model, options.report)
-        if coupling:
-            from furuta_identification.fitting.coupling import find_coupling
-
-            options.report("looking for a coupling")
-            model = model._replace(coupling=find_coupling(model))
     result = full_report(model, fitted, held_out)
     if laws:
         result["friction_laws"] = [law._asdict() for law in compared]

@@ -58,7 +58,6 @@ def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
         tilt=Tilt(values["tilt_x"], values["tilt_y"]),
         waves=_waves(model),
         limits=limits,
-        coupling=model.coupling.coupling if model.coupling.coupling.is_elastic else base.coupling,
         poles=quadratic_poles(values.body, friction.viscous, limits.voltage),
     )
     return rig, _uncertainty(model, (*NAMES, *wave_values(rig.waves)))
@@ -127,7 +126,6 @@ def write_rig(
         "Identified from recordings; load with --rig.",
         "; ".join([f"Usable: {verdict['usable']}", *verdict["reasons"]]),
         *findings,
-        *([f"Coupling: {model.coupling.remark}"] if model.coupling.remark else []),
         *(f"{name}: not determined: {reason}" for name, reason in undetermined(model).items()),
     ]
     with whole_file(file) as new:

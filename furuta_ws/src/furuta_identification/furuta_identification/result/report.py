@@ -129,7 +129,6 @@ def summary(model: Model) -> dict[str, Any]:
             "zeros": dict(zip([r.name for r in model.recordings], _zeros(model), strict=True)),
         },
         "waves": _waves(model, reasons),
-        "coupling": _coupling(model),
         "standard_errors": {n: None if n in reasons else e or None for n, e in errors.items()},
         "undetermined": reasons,
         "findings": model.findings,
@@ -149,17 +148,6 @@ def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None
             wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
         waves.append(wave)
     return waves
-
-
-def _coupling(model: Model) -> dict[str, Any]:
-    """The coupling of motor and arm: known values with standard errors, and the remark."""
-    coupling, errors, remark = model.coupling
-    return {
-        **{name: getattr(coupling, name) for name in errors},
-        "sensors": coupling.sensors if coupling.is_elastic else None,
-        "standard_errors": dict(errors),
-        "remark": remark,
-    }
 
 
 def full_report(
@@ -224,11 +212,6 @@ def report_lines(result: dict[str, Any]) -> Iterator[str]:
         if wave["cos"] is not None and wave["sin"] is not None:
             size = np.hypot(wave["cos"], wave["sin"])
             yield f"torque wave, {wave['order']:2d} per turn {size:11.3g} V"
-    coupling = result["coupling"]
-    for name, error in coupling["standard_errors"].items():
-        yield f"{'coupling ' + name:26} {coupling[name]:12.6g}  ± {error:.2g}"
-    if coupling["remark"]:
-        yield f"coupling: {coupling['remark']}"
     if "friction_laws" in result:
         yield from _law_lines(result)
     judged = result["verdict"]

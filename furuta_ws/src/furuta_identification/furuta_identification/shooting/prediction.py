@@ -39,9 +39,7 @@ class RigModel(NamedTuple):
     """Parameters of the model.
 
     ``waves`` (k, 3): order, cosine and sine amplitude [V] of each wave of the torque; ``delay``
-    [s] of the command, ``lag`` [s] of the measured speeds, ``ceiling`` of the drive [V]. The
-    viscous friction is larger by ``viscous_difference`` [V s/rad] forward, and smaller backward.
-    ``offset`` [V] is a torque against the command at time 0, and ``drift`` [V/s] its slope.
+    [s] of the command, ``lag`` [s] of the measured speeds, ``ceiling`` of the drive [V].
     """
 
     body: FurutaPendulum
@@ -52,9 +50,6 @@ class RigModel(NamedTuple):
     delay: float
     lag: float
     ceiling: float
-    viscous_difference: float
-    offset: float
-    drift: float
 
 
 @inlined
@@ -91,7 +86,7 @@ def _stage(
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
     friction, end = bristle_force(v, memory, h, law)
-    torque = u - law.parameters.viscous * v - rig.viscous_difference * abs(v) - friction
+    torque = u - law.parameters.viscous * v - friction
     v_dot, w_dot = rig_accelerations(phi, v, sine, cosine, w, torque, rig)
     return v_dot, w_dot, end
 
@@ -123,8 +118,7 @@ def predict(
     _predict(
         recording.time,
         recording.command_time + rig.delay,
-        np.clip(recording.command, -rig.ceiling, rig.ceiling)
-        - (rig.offset + rig.drift * recording.command_time),
+        np.clip(recording.command, -rig.ceiling, rig.ceiling),
         np.append(starts, len(recording.time)),
         initial,
         rig,

@@ -78,15 +78,6 @@ class Shooting:
         slopes = self._state_slopes[i] = self._slopes_in_initial_states(i, vector, base)
         return without_initial_states(columns, slopes, self.parts[i])
 
-    def initial_states(self, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Solved initial states (s, 5) of recording number ``i``, and ∂residuals/∂them.
-
-        They are those of the last :meth:`slopes`.
-        """
-        slopes = self._state_slopes[i]
-        assert slopes is not None
-        return self._initial[i], slopes
-
     def predictions(self, vector: np.ndarray) -> list[np.ndarray]:
         """Predicted outputs (n, 4) of each recording, with the recording's own zero."""
         self._solve(vector, PREDICTION_STEPS)

@@ -61,9 +61,6 @@ UNKNOWNS = {
     "stribeck_velocity": Unknown(-20.0, 15.0, math.log(_BRISTLE.stribeck_velocity), 1.0),  # rad/s
     "sigma0": Unknown(-20.0, 15.0, math.log(_BRISTLE.sigma0), 1.0),  # V/rad
     "sigma1": Unknown(-20.0, 15.0, math.log(_BRISTLE.sigma1), 1.0),  # V s/rad
-    "viscous_difference": Unknown(-100.0, 100.0),  # V s/rad
-    "offset": Unknown(-100.0, 100.0),  # V
-    "drift": Unknown(-10.0, 10.0),  # V/s
 }
 _WAVE = re.compile(r"wave(\d+)_(cos|sin)")
 _ZERO = re.compile(r"zero\d+")
@@ -210,9 +207,6 @@ class ParameterValues:
             self["delay"],
             self["lag"],
             self["ceiling"],
-            self["viscous_difference"],
-            self["offset"],
-            self["drift"],
         )
 
 

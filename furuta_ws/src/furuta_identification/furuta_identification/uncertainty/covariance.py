@@ -127,14 +127,7 @@ def block_covariance(
     per block. With few blocks a sandwich estimate ignores how much each block has influenced the
     fit.
     """
-    return block_scatter(blocks_of(shooting), slopes, residuals, information)
-
-
-def block_scatter(
-    blocks: list[slice], slopes: np.ndarray, residuals: np.ndarray, information: np.ndarray
-) -> np.ndarray:
-    """The same for blocks of rows."""
-    covariance = np.zeros_like(information)
+    covariance, blocks = np.zeros_like(information), blocks_of(shooting)
     for rows in blocks:
         rest = np.linalg.pinv(information - slopes[rows].T @ slopes[rows])
         shift = rest @ (slopes[rows].T @ residuals[rows])
