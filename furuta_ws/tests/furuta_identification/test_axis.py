@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from true_axes import TrueAxis, multisine, recorded
 
 from furuta_identification.axis.identify import AxisFit, identify_axis
-from furuta_identification.axis.motion import AxisData, AxisModel, advance, positions
-from furuta_identification.axis.slopes import _step, kinds_of, tangents
+from furuta_identification.axis.motion import AxisData, AxisModel
+from furuta_identification.axis.slopes import positions_and_slopes
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers.axis_table import read_axis
 from furuta_recordings.recording import Recording
@@ -152,20 +152,14 @@ def data_of(torque: np.ndarray, interval: float, times: np.ndarray) -> AxisData:
     return AxisData(times, np.zeros(len(times)), edges, torque, one, one, 1e-3, 1.0)
 
 
-def moved(m: AxisModel, data: AxisData, first: np.ndarray) -> np.ndarray:
-    """Positions of the engine."""
-    out = np.empty(len(data.time))
-    positions(m, first, data, out)
-    return out
-
-
 def test_motion_is_that_of_the_equation() -> None:
     """An integrator with events gives the same, with stops, reversals and everything that acts."""
     time = np.arange(0.0, 2.0, 0.01)
     torque = 0.5 * np.sin(7.0 * time) * (np.abs(np.sin(3.0 * time)) > 0.5)
     samples = np.append(0.0, np.sort(np.random.default_rng(1).uniform(0.0, 2.0, 100)))
     expected = by_events(FULL, torque, 0.01, samples)
-    found = moved(FULL, data_of(torque, 0.01, samples), np.zeros((1, 2)))
+    data = data_of(torque, 0.01, samples)
+    found, _ = positions_and_slopes(FULL, np.zeros((1, 2)), data, ())
     steps = np.diff(expected)
     assert np.any(steps > 0.01) and np.any(steps < -0.01) and np.count_nonzero(steps == 0.0) > 5
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-4 * np.ptp(expected))
@@ -177,12 +171,8 @@ def test_tangents_are_the_slopes_of_the_motion() -> None:
     data = data_of(0.5 * np.sin(7.0 * time), 1e-3, time[::5] + 2e-4)
     names = ("inertia", "alpha0", "viscous", "delay", "gravity_sin", "spring", "alpha1")
     names += ("stribeck_velocity", "asymmetry", "viscous_difference", "drag", "drift")
-    first, kinds = (
-        np.array([[0.1, 2.0]]),
-        kinds_of((*names, "offset 0", "cos 3", "sin 3", "q", "v")),
-    )
-    slopes = np.empty((len(data.time), len(kinds[0])))
-    tangents(FULL, first, data, *kinds, slopes)
+    first, every = np.array([[0.1, 2.0]]), (*names, "offset 0", "cos 3", "sin 3", "q", "v")
+    _, slopes = positions_and_slopes(FULL, first, data, every)
 
     def quotient(change: float, name: str = "", state: int = 0) -> np.ndarray:
         pair = []
@@ -196,27 +186,16 @@ def test_tangents_are_the_slopes_of_the_motion() -> None:
                 m = m._replace(**{name: getattr(m, name) + side})
             else:
                 begin[0, state] += side
-            pair.append(moved(m, data, begin))
+            pair.append(positions_and_slopes(m, begin, data, ())[0])
         return (pair[0] - pair[1]) / change
 
     quotients = [quotient(2e-4 * (abs(getattr(FULL, name)) + 1e-2), name) for name in names]
     quotients += [quotient(1e-6, "offset"), quotient(1e-6, "wave"), quotient(1e-6, "wave", 1)]
     quotients += [quotient(1e-6), quotient(1e-6, "", 1)]
-    for expected, found, name in zip(quotients, slopes.T, (*names, *"OCSqv"), strict=True):
+    for expected, found, name in zip(quotients, slopes.T, every, strict=True):
         scale = np.max(np.abs(expected))
         assert scale > 0.0
         assert np.median(np.abs(found - expected)) < 0.01 * scale, name
-
-
-def test_motion_with_tangents_is_that_without() -> None:
-    """Both steps end in the same place, from any state."""
-    kinds = kinds_of(("alpha0", "delay"))
-    random = np.random.default_rng(2)
-    for _ in range(50):
-        q, v, torque = random.uniform(-1.0, 1.0, 3) * (1.0, random.integers(2), 0.4)
-        state = (q, v, torque)
-        found = _step(*state, 0.1, 0.2, 0.02, 0, np.zeros(2), np.zeros(2), *kinds, FULL)
-        assert found == advance(*state, 0.2, 0.02, FULL)
 
 
 def sampled(

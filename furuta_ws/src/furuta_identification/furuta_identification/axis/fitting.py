@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.axis.motion import AxisData, AxisModel, positions
+from furuta_identification.axis.motion import AxisData, AxisModel
 from furuta_identification.axis.segments import Segmented
-from furuta_identification.axis.slopes import kinds_of, tangents
+from furuta_identification.axis.slopes import positions_and_slopes
 
 MOST_ITERATIONS = 30
 # Where a motion that leaves all bounds is held, in noises of the position, or per unknown.
@@ -106,8 +106,7 @@ def changed(model: AxisModel, names: Sequence[str], values: Sequence[float]) -> 
 
 def residuals(model: AxisModel, first: np.ndarray, data: AxisData) -> np.ndarray:
     """Measured minus predicted position (n,), in the noise of the position."""
-    out = np.empty(len(data.time))
-    positions(model, first, data, out)
+    out, _ = positions_and_slopes(model, first, data, ())
     far = FAR * data.noise
     return np.clip(np.nan_to_num(data.position - out, posinf=far), -far, far) / data.noise
 
@@ -130,8 +129,7 @@ def linearised(
 ) -> Linearised:
     """Normal equations of the unknowns, each segment's own states eliminated."""
     data, p = cut.data, len(unknowns.names)
-    slopes = np.empty((len(data.time), p + 2))
-    tangents(model, first, data, *kinds_of((*unknowns.names, "q", "v")), slopes)
+    _, slopes = positions_and_slopes(model, first, data, (*unknowns.names, "q", "v"))
     slopes = np.clip(np.nan_to_num(slopes), -FAR, FAR)
     columns = slopes[:, :p] * (unknowns.sizes / data.noise)
     states = slopes[:, p:] * np.repeat(cut.spread / data.noise, cut.lengths, axis=0)

@@ -13,14 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled, inlined
+from furuta_model.compiled import inlined
 
 # Below this product of damping and time the exponential is its series.
 SMALL = 1e-3
-# Times [s] that are none.
-SHORTEST = 1e-12
-# Slides and stops within a step; more are not looked for.
-MOST_EVENTS = 6
 # Waves of the torque over the turn that an axis may have.
 MOST_WAVES = 3
 
@@ -158,45 +154,3 @@ def next_slide(q: float, v: float, torque: float, time: float, left: float, m: A
         h = min(max(_time_to_rest(v, pull, damping), 0.0), left)
         after, travel = _slide(v, pull, damping, h)
     return Slide(sticks, stops, h, after, travel, sign, pull, damping, position, speed)
-
-
-@inlined
-def advance(
-    q: float, v: float, torque: float, time: float, h: float, m: AxisModel
-) -> tuple[float, float]:
-    """Position and speed after h [s] at constant torque, with all stops and starts within it."""
-    for _ in range(MOST_EVENTS):
-        slide = next_slide(q, v, torque, time, h, m)
-        if slide.sticks:
-            return q, 0.0
-        q += slide.travel
-        if not slide.stops:
-            return q, slide.after
-        v = 0.0
-        h -= slide.time
-        if h <= SHORTEST:
-            break
-    return q, v
-
-
-@compiled
-def positions(m: AxisModel, first: np.ndarray, data: AxisData, out: np.ndarray) -> None:
-    """Positions (n,) of all segments, each from its own ``first`` position and speed (s, 2)."""
-    last = len(data.edges) - 1
-    for s in range(len(data.starts)):
-        end_of = data.starts[s + 1] if s + 1 < len(data.starts) else len(data.time)
-        offset = m.offsets[data.of[s]]
-        q, v = first[s, 0], first[s, 1]
-        t = data.time[data.starts[s]]
-        k = max(np.searchsorted(data.edges, t - m.delay, side="right") - 1, 0)
-        for i in range(data.starts[s], end_of):
-            end = data.time[i]
-            while end - t > SHORTEST:
-                while k < last and data.edges[k + 1] + m.delay <= t + SHORTEST:
-                    k += 1
-                until = min(end, t + data.step)
-                if k < last:
-                    until = min(until, data.edges[k + 1] + m.delay)
-                q, v = advance(q, v, data.torque[k] - offset, t, until - t, m)
-                t = until
-            out[i] = q

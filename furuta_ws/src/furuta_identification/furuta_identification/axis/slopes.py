@@ -1,4 +1,4 @@
-"""How the motion of an axis changes with its parameters: tangents, propagated with the motion.
+"""The motion of an axis along recordings, and its tangents: how it changes with the parameters.
 
 A breakaway falls on a command, so a small change of a level does not shift it: tangents do not
 know its stairs. A stop has speed 0, so the shift of its time changes no position; but if the axis
@@ -10,8 +10,6 @@ from math import exp
 import numpy as np
 
 from furuta_identification.axis.motion import (
-    MOST_EVENTS,
-    SHORTEST,
     SMALL,
     AxisData,
     AxisModel,
@@ -22,19 +20,12 @@ from furuta_identification.axis.motion import (
 )
 from furuta_model.compiled import compiled, inlined
 
+# Times [s] that are none.
+SHORTEST = 1e-12
+# Slides and stops within a step; more are not looked for.
+MOST_EVENTS = 6
 # What a tangent belongs to: a first state, a field of the model, an offset, or part of a wave.
 POSITION, SPEED, OFFSET, COSINE, SINE, FIELD = -2, -1, -3, -4, -5, 0
-
-
-def kinds_of(names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Kind of each unknown and its number: of the recording, or the order of the wave."""
-    kinds, numbers = [], []
-    for name in names:
-        kind, _, number = name.partition(" ")
-        special = {"offset": OFFSET, "cos": COSINE, "sin": SINE, "q": POSITION, "v": SPEED}
-        kinds.append(special[kind] if kind in special else AxisModel._fields.index(kind))
-        numbers.append(int(number or 0))
-    return np.array(kinds), np.array(numbers)
 
 
 _J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = range(13)
@@ -120,7 +111,7 @@ def _fall(slide: Slide, m: AxisModel) -> float:
     return side * slope / m.inertia
 
 
-@compiled
+@inlined
 def _carry(
     dq: np.ndarray,
     dv: np.ndarray,
@@ -147,7 +138,7 @@ def _carry(
         dv[c] += -dv[c] * damping * first + w * first + a * (rate * of_first - v * first)
 
 
-@compiled
+@inlined
 def _step(
     q: float,
     v: float,
@@ -162,7 +153,7 @@ def _step(
     numbers: np.ndarray,
     m: AxisModel,
 ) -> tuple[float, float]:
-    """:func:`furuta_identification.axis.motion.advance` with tangents.
+    """Position and speed after ``left`` [s] at constant torque, with all stops and starts within.
 
     The torque has just risen by ``rise``, which a longer delay would shift.
     """
@@ -170,16 +161,19 @@ def _step(
     for _ in range(MOST_EVENTS):
         slide = next_slide(q, v, torque, time, left, m)
         if slide.sticks:
-            dv[:] = 0.0
+            for c in range(len(kinds)):
+                dv[c] = 0.0
             return q, 0.0
         if v == 0.0 and stopped != 0.0:
-            dv *= slide.pull / stopped
+            for c in range(len(kinds)):
+                dv[c] *= slide.pull / stopped
         elif rise != 0.0 and stopped == 0.0:
             jump = slide.pull if v == 0.0 else rise / m.inertia
             for c in range(len(kinds)):
                 if kinds[c] == _DELAY:
                     dv[c] -= jump
-        _carry(dq, dv, v, slide, left, time, of, kinds, numbers, m)
+        if len(kinds):
+            _carry(dq, dv, v, slide, left, time, of, kinds, numbers, m)
         q += slide.travel
         if not slide.stops:
             return q, slide.after
@@ -192,15 +186,16 @@ def _step(
 
 
 @compiled
-def tangents(
+def _move_along(
     m: AxisModel,
     first: np.ndarray,
     data: AxisData,
     kinds: np.ndarray,
     numbers: np.ndarray,
+    out: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Slopes (n, p) of the positions of all segments in unknowns of these kinds."""
+    """The positions and slopes of :func:`positions_and_slopes`."""
     dq, dv = np.zeros(len(kinds)), np.zeros(len(kinds))
     last = len(data.edges) - 1
     for s in range(len(data.starts)):
@@ -224,4 +219,29 @@ def tangents(
                 torque, rise = data.torque[k] - m.offsets[of], data.torque[k] - before
                 q, v = _step(q, v, torque, rise, t, until - t, of, dq, dv, kinds, numbers, m)
                 t = until
-            slopes[i] = dq
+            out[i] = q
+            for c in range(len(kinds)):
+                slopes[i, c] = dq[c]
+
+
+def positions_and_slopes(
+    model: AxisModel, first: np.ndarray, data: AxisData, names: tuple[str, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (n,) of all segments, each from its own ``first`` position and speed (s, 2).
+
+    And their slopes (n, p) in some unknowns; "q" and "v" are the first states.
+    """
+    positions, slopes = np.empty(len(data.time)), np.empty((len(data.time), len(names)))
+    _move_along(model, first, data, *_kinds_of(names), positions, slopes)
+    return positions, slopes
+
+
+def _kinds_of(names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Kind of each unknown and its number: of the recording, or the order of the wave."""
+    kinds, numbers = [], []
+    for name in names:
+        kind, _, number = name.partition(" ")
+        special = {"offset": OFFSET, "cos": COSINE, "sin": SINE, "q": POSITION, "v": SPEED}
+        kinds.append(special[kind] if kind in special else AxisModel._fields.index(kind))
+        numbers.append(int(number or 0))
+    return np.array(kinds, dtype=int), np.array(numbers, dtype=int)
