@@ -11,6 +11,7 @@ import numpy as np
 from furuta_identification.axis.motion import AxisData, AxisModel
 from furuta_identification.axis.segments import Segmented
 from furuta_identification.axis.slopes import positions_and_slopes
+from furuta_identification.errors import jackknife
 
 MOST_ITERATIONS = 30
 # Where a motion that leaves all bounds is held, in noises of the position, or per unknown.
@@ -337,11 +338,8 @@ def covariance(
 ) -> np.ndarray:
     """Covariance (p, p) of the unknowns in their sizes, by the scores of the segments.
 
-    The cluster jackknife CR3 with one step per segment: what is left of an encoder's counts is no
-    white noise, and within a segment it may be correlated in any way. The priors' part is added.
+    What is left of an encoder's counts is no white noise. The priors' part is added.
     """
-    left = np.linalg.pinv(information - blocks, hermitian=True)
-    shift = np.einsum("sij,sj->si", left, scores)
     inverse = np.linalg.pinv(information)
     of_prior = inverse @ np.diag((unknowns.sizes / unknowns.priors) ** 2) @ inverse
-    return (len(shift) - 1) / len(shift) * shift.T @ shift + of_prior
+    return jackknife(information, blocks, scores) + of_prior

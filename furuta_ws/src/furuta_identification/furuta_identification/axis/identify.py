@@ -25,7 +25,7 @@ from furuta_identification.axis.fitting import COARSE, Fit, fit, value_of
 from furuta_identification.axis.motion import AxisModel
 from furuta_identification.axis.segments import Segmented, segmented, smoothed
 from furuta_identification.axis.start import first_models
-from furuta_identification.shooting.optimisation import quantisation_step
+from furuta_identification.errors import quantisation_step
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from furuta_identification.axis.motion import AxisData
-from furuta_identification.shooting.optimisation import quantisation_step
+from furuta_identification.errors import series_noise
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
@@ -72,20 +71,8 @@ class Segmented(NamedTuple):
 
 
 def position_noise(recording: Recording) -> float:
-    """Standard deviation of a position [rad]: of its counts, and of noise by third differences."""
-    position = recording.measured[:, PHI]
-    counts = quantisation_step(position) ** 2 / 12.0
-    return float(np.sqrt(max(_white(recording.time, position), counts))) or 1e-9
-
-
-def _white(time: np.ndarray, position: np.ndarray) -> float:
-    """Variance of white noise, by differences of four samples that leave parabolas out."""
-    if len(time) < FEWEST_SAMPLES:
-        return 0.0
-    t, q = (sliding_window_view(values, 4) for values in (time, position))
-    weights = 1.0 / np.prod(t[:, :, None] - t[:, None] + np.eye(4), axis=2)
-    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
-    return float(np.mean(np.sum(weights * q, axis=1) ** 2))
+    """Standard deviation of a position [rad]."""
+    return series_noise(recording.time, recording.measured[:, PHI]) or 1e-9
 
 
 def smoothed(recording: Recording, window: float | None = None) -> Smoothed:

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from furuta_identification.errors import noise_of
 from furuta_identification.model import Model
 from furuta_identification.options import Options
-from furuta_identification.shooting.optimisation import FINE, noise_of, optimise
+from furuta_identification.shooting.optimisation import FINE, optimise
 from furuta_identification.shooting.unknowns import BODY, LUGRE, ParameterValues
 from furuta_identification.uncertainty.covariance import covariance_and_information
 from furuta_model.state import PHI, THETA

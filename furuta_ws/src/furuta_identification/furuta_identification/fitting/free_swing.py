@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta_identification.errors import noise_of
 from furuta_identification.model import Prediction
 from furuta_identification.options import Options
 from furuta_identification.preparation.free_part import FreePart, free_part
@@ -24,7 +25,6 @@ from furuta_identification.result.report import verdict
 from furuta_identification.shooting.optimisation import (
     FINE,
     Optimum,
-    noise_of,
     optimise,
     residual_scale,
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from furuta_identification.errors import noise_of
 from furuta_identification.fitting.waves import significant_orders
 from furuta_identification.model import Model
 from furuta_identification.options import Options
@@ -10,7 +11,6 @@ from furuta_identification.shooting.optimisation import (
     COARSE,
     FINE,
     Optimum,
-    noise_of,
     optimise,
     residual_scale,
     worst_pendulum_fit,

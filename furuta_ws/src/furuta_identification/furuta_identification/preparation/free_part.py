@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ellipk
 
+from furuta_identification.errors import quantisation_step
 from furuta_identification.options import Options
 from furuta_identification.preparation.angles import AUTO, DEGREES, RADIANS, in_unit
-from furuta_identification.shooting.optimisation import quantisation_step
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording

@@ -9,8 +9,9 @@ import itertools
 import numpy as np
 from scipy.special import stdtrit
 
+from furuta_identification.errors import jackknife, noise_of
 from furuta_identification.regression.speeds import turns_one_way
-from furuta_identification.shooting.optimisation import Optimum, noise_of
+from furuta_identification.shooting.optimisation import Optimum
 from furuta_identification.shooting.shooting import Shooting
 from furuta_identification.shooting.unknowns import BODY, is_zero, prior_information
 from furuta_model.state import PHI
@@ -121,21 +122,13 @@ def difference_covariance(
 def block_covariance(
     shooting: Shooting, slopes: np.ndarray, residuals: np.ndarray, information: np.ndarray
 ) -> np.ndarray:
-    """Covariance of the parameters by leaving out one block of time after the other.
-
-    This is the cluster jackknife CR3 (MacKinnon, Nielsen and Webb 2023) with one Gauss-Newton step
-    per block. With few blocks a sandwich estimate ignores how much each block has influenced the
-    fit.
-    """
-    covariance, blocks = np.zeros_like(information), blocks_of(shooting)
-    for rows in blocks:
-        rest = np.linalg.pinv(information - slopes[rows].T @ slopes[rows])
-        shift = rest @ (slopes[rows].T @ residuals[rows])
-        covariance += np.outer(shift, shift)
-    count = len(blocks)
+    """Covariance of the parameters by leaving out one block of time after the other."""
+    rows = blocks_of(shooting)
+    blocks = np.array([slopes[block].T @ slopes[block] for block in rows])
+    scores = np.array([slopes[block].T @ residuals[block] for block in rows])
     # Student's factor: two standard errors shall cover 95 % even with few blocks.
-    factor = float(stdtrit(max(count - 1, 1), 0.975) / stdtrit(np.inf, 0.975))
-    return covariance * factor**2 * (count - 1) / count
+    factor = float(stdtrit(max(len(rows) - 1, 1), 0.975) / stdtrit(np.inf, 0.975))
+    return factor**2 * jackknife(information, blocks, scores)
 
 
 def blocks_of(shooting: Shooting) -> list[slice]:

@@ -1,0 +1,51 @@
+"""Errors of sensors from their series, and errors of a fit from blocks of time."""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from furuta_recordings.recording import Recording
+
+# No sensor is better than this [rad, rad/s, rad, rad/s].
+SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)
+
+
+def quantisation_step(series: np.ndarray) -> float:
+    """The smallest change of a series (n,); 0 if it never changes."""
+    changes = np.abs(np.diff(series[np.isfinite(series)]))
+    smallest = float(np.min(changes[changes > 1e-12], initial=np.inf))
+    return smallest if np.isfinite(smallest) else 0.0
+
+
+def series_noise(time: np.ndarray, series: np.ndarray) -> float:
+    """Standard deviation of a series' error: of its quantisation, or of white noise if larger.
+
+    That is the one of differences of four samples that leave parabolas out.
+    """
+    t, y = (sliding_window_view(values, 4) for values in (time, series))
+    weights = 1.0 / np.prod(t[:, :, None] - t[:, None] + np.eye(4), axis=2)
+    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
+    white = float(np.mean(np.sum(weights * y, axis=1) ** 2))
+    return float(np.sqrt(max(white, quantisation_step(series) ** 2 / 12.0)))
+
+
+def noise_of(recording: Recording) -> np.ndarray:
+    """Standard deviation of each channel's error (4,); 1 where nothing was measured."""
+    sizes = [
+        max(series_noise(recording.time, column), smallest)
+        for column, smallest in zip(recording.measured.T, SMALLEST_NOISE, strict=True)
+    ]
+    return np.where(np.isfinite(sizes), sizes, 1.0)
+
+
+def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -> np.ndarray:
+    """Covariance (p, p) of a fit by leaving out one block of time after the other.
+
+    ``blocks`` (b, p, p) are the blocks' parts of the information, ``scores`` (b, p) those of the
+    gradient. This is the cluster jackknife CR3 (MacKinnon, Nielsen and Webb 2023) with one
+    Gauss-Newton step per block: within a block residuals may be correlated in any way. With few
+    blocks a sandwich estimate ignores how much each of them has influenced the fit.
+    """
+    left = np.linalg.pinv(information - blocks, hermitian=True)
+    shift = np.einsum("bij,bj->bi", left, scores)
+    covariance: np.ndarray = (len(shift) - 1) / len(shift) * shift.T @ shift
+    return covariance
