@@ -71,12 +71,10 @@ course:
 	tools/in_environment python course/notebooks.py $(if $(CHECK),check,write) output/course
 	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises)
 
-# make soak MINUTES=60 SEED=1; SLICE=messages:4 STEPS=17 repeats the first steps of a slice.
-MINUTES ?= 10
-SEED ?= 1
+# Random events for nodes, rig and loops, for so many examples of each.
+EXAMPLES ?= 500
 soak:
-	cd furuta_ws/tests && ../../tools/in_environment python -m soak --minutes $(MINUTES) \
-		--seed $(SEED) --out ../../output/soak $(if $(SLICE),--slice $(SLICE)) $(if $(STEPS),--steps $(STEPS))
+	FURUTA_SOAK=$(EXAMPLES) $(PYTEST)/soak --timeout 0 $(if $(SEED),--hypothesis-seed=$(SEED))
 
 # The lock files. A lowest version, which is noble's, is the version in noble's. Packages without
 # one are not in its apt; pip serves them. matplotlib 3.6.3 has no wheel for Python 3.12, and pyarrow 26

@@ -94,7 +94,7 @@ class World:
         self.queues: dict[str, tuple[Any, ...]] = dict.fromkeys(QUEUES, ())
         self.estimator = self.observer = -1  # newest sample of each
         self.sample, self.held, self.resetting, self.message = 0, True, False, 0
-        self.violation = ""
+        self.problem = ""
         self.controller = Controller(self)
         self.lockstep = LockStep(self)
         self.lockstep._publish()
@@ -124,7 +124,7 @@ class World:
     def move(self, command: float) -> None:
         """Apply a command, which must be that of this sample."""
         if not self.held and command != CODE * self.sample + self.sample:
-            self.violation = f"sample {self.sample} moves by the command to {command / CODE}"
+            self.problem = f"sample {self.sample} moves by the command to {command / CODE}"
         self.sample += 1
 
     # What the middleware does.
@@ -191,7 +191,7 @@ class World:
         return (
             tuple((min(OLDEST, (self.now - t) // TICK), order.index(t)) for t in times),
             tuple(tuple(content for content, _ in self.queues[queue]) for queue in QUEUES),
-            (self.sample, self.held, self.resetting, self.message, self.budget, self.violation),
+            (self.sample, self.held, self.resetting, self.message, self.budget, self.problem),
             (self.estimator, self.observer, self.controller.key()),
             (step._is_waiting, step._is_repeated, step._command, step._seen),
         )

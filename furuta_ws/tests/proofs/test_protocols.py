@@ -15,7 +15,7 @@ from furuta_sim.lockstep import LockStep
 def lockstep(bounds: Bounds) -> Explored:
     with lockstep_world.own_clock():
         return explore(
-            World(bounds), lockstep_world.steps, lambda w: w.violation, World.key, ends=True
+            World(bounds), lockstep_world.steps, lambda w: w.problem, World.key, ends=True
         )
 
 

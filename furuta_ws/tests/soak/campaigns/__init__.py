@@ -1,1 +1,0 @@
-"""The campaigns of the soak, one module each."""
