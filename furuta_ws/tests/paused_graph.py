@@ -1,10 +1,25 @@
 """A graph in lock-step in other processes, run sample by sample so that no message is lost."""
 
+from typing import Any
+
 import numpy as np
 from testbench import Bench
 
+from furuta_bringup.launching import launched_nodes
 from furuta_graph.parameter_client import ParameterClient
+from furuta_graph.processes import executable
 from furuta_ros.topics import GROUND_TRUTH, QOS, Topic
+
+
+def launch_commands(**arguments: str) -> list[list[str]]:
+    """The commands that ``ros2 launch`` starts with these launch arguments."""
+    return [_command(node) for node in launched_nodes(**arguments)]
+
+
+def _command(node: dict[str, Any]) -> list[str]:
+    path = executable(node["package"], node["executable"])
+    names = "-r", f"__node:={node['name']}", "-r", f"__ns:={node['namespace'] or '/'}"
+    return [str(path), "--ros-args", *node["ros_arguments"], *names]
 
 
 class PausedGraph:

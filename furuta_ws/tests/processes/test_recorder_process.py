@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from launch_stand_ins import launched_nodes
-from paused_graph import PausedGraph
+from paused_graph import PausedGraph, launch_commands
 from testbench import Bench
 
 from furuta_graph.processes import executable
@@ -39,16 +38,14 @@ def run_until_recorded(graph: PausedGraph, bag: Path) -> tuple[int, Any]:
 
 
 @pytest.mark.long
-def test_launched_graph_is_recorded(
-    monkeypatch: Any, bench: Bench, processes: Any, tmp_path: Path
-) -> None:
+def test_launched_graph_is_recorded(bench: Bench, processes: Any, tmp_path: Path) -> None:
     """With its namespace, the stamps of its samples, and its parameters; Ctrl-C ends the bag."""
     bag, file = tmp_path / "bag", tmp_path / "mine.yaml"
     file.write_text("plant: {ros__parameters: {run_until: 0.0}}")
     arguments = {"clock": "lockstep", "params_file": str(file), "namespace": "left"}
     graph = PausedGraph(bench, "left")
-    nodes = launched_nodes(monkeypatch, record=str(bag), compensation="lugre", **arguments)
-    *_, recorder = [processes.start(*node.command) for node in nodes]
+    commands = launch_commands(record=str(bag), compensation="lugre", **arguments)
+    *_, recorder = [processes.start(*command) for command in commands]
     # The plant and the recorder.
     bench.spin(lambda: bench.probe.count_subscribers("/left/command") == 2, timeout=120.0)
     samples, states = run_until_recorded(graph, bag)
