@@ -94,7 +94,7 @@ def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path:
     assert max(compensated) < 0.25 * none
     assert result["tuned_parameters"]["alpha0"] == pytest.approx(0.21, rel=0.02)
     assert Path(result["figure"]).stat().st_size > 10_000
-    assert list(Path(result["bag"]).glob("*.db3"))
+    assert list(Path(result["bag"]).glob("*.mcap"))
     # A second demo may take the place of the first, but of nothing else.
     (Path(result["bag"]) / "thesis.txt").write_text("three years of work")
     status, _, err = furuta("demo", "--seconds", "8", "--out", out_dir)

@@ -2,6 +2,7 @@
 
 import signal
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 import pytest
@@ -9,19 +10,27 @@ from paused_graph import PausedGraph, launch_commands
 from testbench import Bench
 
 from furuta_graph.processes import executable
+from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import PARAMETERS_FILE
+from furuta_recordings.bags.recovery import recover
 
 SAMPLES = 100
 
 
 def ground_truths(bag: Path) -> list[tuple[int, Any]]:
     """Times [ns] and contents of the true states of the graph ``left``, so far."""
-    with Bag(bag) as reader:
-        (topic,) = (topic for topic in reader.connections if topic.topic == "/left/ground_truth")
+    recovered = bag.with_name("recovered")
+    rmtree(recovered, ignore_errors=True)
+    try:
+        recover(bag, recovered)
+    except ParameterError:  # nothing yet
+        return []
+    with Bag(recovered) as reader:
         return [
             (time, reader.deserialize(data, topic.msgtype))
-            for _, time, data in reader.messages([topic])
+            for topic, time, data in reader.messages()
+            if topic.topic == "/left/ground_truth"
         ]
 
 

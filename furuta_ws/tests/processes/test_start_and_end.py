@@ -191,7 +191,7 @@ def test_a_graph_ends_though_the_middleware_does_not(processes: Any, tmp_path: P
     bag = tmp_path / "bag"
     status, out, err = end_of(processes.start(sys.executable, "-c", BLOCKED_GRAPH, bag))
     assert (status, out.splitlines()[-1]) == (0, "1000 samples, 1.000 s"), err
-    assert sorted(file.suffix for file in bag.iterdir()) == [".db3", ".yaml", ".yaml"]
+    assert sorted(file.suffix for file in bag.iterdir()) == [".mcap", ".yaml", ".yaml"]
 
 
 @pytest.mark.parametrize("options", [(), ("--processes",)])

@@ -42,7 +42,7 @@ ROS = {
 }
 # pip refuses these there (PEP 668) unless PIP_BREAK_SYSTEM_PACKAGES is set.
 PIP = {
-    "mcap-ros2-support": "mcap-ros2-support",  # needs mcap, lz4 and zstandard, which have no key
+    "mcap-ros2-support": "mcap-ros2-support",  # needs mcap, which has no key
     "python-cobs-pip": "cobs",
     "python-control-pip": "control",
     "python3-rosbags-pip": "rosbags",
@@ -59,7 +59,7 @@ KEY_OF_IMPORT = {
     "catkin_pkg": "python3-catkin-pkg-modules",
     "cobs": "python-cobs-pip",
     "control": "python-control-pip",
-    **dict.fromkeys({"lz4", "mcap", "zstandard"}, "mcap-ros2-support"),
+    "mcap": "mcap-ros2-support",
     "rosbags": "python3-rosbags-pip",
     "ruff": "python3-ruff-pip",
     "urdf_parser_py": "urdfdom_py",

@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,10 @@ from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.background_writer import BackgroundWriter
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
+from furuta_recordings.bags.writer import BagWriter
 from furuta_ros import topic_names
+from furuta_ros.errors import UserError
 from furuta_ros.messages import RefusedError, deserialized
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
@@ -40,14 +42,14 @@ class RecorderNode(Node):
     """Writes serialized messages to the bag ``path``.
 
     The node belongs to no executor. The middleware keeps received messages with their times until
-    :meth:`collect` passes them to the thread that writes the bag. Recording therefore costs the
+    :meth:`collect` adds them to the bag, which a thread writes. Recording therefore costs the
     control loop no callback and no wait for a disk.
 
     By default a message gets the time of its arrival. With ``stamped``, for lock-step, it gets the
     newest time stamp before it, which makes the bag repeatable, and :meth:`collect` waits for a
     slow disk. If writing fails, for example on a full disk, recording ends with an error message,
-    the graph continues, and the bag keeps what was written. ``kept`` and ``lost`` count the
-    messages that were passed on and those that the middleware dropped.
+    the graph continues, and ``furuta bag recover`` copies what was written. ``kept`` and ``lost``
+    count the messages that were passed on and those that the middleware dropped.
 
     ``parameters`` (text of a ROS parameter file) is stored with the bag. Besides ``topics`` it
     records each change of a parameter (/parameter_events), what the nodes log (/rosout), and what
@@ -68,7 +70,8 @@ class RecorderNode(Node):
         self.kept = self.lost = 0
         chosen = [*topics, PARAMETER_EVENTS, ROSOUT, ACTIVE_MODE]
         files = {PARAMETERS_FILE: parameters} if parameters else {}
-        self._writer = BackgroundWriter(path, [self._bag_topic(each) for each in chosen], files)
+        recorded = [self._bag_topic(each) for each in chosen]
+        self._bag = BagWriter(path, recorded, files, waits=stamped)
         self._inputs = [
             self.create_subscription(topic.type, topic.name, _never_called, _qos(topic), raw=True)
             for topic in chosen
@@ -85,15 +88,17 @@ class RecorderNode(Node):
         return BagTopic(full_name, name, definition, qos, type_hash(name, definition))
 
     def collect(self) -> None:
-        """Pass all received messages to the writer."""
-        if self.failure is not None:
-            return
+        """Add all received messages to the bag."""
+        if self.failure is None:
+            with self._reported_failures():
+                self._collect()
+
+    def _collect(self) -> None:
         indexes = range(len(self._inputs))
         received = [message for index in indexes for message in self._take(index)]
         for time, index, data in sorted(received):
             self._add(time, index, data)
-        self._writer.send(wait_for_disk=self._stamped)
-        self._report_failure()
+        self._bag.flush()
 
     def _take(self, index: int) -> Iterator[tuple[int, int, bytes]]:
         """Time of arrival [ns], topic and content of each message received on a topic."""
@@ -112,7 +117,7 @@ class RecorderNode(Node):
         if message_type is JointState and len(data) >= _STAMP_OFFSET + _STAMP.size:
             seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_OFFSET)
             self._newest_stamp = seconds * NANOSECONDS + nanoseconds
-        self._writer.add(index, self._newest_stamp if self._stamped else time, data)
+        self._bag.add(index, self._newest_stamp if self._stamped else time, data)
         self.kept += 1
 
     def _count_dropped(self, index: int, number: int) -> None:
@@ -127,19 +132,23 @@ class RecorderNode(Node):
             self.get_logger().warning(f"{missing} messages on {subscription.topic} were dropped")
         self._expected[index] = number + 1
 
-    def _report_failure(self) -> None:
-        if self.failure is None and self._writer.failure is not None:
-            self.failure = self._writer.failure
-            self.get_logger().error(
-                f"recording ended: {self.failure}; the bag keeps what was written before"
-            )
+    @contextmanager
+    def _reported_failures(self) -> Iterator[None]:
+        try:
+            yield
+        except UserError as error:
+            if self.failure is None:
+                self.failure = str(error)
+                self.get_logger().error(
+                    f"recording ended: {error}; `furuta bag recover` copies what was written before"
+                )
 
     def close(self) -> None:
         """Collect what is left and finish the bag; may be called twice."""
-        if not self._writer.closed:
+        if not self._bag.closed:
             self.collect()
-        self._writer.close()
-        self._report_failure()
+        with self._reported_failures():
+            self._bag.close()
 
     def destroy_node(self) -> None:
         """Finish the bag with the node."""

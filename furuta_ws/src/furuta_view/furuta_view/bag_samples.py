@@ -12,9 +12,8 @@ import numpy as np
 from furuta_graph.settings.nodes import NODES
 from furuta_graph.settings.settings import parameters_of, read_file
 from furuta_model.parameters import ParameterError, build, values
-from furuta_recordings.bags.bag import Bag, last_part
-from furuta_recordings.bags.bag_files import parameter_file_of
-from furuta_recordings.readers.bag import joint_numbers
+from furuta_recordings.bags.bag import Bag, last_part, parameter_file_of
+from furuta_recordings.bags.series import joint_numbers
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topic_names import COMMAND as COMMAND_TOPIC
 from furuta_ros.topic_names import (

@@ -27,8 +27,7 @@ def command() -> None:
 @json_option
 def info(bag: Path, as_json: bool) -> None:
     """Show what BAG contains: topics, types, messages, times."""
-    from furuta_recordings.bags.bag import Bag
-    from furuta_recordings.bags.bag_files import parameter_file_of
+    from furuta_recordings.bags.bag import Bag, parameter_file_of
 
     with Bag(bag) as content:
         result: dict[str, Any] = {
@@ -36,8 +35,8 @@ def info(bag: Path, as_json: bool) -> None:
             "start_s": content.start / NANOSECONDS if content.message_count else None,
             "duration_s": content.seconds,
             "topics": {
-                topic: {"type": kind, "messages": count}
-                for topic, kind, count in content.connections
+                each.topic: {"type": each.msgtype, "messages": each.msgcount}
+                for each in content.connections
             },
         }
     parameters = parameter_file_of(bag)
@@ -73,7 +72,7 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
 @option("--out", type=PATH, metavar="BAG", help="New bag; default: BAG_recovered.")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Copy all readable messages of BAG into a new bag; BAG itself is not changed."""
+    """Copy all complete messages of an MCAP bag into a new bag; BAG is not changed."""
     from furuta_recordings.bags.recovery import recover as recover_bag
 
     if not bag.exists():

@@ -118,7 +118,7 @@ def _tuned(settings: Any) -> dict[str, Any]:
 def _check(bag: Path) -> None:
     """Refuse a directory that contains anything but a bag."""
     for file in bag.glob("*"):
-        if file.suffix not in (".db3", ".yaml"):
+        if file.suffix not in (".mcap", ".yaml"):
             raise click.ClickException(
                 f"{bag} contains {file.name}, which does not belong to a bag"
             )

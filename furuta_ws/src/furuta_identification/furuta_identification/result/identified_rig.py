@@ -20,7 +20,7 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.sensors import Sensors
-from furuta_recordings.bags.bag_files import parameter_file_of
+from furuta_recordings.bags.bag import parameter_file_of
 from furuta_recordings.recording import Recording
 from furuta_ros.parameter_files import read_sections
 from furuta_ros.whole_files import whole_file

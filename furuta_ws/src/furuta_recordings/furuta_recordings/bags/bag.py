@@ -1,129 +1,111 @@
-"""Reads bags of any origin."""
+"""Reads bags of any origin, MCAP or sqlite3."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from rosbags.interfaces import Connection
 from rosbags.rosbag2 import Reader
 from rosbags.typesys.store import Typestore
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.bag_files import bag_files, whole_files
 from furuta_recordings.bags.message_types import definition_of, typestore_of
+from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE
 from furuta_ros.time_stamps import NANOSECONDS
 
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
 MOST_IN_MEMORY = 1_000_000
-# Latest time of a message [ns]; an MCAP file can hold twice as much.
-LATEST = 2**63 - 1
-
-
-class Topic(NamedTuple):
-    """A topic of a bag with its message type and the number of its messages."""
-
-    topic: str
-    msgtype: str
-    msgcount: int
 
 
 class Bag:
     """A bag of any origin, opened by ``with``; every problem with it is a one-line error.
 
     ``connections`` are its topics with types and counts, ``start`` its first time [ns], ``seconds``
-    its duration [s]. Nothing outside the bag is read, and no more memory used than
-    :mod:`furuta_recordings.bags.limits` allows.
+    its duration [s].
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._readers: list[Reader] = []
-        self._definitions: dict[str, str] = {}
         self._types: dict[str, Typestore] = {}
         if not path.exists():
             raise ParameterError(f"no bag {path}")
 
     def __enter__(self) -> Bag:
-        with self._one_line_errors(), ExitStack() as opened:
-            content = bag_files(self._path)
-            files = opened.enter_context(whole_files(content.files))
-            self._readers = [opened.enter_context(Reader(file)) for file in files]
-            self._describe(content.topics)
-            self._opened = opened.pop_all()
+        self._refuse_open_log()
+        with self._one_line_errors():
+            if self._path.is_dir() and not (self._path / METADATA_FILE).is_file():
+                raise ParameterError(f"it has no {METADATA_FILE}")
+            self._reader = Reader(self._path)
+            self._reader.open()
+        self.connections: list[Connection] = list(self._reader.connections)
+        self.message_count: int = self._reader.message_count
+        self.start: int = self._reader.start_time if self.message_count else 0
+        self.seconds = max(0, self._reader.duration - 1) / NANOSECONDS
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._opened.close()
+        self._reader.close()
 
-    def _describe(self, named: Iterable[tuple[str, str]]) -> None:
-        """Topics and times, from the files; the metadata adds topics without a message."""
-        counts = dict.fromkeys(named, 0)
-        for reader in self._readers:
-            for topic in reader.connections:
-                key = (topic.topic, topic.msgtype)
-                counts[key] = counts.get(key, 0) + topic.msgcount
-                self._definitions.setdefault(topic.msgtype, topic.msgdef.data)
-        self.connections = [Topic(*key, count) for key, count in counts.items()]
-        used = [reader for reader in self._readers if reader.message_count]
-        self.message_count: int = sum(reader.message_count for reader in used)
-        self.start: int = min((reader.start_time for reader in used), default=0)
-        end = max((reader.end_time for reader in used), default=0)
-        self.seconds = max(0, end - self.start - 1) / NANOSECONDS
+    def _refuse_open_log(self) -> None:
+        """Refuse a sqlite3 file with a write-ahead log, which the reader ignores."""
+        beside = self._path.parent / f"{self._path.name}-wal"
+        for log in (beside, *self._path.glob("*.db3-wal")):
+            if log.is_file() and log.stat().st_size:
+                file = str(log).removesuffix("-wal")
+                raise ParameterError(
+                    f"{log} holds messages; `sqlite3 {file} 'PRAGMA journal_mode=DELETE'` moves "
+                    "them into the bag"
+                )
 
     def messages(
         self,
-        connections: Iterable[Topic] | None = None,
+        connections: Iterable[Connection] | None = None,
         first: int | None = None,
         last: int | None = None,
-    ) -> Iterator[tuple[Topic, int, bytes]]:
+    ) -> Iterator[tuple[Connection, int, bytes]]:
         """Messages of ``connections``, by default of all, with their times [ns].
 
         Only messages with ``first`` <= time < ``last`` [ns]: only their part of an indexed file is
         read.
         """
-        topics = self.connections if connections is None else connections
-        chosen = {(topic.topic, topic.msgtype): topic for topic in topics}
+        chosen = self.connections if connections is None else list(connections)
         with self._one_line_errors():
-            for reader in self._readers:
-                own = [c for c in reader.connections if (c.topic, c.msgtype) in chosen]
-                for c, time, data in reader.messages(own, first, last) if own else ():
-                    if time > LATEST:
-                        raise ParameterError(f"a message on {c.topic} has the time {time} ns")
-                    yield chosen[c.topic, c.msgtype], time, data
+            if chosen:  # the reader takes none for all
+                yield from self._reader.messages(chosen, first, last)
 
-    def find(self, topic: Topic, first: int, last: int) -> tuple[np.ndarray, list[bytes]]:
+    def find(self, topic: Connection, first: int, last: int) -> tuple[np.ndarray, list[bytes]]:
         """Times (n,) [ns] and contents of a topic's messages with ``first`` <= time < ``last``."""
         messages = [(time, data) for _, time, data in self.messages([topic], first, last)]
-        messages.sort(key=lambda message: message[0])
         return np.array([time for time, _ in messages], np.int64), [data for _, data in messages]
 
-    def messages_in_memory(self, chosen: Iterable[Topic]) -> Iterator[tuple[Topic, int, bytes]]:
-        """Messages as :meth:`messages` gives them; refuses topics that do not fit into memory.
-
-        Both the number that a file claims and the number that it has count.
-        """
-        read: Counter[str] = Counter()
-        for topic, time, data in self.messages(chosen):
-            read[topic.topic] += 1
-            count = max(topic.msgcount, read[topic.topic])
-            if count > MOST_IN_MEMORY:
+    def messages_in_memory(
+        self, chosen: Iterable[Connection]
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        """Messages as :meth:`messages` gives them; refuses topics that do not fit into memory."""
+        topics = list(chosen)
+        for topic in topics:
+            if topic.msgcount > MOST_IN_MEMORY:
                 raise ParameterError(
-                    f"{self._path}: {count} messages on {topic.topic}, at most {MOST_IN_MEMORY} "
-                    "fit into memory; record shorter bags"
+                    f"{self._path}: {topic.msgcount} messages on {topic.topic}, at most "
+                    f"{MOST_IN_MEMORY} fit into memory; record shorter bags"
                 )
-            yield topic, time, data
+        return self.messages(topics)
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""
         with self._one_line_errors():
             if type_name not in self._types:
-                definition = self._definitions.get(type_name) or definition_of(type_name)
-                self._types[type_name] = typestore_of(type_name, definition)
+                self._types[type_name] = self._types_of(type_name)
             return self._types[type_name].deserialize_cdr(data, type_name)
+
+    def _types_of(self, type_name: str) -> Typestore:
+        """The types as the bag defines them, or else ROS."""
+        own = (each.msgdef.data for each in self.connections if each.msgtype == type_name)
+        return typestore_of(type_name, next(own, "") or definition_of(type_name))
 
     @contextmanager
     def _one_line_errors(self) -> Iterator[None]:
@@ -136,6 +118,12 @@ class Bag:
                 f"{self._path} is not a readable bag: {reason} "
                 "(`furuta bag recover` copies what is still readable into a new bag)"
             ) from None
+
+
+def parameter_file_of(bag: Path) -> Path | None:
+    """The parameter file beside the data, if there is one."""
+    file = bag / PARAMETERS_FILE
+    return file if file.is_file() else None
 
 
 def last_part(topic: str) -> str:

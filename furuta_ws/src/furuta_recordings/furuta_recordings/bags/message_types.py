@@ -3,13 +3,9 @@
 from contextlib import suppress
 from functools import cache
 
-from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import Typesdict
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
-
-from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.limits import LARGEST_CHUNK, LARGEST_DESCRIPTION
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 
@@ -29,13 +25,7 @@ def type_hash(type_name: str, definition: str) -> str:
 
 
 def typestore_of(type_name: str, definition: str) -> Typestore:
-    """The types in a definition: of messages, or several files of IDL.
-
-    Raises:
-        ParameterError: The definition is too long, or has an array that is.
-    """
-    if len(definition) > LARGEST_DESCRIPTION:
-        raise ParameterError(f"{type_name} is defined by {len(definition)} characters")
+    """The types in a definition: of messages, or several files of IDL."""
     line = "=" * 80 + "\n"
     parsed: Typesdict = {}
     if definition.startswith(f"{line}IDL: "):
@@ -43,10 +33,6 @@ def typestore_of(type_name: str, definition: str) -> Typestore:
             parsed |= get_types_from_idl(file.partition("\n")[2])
     else:
         parsed = get_types_from_msg(definition, type_name)
-    for _, fields in parsed.values():
-        for name, (kind, content) in fields:
-            if kind == Nodetype.ARRAY and int(content[1]) > LARGEST_CHUNK:
-                raise ParameterError(f"{name} in {type_name} has {content[1]} elements")
     types = get_typestore(Stores.EMPTY)
     types.register(parsed)
     return types

@@ -8,7 +8,6 @@ import yaml
 # The parameters of all nodes at the start of a recording.
 PARAMETERS_FILE = "parameters.yaml"
 METADATA_FILE = "metadata.yaml"
-SECTION = "rosbag2_bagfile_information"
 # Version of the format: that of ROS 2 Jazzy.
 VERSION = 9
 # What ROS 2 takes for an unlimited duration.
@@ -18,8 +17,8 @@ UNLIMITED = {"sec": 9223372036, "nsec": 854775807}
 class BagTopic(NamedTuple):
     """A recorded topic.
 
-    ``definition`` and ``type_hash`` describe its message type, ``qos`` (YAML) the quality of
-    service that its publishers offer.
+    ``definition``, its ``encoding`` and ``type_hash`` describe its message type, ``qos`` (YAML) the
+    quality of service that its publishers offer.
     """
 
     name: str
@@ -27,11 +26,7 @@ class BagTopic(NamedTuple):
     definition: str
     qos: str
     type_hash: str = ""
-
-
-def distribution() -> str:
-    """The distribution of ROS that the environment names, otherwise Jazzy."""
-    return os.environ.get("ROS_DISTRO") or "jazzy"
+    encoding: str = "ros2msg"
 
 
 def metadata(
@@ -44,9 +39,9 @@ def metadata(
         "starting_time": {"nanoseconds_since_epoch": start},
         "message_count": sum(counts),
     }
-    return {
+    about = {
         "version": VERSION,
-        "storage_identifier": "sqlite3",
+        "storage_identifier": "mcap",
         **totals,
         "topics_with_message_count": [
             {"topic_metadata": _topic(topic), "message_count": count}
@@ -57,8 +52,9 @@ def metadata(
         "relative_file_paths": [file],
         "files": [{"path": file, **totals}],
         "custom_data": None,
-        "ros_distro": distribution(),
+        "ros_distro": os.environ.get("ROS_DISTRO") or "jazzy",
     }
+    return {"rosbag2_bagfile_information": about}
 
 
 def _topic(topic: BagTopic) -> dict[str, Any]:

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-from array import array
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from rosbags.interfaces import Connection
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, RIGID_STATES, SIGNALS
-from furuta_recordings.bags.bag import Bag, Topic, last_part
-from furuta_ros.time_stamps import NANOSECONDS, stamp_nanoseconds
+from furuta_recordings.bags.bag import Bag, last_part
+from furuta_recordings.bags.series import JOINT_STATE_TYPE, Series, read_series
+from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topic_names import (
     COMMAND,
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
     JOINT_STATES,
+    JOINTS,
     MEASUREMENT,
 )
-from furuta_ros.wire import Signals, unpack_joint_state
 
-JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 # Topics of the graph with and without a stamp, and their types; a bag with other types is of
 # another rig.
-STAMPED = (MEASUREMENT, JOINT_STATES, GROUND_TRUTH)
 NUMBERS = (FRICTION_ESTIMATE, COMMAND)
 TYPES = {
-    **dict.fromkeys(STAMPED, JOINT_STATE_TYPE),
+    **dict.fromkeys((MEASUREMENT, JOINT_STATES, GROUND_TRUTH), JOINT_STATE_TYPE),
     **dict.fromkeys(NUMBERS, "std_msgs/msg/Float64"),
 }
 
@@ -83,10 +82,10 @@ class RecordedLoop(NamedTuple):
         return series
 
 
-def graph_topics(path: Path, bag: Bag) -> list[Topic]:
+def graph_topics(path: Path, bag: Bag) -> list[Connection]:
     """The topics of the graph in a bag; none in the bag of another rig."""
     topics = [topic for topic in bag.connections if last_part(topic.topic) in TYPES]
-    measured = [topic.topic for topic in topics if last_part(topic.topic) == MEASUREMENT]
+    measured = {topic.topic for topic in topics if last_part(topic.topic) == MEASUREMENT}
     if len(measured) > 1:
         raise ParameterError(f"{path} holds several graphs: {', '.join(sorted(measured))}")
     usual = all(TYPES[last_part(topic.topic)] == topic.msgtype for topic in topics)
@@ -95,49 +94,36 @@ def graph_topics(path: Path, bag: Bag) -> list[Topic]:
 
 def read_recorded_loop(path: Path) -> RecordedLoop:
     """Read a bag of the graph, sample by sample; repeated measurements are ignored."""
-    rows: dict[int, int] = {}  # numbers of the samples by the stamp [ns]
-    arrivals = array("q")
-    # Stamps or times of arrival [ns], and what the messages hold.
-    series = {name: (array("q"), array("d")) for name in (*STAMPED, *NUMBERS)}
     with Bag(path) as bag:
-        topics = graph_topics(path, bag)
-        for topic, time, data in bag.messages_in_memory(topics):
-            name = last_part(topic.topic)
-            times, values = series[name]
-            if name in NUMBERS:
-                times.append(time)
-                values.append(bag.deserialize(data, topic.msgtype).data)
-                continue
-            stamp, x = unpack_joint_state(data) or _signals(bag.deserialize(data, topic.msgtype))
-            if name == MEASUREMENT and stamp in rows:
-                continue
-            if name == MEASUREMENT:
-                rows[stamp] = len(rows)
-                arrivals.append(time)
-            times.append(stamp)
-            values.extend(x)
-    if not rows:
+        topics = [topic.topic for topic in graph_topics(path, bag)]
+        series = dict.fromkeys(TYPES, Series())
+        series |= {last_part(name): each for name, each in read_series(bag, topics).items()}
+    measured = series[MEASUREMENT]
+    if not len(measured.stamps):
         raise ParameterError(f"{path}: no message on {MEASUREMENT} of the graph")
-    measurement, estimate, truth = (_by_row(rows, *series[name]) for name in STAMPED)
-    numbers = {name: (np.array(series[name][0]), np.array(series[name][1])) for name in NUMBERS}
-    stamps = np.fromiter(rows, np.int64)
-    return RecordedLoop(stamps, np.array(arrivals), measurement, estimate, truth, numbers)
+    first = np.sort(np.unique(measured.stamps, return_index=True)[1])
+    stamps = measured.stamps[first]
+    return RecordedLoop(
+        stamps,
+        measured.arrivals[first],
+        _signals(measured)[first],
+        _at(stamps, series[JOINT_STATES]),
+        _at(stamps, series[GROUND_TRUTH]),
+        {name: (series[name].arrivals, series[name].values) for name in NUMBERS},
+    )
 
 
-def _signals(message: Any) -> tuple[int, Signals]:
-    """Stamp [ns], φ, φ̇, θ, θ̇ and the arm's effort in the graph's joint states, or NaN."""
-    (phi, theta), (phi_dot, theta_dot) = message.position, message.velocity
-    effort = message.effort[0] if len(message.effort) else np.nan
-    return stamp_nanoseconds(message), (phi, phi_dot, theta, theta_dot, effort)
+def _signals(series: Series) -> np.ndarray:
+    """φ, φ̇, θ, θ̇ and the arm's effort (n, 5) in joint states."""
+    arm, pendulum = (series.joint(name) for name in JOINTS)
+    return np.column_stack([arm[:, :2], pendulum[:, :2], arm[:, 2]])
 
 
-def _by_row(rows: dict[int, int], stamps: array[int], values: array[float]) -> np.ndarray:
-    """The signals (n, 5) of messages at the measurements with their stamps."""
-    # Messages without a measurement go to the last row, which is dropped.
-    result = np.full((len(rows) + 1, SIGNALS), np.nan)
-    chosen = [rows.get(stamp, len(rows)) for stamp in stamps]
-    result[chosen] = np.array(values).reshape(-1, SIGNALS)
-    return result[: len(rows)]
+def _at(stamps: np.ndarray, series: Series) -> np.ndarray:
+    """The signals (n, 5) of the messages with these stamps."""
+    rows = {stamp: row for row, stamp in enumerate(series.stamps.tolist())}
+    chosen = [rows.get(stamp, -1) for stamp in stamps.tolist()]  # -1: the row without values
+    return np.vstack([_signals(series), np.full(SIGNALS, np.nan)])[chosen]
 
 
 class RecordedRun(NamedTuple):
