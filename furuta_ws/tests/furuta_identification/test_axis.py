@@ -12,7 +12,7 @@ from furuta_identification.axis.identify import AxisFit, identify_axis
 from furuta_identification.axis.motion import AxisData, AxisModel
 from furuta_identification.axis.slopes import positions_and_slopes
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers.axis_table import read_axis
+from furuta_recordings.readers import read_axis
 from furuta_recordings.recording import Recording
 
 INERTIA, LEVEL, VISCOUS, DIFFERENCE = 90.0, 21.0, 190.0, -35.0

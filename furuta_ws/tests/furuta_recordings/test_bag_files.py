@@ -23,8 +23,7 @@ from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
 from furuta_recordings.bags.writer import BagWriter
-from furuta_recordings.readers import Mapping, read
-from furuta_recordings.readers.axis_table import read_axis
+from furuta_recordings.readers import Mapping, read, read_axis
 from furuta_ros.errors import UserError
 
 TOPICS = [

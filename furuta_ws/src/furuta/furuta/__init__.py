@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from furuta_model.linear import DesiredPoles
     from furuta_model.parameters import ParameterError
     from furuta_model.pendulum import FurutaPendulum
-    from furuta_recordings.readers.axis_table import read_axis
+    from furuta_recordings.readers import read_axis
     from furuta_recordings.recording import Recording
     from furuta_recordings.series_columns import COLUMNS
     from furuta_sim.simulation.closed_loop import Loop, Record
@@ -141,7 +141,7 @@ _MODULES = {
     "furuta_model.linear": "DesiredPoles",
     "furuta_model.parameters": "ParameterError",
     "furuta_model.pendulum": "FurutaPendulum",
-    "furuta_recordings.readers.axis_table": "read_axis",
+    "furuta_recordings.readers": "read_axis",
     "furuta_recordings.recording": "Recording",
     "furuta_recordings.series_columns": "COLUMNS",
     "furuta_sim.simulation.closed_loop": "Loop Record",

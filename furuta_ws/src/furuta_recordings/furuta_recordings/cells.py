@@ -15,8 +15,9 @@ from furuta_model.parameters import shortened
 MISSING = {"", "-", "--", "na", "n/a", "#n/a", "nan", "nil", "none", "null"}
 # Kinds of time, which are the units of their columns.
 DATE, DAY_TIME, HOUR_TIME, INSTANT = "date", "time of day", "min:s", "date and time"
-_DECIMAL_COMMA = re.compile(r"[+-]?(?=,?\d)(?:\d*|[1-9]\d{0,2}(?:\.\d{3})+)(?:,\d*)?(?:e[+-]?\d+)?")
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
+_DECIMAL_COMMA = re.compile(r"[+-]?(?=,?\d)\d*,\d*(?:e[+-]?\d+)?")
+# With a decimal comma these have three decimals; they may be thousands as well.
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _TIME = re.compile(
     r"(?:(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4})(?:[t_\s]+|$))?"
     r"(?:(?P<clock>\d+:\d\d(?::\d\d)?)(?P<part>[.,]\d+)?\s*(?P<half>[ap]m)?)?"
@@ -26,19 +27,13 @@ _EPOCH = date(1970, 1, 1).toordinal()
 
 
 class Cells:
-    """The cells of the column ``name`` so far: ``numbers``, and what was noticed about the texts.
-
-    A number such as 1,234 is read with a decimal comma; :meth:`with_thousands` reads it anew.
-    """
+    """The cells of the column ``name`` so far: ``numbers``, and what was noticed of the texts."""
 
     def __init__(self, name: str) -> None:
         self.name, self.numbers = name, array("d")
-        # Whether a cell can be read in one way only: with a decimal comma, with thousands; and
-        # whether one has a decimal point.
-        self.has_decimal_comma = self.has_thousands = self.has_point = False
-        self.is_doubtful = False
-        self._either = array("q"), array("d")
-        self._grouped_by_points = ""
+        # Whether a cell has a decimal point, or a comma that is certainly a decimal one.
+        self.has_point = self.has_comma = False
+        self._doubtful = 0  # numbers such as 1,234
         self._times: Counter[str] = Counter()
         self._days: dict[str, int] = {}
         # Dates with slashes: whether a day or a month is certainly first, or one was guessed to be.
@@ -47,11 +42,13 @@ class Cells:
 
     def add(self, cells: Sequence[str], lines: Sequence[int]) -> None:
         """Add cells, and the numbers of their lines in the file."""
+        together = "".join(cells)
         plain = cells
-        if self.has_decimal_comma and "." not in "".join(cells):
+        if self.has_comma and "." not in together:
             plain = [cell.replace(",", ".") for cell in cells]
         try:
             self.numbers.extend([*map(float, plain)])
+            self.has_point |= "." in together
         except ValueError:
             for cell, line in zip(cells, lines, strict=True):
                 self.numbers.append(self.number(cell, line))
@@ -61,9 +58,7 @@ class Cells:
         text = cell.strip().lower()
         if text in MISSING:
             return nan
-        readers = [self._with_point, self._with_commas]
-        if self.has_decimal_comma:  # among them a point separates thousands
-            readers.reverse()
+        readers = [self._with_point, self._with_comma]
         readers.insert(0 if self._times else 2, self._time)  # first among times, for speed
         for read in readers:
             if (value := read(text)) is not None:
@@ -80,35 +75,22 @@ class Cells:
         self.has_point |= "." in text
         return value
 
-    def _with_commas(self, text: str) -> float | None:
-        decimal, thousands = _DECIMAL_COMMA.fullmatch(text), _THOUSANDS.fullmatch(text)
-        grouped = float(text.replace(",", "")) if thousands else None
-        if decimal and grouped is not None:
-            rows, values = self._either
-            rows.append(len(self.numbers))
-            values.append(grouped)
-        elif decimal and text.count(".") > 1:
-            self._grouped_by_points = text
-        elif decimal and not self.has_decimal_comma:
-            self.has_point |= len(self._fractions) > 0
-            self.has_decimal_comma = True
-        self.has_thousands |= bool(thousands and not decimal)
-        return float(text.replace(".", "").replace(",", ".")) if decimal else grouped
+    def _with_comma(self, text: str) -> float | None:
+        if not _DECIMAL_COMMA.fullmatch(text):
+            return None
+        if _THOUSANDS.fullmatch(text):
+            self._doubtful += 1
+        else:
+            self.has_comma = True
+        return float(text.replace(",", "."))
 
-    @property
-    def is_ambiguous(self) -> bool:
-        """Whether commas may separate thousands or decimals."""
-        return bool(self._either[0]) and not (self.has_decimal_comma or self.has_thousands)
+    def is_doubtful(self, others_have_commas: bool) -> bool:
+        """Whether commas may separate thousands.
 
-    @property
-    def has_three_decimals(self) -> bool:
-        """Whether all numbers would have three decimals if commas were decimal."""
-        return len(self._either[0]) == np.sum(np.isfinite(self.numbers))
-
-    def with_thousands(self) -> None:
-        """Read all commas as separators of thousands."""
-        for row, value in zip(*self._either, strict=True):
-            self.numbers[row] = value
+        They are decimal if another column has decimal commas and all numbers three decimals.
+        """
+        decimal = others_have_commas and self._doubtful == np.sum(np.isfinite(self.numbers))
+        return self._doubtful > 0 and not (self.has_comma or decimal)
 
     def _time(self, text: str) -> float | None:
         found = _TIME.fullmatch(text)
@@ -145,50 +127,27 @@ class Cells:
         """The kind of time in the column; empty for numbers."""
         return next(iter(self._times), "")
 
-    def problem(self) -> str:
-        """Why the column cannot be used; empty if it can."""
+    def problem(self, commas: bool) -> str:
+        """Why the column cannot be used; empty if it can. The table has decimal ``commas`` or not.
+
+        A number with a point in a table with decimal commas may be a thousand.
+        """
         column, times = f"column {self.name}", self._times.total()
         mixed = len(self._times) > 1 or times < np.sum(np.isfinite(self.numbers))
         either_order = self._guessed and (self._day_is_first or not self._month_is_first)
-        points = self.has_thousands or self.has_point
         problems = {
             f"a cell in {column} is not a number: {self._first}": self._wrong == 1,
             f"{self._wrong} cells in {column} are not numbers, first {self._first}": self._wrong,
-            f"points in {column} separate thousands, as in {self._grouped_by_points}; write its "
-            "numbers without them": self._grouped_by_points,
             f"{column} has times of several forms, or times and numbers": times and mixed,
-            f"{column} has decimal commas in some cells, not in others": (
-                self.has_decimal_comma and points
+            f"{column} has decimal points, but the table has decimal commas": (
+                commas and self.has_point and not times
             ),
-            f"{column}: a number such as 1,234 or 1.234 may be a thousand or have decimals; write "
-            "its numbers without separators of thousands": self.is_doubtful,
+            f"{column}: a number such as 1,234 may be a thousand or have decimals; write its "
+            "numbers without separators of thousands": self.is_doubtful(commas),
             f"{column}: day and month of {next(iter(self._days), '')} are not certain; write dates "
             "as 2026-01-31": either_order and len(self._days) > 1,
         }
         return next((text for text, holds in problems.items() if holds), "")
-
-    @property
-    def has_certain_points(self) -> bool:
-        """Whether the column has points that cannot separate thousands."""
-        return self.has_point or (len(self._fractions) > 0 and not self.may_have_thousands)
-
-    @property
-    def may_have_thousands(self) -> bool:
-        """Whether all that looks like a decimal point may separate thousands, as in 1.234."""
-        values = np.abs(self._fractions)
-        thousands = 1000.0 * values
-        # From 1000 on they would have two points.
-        inside = (values >= 1.0) & (values < 1000.0)
-        exact = np.abs(thousands - np.round(thousands)) < 1e-6
-        return len(values) > 0 and bool(np.all(inside & exact))
-
-    @property
-    def _fractions(self) -> np.ndarray:
-        """The numbers that are not whole, of cells without commas."""
-        values = np.array(self.numbers)
-        values[np.array(self._either[0])] = nan
-        chosen: np.ndarray = values[np.isfinite(values) & (values != np.round(values))]
-        return chosen[:0] if self.has_decimal_comma or self.unit else chosen
 
 
 def _clock(text: str, part: str | None, half: str | None) -> tuple[str, float]:

@@ -1,8 +1,8 @@
 """Reads the columns of a CSV table as numbers.
 
 Tables of many makes: UTF-8, UTF-16 with its mark, or Windows' western encoding; commas, semicolons,
-tabs or blanks between the cells; decimal commas, thousands; dates and times of day; a row of units
-below the header; lines that begin with #, of which the last one can be the header.
+tabs or blanks between the cells; decimal commas; dates and times of day; a row of units below the
+header; lines that begin with #, of which the last one can be the header.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.cells import Cells, is_text
 from furuta_ros.yaml_files import open_regular
 
-# Longest line [characters], and most cells of a table: 8 bytes each in memory.
-LONGEST_LINE = 2**20
+# Most cells of a table: 8 bytes each in memory.
 MOST_CELLS = 50_000_000
 # Rows that are read together; more do not stay in the processor's cache.
 ROWS_TOGETHER = 256
@@ -85,7 +84,6 @@ def _table(path: Path, file: TextIO) -> Table:
         raise ParameterError(
             f"{path}: no table in it" + (", no row of numbers below a header" if cells else "")
         )
-    _settle_commas(cells, separated["delimiter"])
     units = ignored[-1] if len(ignored) > 1 else [""] * len(cells)
     below = {column.name: unit.strip() for column, unit in zip(cells, units, strict=True)}
     return _named(path, cells, below)
@@ -94,11 +92,12 @@ def _table(path: Path, file: TextIO) -> Table:
 def _named(path: Path, cells: list[Cells], units: dict[str, str]) -> Table:
     """The table of the columns that have a name."""
     table = Table(path, {}, {}, units)
+    commas = any(column.has_comma for column in cells)
     for column in cells:
         values, name = np.array(column.numbers), column.name
         if not name:
             continue
-        problem = column.problem()
+        problem = column.problem(commas)
         again = table.columns.get(name, values)
         if not np.array_equal(again, values, equal_nan=True):
             problem = f"column {name} is there twice, with different values; rename one"
@@ -110,26 +109,10 @@ def _named(path: Path, cells: list[Cells], units: dict[str, str]) -> Table:
     return table
 
 
-def _settle_commas(cells: list[Cells], delimiter: str) -> None:
-    """Decide between thousands and decimals, also by other columns; notes where that fails."""
-    commas = any(column.has_decimal_comma for column in cells)
-    thousands = any(column.has_certain_points for column in cells) or (
-        delimiter == "," and not commas
-    )
-    for column in cells:
-        if column.is_ambiguous:
-            certain = thousands or column.has_three_decimals
-            column.is_doubtful = commas == thousands or not certain
-        else:
-            column.is_doubtful = commas and column.may_have_thousands
-        if column.has_thousands or (column.is_ambiguous and not commas):
-            column.with_thousands()
-
-
 def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
     """The header, the number of its line, how cells are separated, and the lines below."""
-    lines, comment, separator, number, first = _lines(file), "", "", 0, ""
-    for first in lines:
+    comment, separator, number, first = "", "", 0, ""
+    for first in file:
         number += 1
         if first.startswith("#"):
             comment = first[1:].strip()
@@ -140,10 +123,10 @@ def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]
     separated = {"delimiter": separator} if separator else _separated(first)
     header = next(csv.reader([first], **separated), [])
     if is_text(header) or not header:
-        return header, number, separated, lines
+        return header, number, separated, file
     names = next(csv.reader([comment], **separated), [])
     if len(names) == len(header) and is_text(names):
-        return names, number - 1, separated, chain([first], lines)
+        return names, number - 1, separated, chain([first], file)
     raise csv.Error(f"line {number} holds numbers, where the names of the columns should stand")
 
 
@@ -167,14 +150,6 @@ def _fitted(row: list[str], width: int, line: int) -> list[str]:
             "semicolons if numbers have decimal commas"
         )
     return row[:width] + [""] * (width - len(row))
-
-
-def _lines(file: TextIO) -> Iterator[str]:
-    """The lines of a file, none read as a whole before its length is known."""
-    while line := file.readline(LONGEST_LINE + 1):
-        if len(line) > LONGEST_LINE:
-            raise csv.Error(f"a line has more than {LONGEST_LINE} characters")
-        yield line
 
 
 def _separated(header: str) -> dict[str, Any]:

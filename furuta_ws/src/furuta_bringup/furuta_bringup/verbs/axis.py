@@ -140,7 +140,7 @@ def command(
 
 def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
     from furuta_identification.axis.identify import identify_axis
-    from furuta_recordings.readers.axis_table import read_axis
+    from furuta_recordings.readers import read_axis
 
     return identify_axis([read_axis(each, *columns) for each in records])
 

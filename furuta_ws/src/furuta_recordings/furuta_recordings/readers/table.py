@@ -4,16 +4,22 @@ import re
 from collections.abc import Collection, Iterable
 from collections.abc import Mapping as Units
 from pathlib import Path
+from zipfile import ZipFile, is_zipfile
 
 import numpy as np
 
-from furuta_model.parameters import ParameterError
+from furuta_model.converter import Actuator
+from furuta_model.parameters import ParameterError, build
+from furuta_model.state import RIGID_STATES
 from furuta_recordings.csv_columns import Table
 from furuta_recordings.readers.assembly import Joint, recording_of
 from furuta_recordings.readers.columns import (
     ANGLE_UNITS,
     ANGLE_WORDS,
+    AXIS_SPEED_UNITS,
     COMMAND_UNITS,
+    DRIVE_UNITS,
+    POSITION_UNITS,
     SPEED_UNITS,
     SPEED_WORDS,
     column,
@@ -28,10 +34,13 @@ from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joi
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
+from furuta_recordings.table_files import read_columns
 from furuta_recordings.table_files import read_table as table_of
 
 # The measured angles of an exported series.
 ARM, PENDULUM = list(MEASURED)[0:4:2]
+# Usual last words of the name of what drives an axis, besides those of a command.
+DRIVES = ("torque", "force", "current")
 
 
 def read_table(path: Path, mapping: Mapping) -> Recording:
@@ -44,9 +53,9 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     names, about_joints = _joints(table, mapping, clock)
     angles = [_angle(table, name) for name in names]
     stamps = clock if mapping.time else stamp_column(table, angles[0]) or clock
-    command = None if mapping.command == NO_COMMAND else command_column(table, mapping.command)
+    command = None if mapping.command == NO_COMMAND else _command_column(table, mapping.command)
     joints = [
-        joint_of(table, angle, joint_column(columns, name, SPEED_WORDS), ANGLE_UNITS, SPEED_UNITS)
+        _joint_of(table, angle, joint_column(columns, name, SPEED_WORDS), ANGLE_UNITS, SPEED_UNITS)
         for name, angle in zip(names, angles, strict=True)
     ]
     if len(joints) == 1:
@@ -65,7 +74,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     return recording._replace(in_radians=all(unit_of(table, name) for name in angles))
 
 
-def joint_of(
+def _joint_of(
     table: Table, angle: str, speed: str | None, units: Units, speed_units: Units
 ) -> Joint:
     """A joint from the columns of its angle and of its speed."""
@@ -116,7 +125,7 @@ def _angle(table: Table, joint: str) -> str:
     return name
 
 
-def command_column(table: Table, wanted: str | None, others: Collection[str] = ()) -> str:
+def _command_column(table: Table, wanted: str | None, others: Collection[str] = ()) -> str:
     """The column that the user named, exactly or in part; otherwise the one with a usual name.
 
     A column whose whole name is usual counts more than others. ``others`` are usual names too.
@@ -156,3 +165,77 @@ def _first_elements(names: list[str]) -> list[str]:
     """The names, of the elements data[0], data[1] of an array only the first."""
     firsts = {re.sub(r"[\[./]\d+\]?$", "", name): name for name in reversed(names)}
     return [name for name in names if name in firsts.values()]
+
+
+def read_axis_table(
+    path: Path, position: str | None, command: str | None, joint: str | None
+) -> Recording:
+    """The recording of an axis as that of an arm alone."""
+    table = table_of(path)
+    clock = clock_column(table, None, "rename the column")
+    where = _position_column(table, position, joint)
+    driven = _command_column(table, command, DRIVES)
+    time, overflow = seconds(table, clock)
+    own = _joint_of(table, where, _speed_column(table, where), POSITION_UNITS, AXIS_SPEED_UNITS)
+    torque = in_si(table, driven, DRIVE_UNITS)
+    source = f"torque from column {driven}, position from {where}, times from {clock}"
+    return recording_of(table.path.name, [own], time, (time, torque), (overflow, source))
+
+
+def _position_column(table: Table, wanted: str | None, joint: str | None) -> str:
+    """The column that the user named; otherwise the only one with a usual name."""
+    columns = table.columns
+    if wanted is not None:
+        matching = [wanted] if wanted in columns else []
+        matching = matching or [n for n in columns if column(n).words == column(wanted).words]
+    elif joint is not None:
+        found = joint_column(columns, joint, ANGLE_WORDS)
+        matching = [found] if found else []
+    else:
+        usual = [n for n in columns if column(n).words[-1:] in {(word,) for word in ANGLE_WORDS}]
+        matching = [n for n in usual if len(column(n).words) == 1] or usual
+    if not matching:
+        raise ParameterError(
+            f"{table.path}: no position {wanted or joint or ''}".rstrip()
+            + f"; name its column with --position; it has {listed(table)}"
+        )
+    return only_one(table.path, matching, "position", "--position")
+
+
+def _speed_column(table: Table, position: str) -> str | None:
+    """The speed that is named as the position is."""
+    own = column(position).words[:-1]
+    return next(
+        (n for n in table.columns if column(n).words in {(*own, w) for w in SPEED_WORDS}), None
+    )
+
+
+def is_simulation(path: Path) -> bool:
+    """Whether a file has states of a simulation rather than columns."""
+    if path.suffix.lower() != ".npz" or not is_zipfile(path):
+        return False
+    with ZipFile(path) as file:
+        return not {"measurement.npy", "estimate.npy"}.isdisjoint(file.namelist())
+
+
+def read_simulation(path: Path) -> Recording:
+    """A recording from the series of a simulation."""
+    series = read_columns(path)
+    if not {"time", "measurement", "command"} <= series.keys():
+        raise ParameterError(
+            f"{path} has no time, measurement or command of `furuta simulate --out`, which "
+            "identification needs; simulate again"
+        )
+    time, measured, command = (series[name] for name in ("time", "measurement", "command"))
+    n = time.size
+    shape = measured.shape[:1], measured.ndim, measured.shape[1:] >= (RIGID_STATES,)
+    if time.shape != (n,) or command.shape != (n,) or shape != ((n,), 2, True):
+        raise ParameterError(f"{path}: its series have different lengths")
+    recording = Recording(path.name, time, np.array(measured[:, :RIGID_STATES]), time, command)
+    if "drive" not in series:
+        return recording
+    drive = series["drive"]
+    if drive.shape != (2,) or not np.all(np.isfinite(drive)):
+        raise ParameterError(f"{path}: drive must be a voltage range and a number of bits")
+    given = {"voltage_range": float(drive[0]), "bits": int(drive[1])}
+    return recording.through_drive(build(Actuator, given), "the file")
