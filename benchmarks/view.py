@@ -4,7 +4,6 @@
     tools/in_environment python benchmarks/view.py slider [PRESSES]
     tools/in_environment python benchmarks/view.py memory [MINUTES]
     tools/in_environment python benchmarks/view.py start
-    tools/in_environment python benchmarks/view.py bag [MINUTES] [DRAGS]
 
 It needs Chromium and playwright (``furuta_ws/tests/requirements.lock``) and a quiet machine.
 """
@@ -30,10 +29,6 @@ from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.processes import executable
 from furuta_graph.scheduling import Scheduling, apply_scheduling
 from furuta_graph.settings.settings import default_settings
-from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.message_types import definition_of, type_hash
-from furuta_recordings.bags.metadata import BagTopic, offered_qos
-from furuta_recordings.bags.writer import BagWriter
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import executor_of, spin_until
 from furuta_ros.topics import QOS
@@ -44,8 +39,6 @@ MEMORY_SETTLE = 300.0  # [s] after which memory must not grow
 MEGABYTE = 2.0**20
 ANSWER = 10.0  # [s]
 ALPHA0 = "believed alpha0 [V]"
-TIME_LINE = "time [s]"
-RECORDED = 60.0  # [s] of the recording that is repeated
 
 
 class Browser:
@@ -235,52 +228,7 @@ def start() -> dict[str, Any]:
     return {"address_s": printed, "moving_s": moving}
 
 
-def bag(minutes: str = "60", drags: str = "20") -> dict[str, Any]:
-    """Time until a long recording is shown, and from a click on its time line to its curves [s]."""
-    with tempfile.TemporaryDirectory(dir=".") as directory:
-        path = Path(directory) / "long"
-        _write_long_bag(Path(directory) / "recorded", path, 60.0 * float(minutes))
-        with browser() as shown:
-            begun = time()
-            with view("--bag", path) as (_, address):
-                printed = time() - begun
-                drawn = shown.ask("show", address) - begun
-                parts = np.random.default_rng(1).uniform(0.02, 0.98, int(drags))
-                answered = [shown.ask("drag", TIME_LINE, f"{part:.4f}") for part in parts]
-        size = sum(file.stat().st_size for file in path.iterdir())
-    return {
-        "address_s": printed,
-        "drawn_s": drawn,
-        "drag_worst_s": max(answered),
-        "drags_s": answered,
-        "megabytes": size / MEGABYTE,
-    }
-
-
-def _write_long_bag(recorded: Path, path: Path, seconds: float) -> None:
-    """A recording of the graph, repeated."""
-    run = [executable("furuta_bringup", "furuta"), "run", "--lockstep", "--record", recorded]
-    subprocess.run([*map(str, run), "--seconds", str(RECORDED)], check=True, capture_output=True)
-    with Bag(recorded) as source:
-        topics = [
-            _bag_topic(connection.topic, connection.msgtype) for connection in source.connections
-        ]
-        index = {connection.topic: number for number, connection in enumerate(source.connections)}
-        messages = [(index[t.topic], time, data) for t, time, data in source.messages()]
-        writer = BagWriter(path, topics, {})
-        for copy in range(round(seconds / RECORDED)):
-            shift = round(copy * RECORDED * 1e9)
-            for topic, at, data in messages:
-                writer.add(topic, at + shift, data)
-        writer.close()
-
-
-def _bag_topic(name: str, kind: str) -> BagTopic:
-    definition = definition_of(kind)
-    return BagTopic(name, kind, definition, offered_qos(QOS.depth), type_hash(kind, definition))
-
-
-MEASUREMENTS = {function.__name__: function for function in (latency, slider, memory, start, bag)}
+MEASUREMENTS = {function.__name__: function for function in (latency, slider, memory, start)}
 
 if __name__ == "__main__":
     if len(sys.argv) < 2 or sys.argv[1] not in MEASUREMENTS:

@@ -3,9 +3,7 @@
 Each command is answered by one line, mostly a time of ``time.time()`` [s]:
 
     open ADDRESS     when the curve of the arm has changed
-    show ADDRESS     when there is a curve of the arm, of a recording
     press LABEL      when the right arrow key was pressed on the slider with this label
-    drag LABEL PART  seconds from a click on the slider, at a part of its length, to other curves
     close            when the page is closed
 
 Where root starts it, Chromium gives its drawing process niceness -8, before the loop that is
@@ -39,14 +37,11 @@ class Driver:
 
     def open(self, address: str) -> float:
         """Show the page of a graph."""
-        self.show(address)
-        self._wait_for_other(self.page.curve(ARM))
-        return time()
-
-    def show(self, address: str) -> float:
-        """Show a page."""
         self._page = self._show(address)
         self.page.wait(lambda: self.page.curve(ARM), "a curve")
+        before = self.page.curve(ARM)
+        while self.page.curve(ARM) == before:
+            self.page.page.wait_for_timeout(POLL)
         return time()
 
     def close(self) -> float:
@@ -62,27 +57,11 @@ class Driver:
         slider.press("ArrowRight")
         return start
 
-    def drag(self, label: str, part: str) -> float:
-        """Move a slider to a part of its length."""
-        before = self.page.curve(ARM)
-        track = self.page.row(label).get_by_role("slider").first
-        box = track.locator("xpath=ancestor::*[contains(@class, 'Slider-track')][1]").bounding_box()
-        start = time()
-        self.page.page.mouse.click(
-            box["x"] + float(part) * box["width"], box["y"] + 0.5 * box["height"]
-        )
-        self._wait_for_other(before)
-        return time() - start
-
     @property
     def page(self) -> Page:
         """The open page."""
         assert self._page is not None, "no page is open"
         return self._page
-
-    def _wait_for_other(self, curve: list[float]) -> None:
-        while self.page.curve(ARM) == curve:
-            self.page.page.wait_for_timeout(POLL)
 
 
 if __name__ == "__main__":

@@ -5,8 +5,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from furuta_view.parameter_panel import Control
-from furuta_view.parameter_types import Described
+from furuta_view.parameter_panel import Control, Described
 from furuta_view.rig_controls import RigControls
 from furuta_view.server import PageServer
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from furuta_model.parameters import ParameterError
-from furuta_view.exact_cycle import exact_cycle
+from furuta_view.exact_cycle import analysed_loop, exact_cycle
 from furuta_view.figures import figures
 from furuta_view.jobs import Jobs
-from furuta_view.parameter_types import Described, slider_range
+from furuta_view.parameter_panel import Described, slider_range
 from furuta_view.samples import COLUMNS, PHI, THETA, TIME, Samples
 from furuta_view.simulation_controls import FOREVER, Pacer
 
@@ -116,8 +116,10 @@ def test_only_the_newest_of_waiting_jobs_runs() -> None:
 def test_exact_cycle_is_that_of_the_parameters() -> None:
     """With the paper's defaults 0.510 rad, as `furuta limit-cycle` prints; none without a plant."""
     values: dict[str, dict[str, float]] = {"plant": {}, "controller": {}}
-    cycle = exact_cycle(values)
+    loop = analysed_loop(values)
+    assert loop is not None
+    cycle = exact_cycle(loop)
     assert cycle is not None
     assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
-    assert exact_cycle({"estimator": {}}) is None
-    assert exact_cycle(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one
+    assert analysed_loop({"estimator": {}}) is None
+    assert analysed_loop(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one

@@ -16,7 +16,7 @@ from furuta_graph.settings.nodes import HARDWARE_BRIDGE
 from furuta_ros.spinning import SpinningThread
 from furuta_view.graph_link import GraphLink
 from furuta_view.page_layout import Layout
-from furuta_view.parameter_types import Described
+from furuta_view.parameter_panel import Described
 from furuta_view.parameters_on_page import ParametersOnPage
 from furuta_view.server import PageServer
 

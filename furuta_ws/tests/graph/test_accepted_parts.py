@@ -1,7 +1,6 @@
 """Which names of code nodes, launch arguments, files and bags may use."""
 
 import sys
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +11,12 @@ from std_msgs.msg import Float64
 from testbench import Bench
 
 from furuta_bringup.launching import launched_nodes
-from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.services import ServiceError
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError
-from furuta_recordings.recorder_node import RecorderNode
 from furuta_recordings.replay_node import message_class
 from furuta_ros.context import ros_context
-from furuta_view.bag_samples import BagSamples
 
 # Node, parameter, and the default, of each parameter that can name code.
 NAMING_CODE = [
@@ -96,23 +92,6 @@ def test_launch_names_parts_for_every_node(evil: Path) -> None:
     nodes = launched_nodes(params_file=str(file), own_parts="launched.py:f")
     for arguments in (node["ros_arguments"] for node in nodes):
         assert any("own_parts:=" in each and "launched.py:f" in each for each in arguments)
-
-
-def test_reading_a_bag_imports_nothing(
-    ros: None, evil: Path, settings: Any, caplog: pytest.LogCaptureFixture
-) -> None:
-    """Its parameters are shown as they were recorded."""
-    settings["plant"] |= {"clock": "lockstep", "run_until": 0.1}
-    graph = SimulatedGraph(settings, record=partial(RecorderNode, evil / "bag", stamped=True))
-    graph.run_until(0.1)
-    graph.close()
-    (evil / "bag" / "evil.py").write_text(EVIL)
-    write(evil / "bag" / "parameters.yaml", "plant", **{"friction.law": "evil:f"})
-    samples = BagSamples(evil / "bag")
-    assert samples.parameters()["plant"]["friction.law"] == "evil:f"
-    assert "'evil:f' is not accepted" in caplog.text
-    samples.close()
-    assert not hasattr(sys, "loaded_evil")
 
 
 @pytest.mark.parametrize(

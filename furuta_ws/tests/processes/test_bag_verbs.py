@@ -12,11 +12,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup.main import furuta as command_line
-from furuta_recordings.bags.recorded_loop import read_recorded_run
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
-from furuta_view.bag_samples import BagSamples
-from furuta_view.samples import COMMAND, FRICTION, PHI, THETA_DOT, TIME
 
 
 @pytest.fixture(scope="module")
@@ -40,22 +37,6 @@ def test_info(furuta: Any, bag: Path) -> None:
     assert result["messages"] == 10_002  # active_mode: off, then balance
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
     assert Path(result["parameters"]).is_file()
-
-
-def test_view_reads_windows_of_a_bag(bag: Path) -> None:
-    """The same numbers as a reader of the whole bag finds, also for a part of it."""
-    run, samples = read_recorded_run(bag), BagSamples(bag)
-    for end, seconds in ((1.9, 10.0), (1.5, 0.4)):
-        window = samples.window(end, seconds)
-        rows = np.searchsorted(run.time, window[:, TIME] - 1e-6)
-        assert end - 0.03 < window[-1, TIME] <= end
-        assert np.diff(window[:, TIME]).max() < 0.025
-        assert np.array_equal(window[:, PHI : THETA_DOT + 1], run.state[rows])
-        assert np.array_equal(window[:, FRICTION], run.friction[rows])
-        # In lock-step all messages of a sample have its time; the command is the newest of them.
-        assert np.array_equal(window[:, COMMAND], run.command[rows])
-    assert samples.parameters()["friction_observer"]["compensation"] == "lugre"
-    samples.close()
 
 
 def test_export_and_plot(bag: Path, tmp_path: Path) -> None:
@@ -153,13 +134,6 @@ def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
     assert (status, rig.exists()) == (1, False)
     assert "usable: no; log.csv: fit of the" in out
     assert "error: not usable: log.csv: fit of the arm" in err
-
-
-def test_a_page_of_no_bag_gives_one_line(furuta: Any, tmp_path: Path) -> None:
-    pytest.importorskip("viser")
-    status, out, err = furuta("view", "--no-open", "--bag", tmp_path)
-    assert (status, out) == (1, "")
-    assert "not a readable bag" in err
 
 
 def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:

@@ -1,1 +1,1 @@
-"""The live view of the graph and of recordings in a browser."""
+"""The live view of the graph in a browser."""

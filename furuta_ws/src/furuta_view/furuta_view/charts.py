@@ -1,12 +1,16 @@
-"""The charts of the page: angles and voltages over time, and two planes."""
+"""The charts of the page: angles and voltages over time, and two planes.
 
-from typing import Any
+The axes are set here: a single unknown value, such as the friction of a rig, would leave a chart
+empty whose range viser finds itself.
+"""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
+from matplotlib.ticker import MaxNLocator
 
 from furuta_view.samples import COMMAND, ESTIMATE, FRICTION, PHI, PHI_DOT, THETA, TIME
-from furuta_view.xy_chart import Curve, Plane, xy_chart
 
 # Time on the axis [s], and time that the planes show [s].
 SECONDS = 10.0
@@ -15,73 +19,81 @@ HEIGHT = 148  # [pixels]
 # Colours of Okabe and Ito; those of one chart differ for colour-blind eyes too.
 ARM, PENDULUM, TRUE, ESTIMATED = "#0072B2", "#D55E00", "#000000", "#009E73"
 COMMANDED, GREY = "#56B4E9", "#999999"
-# Label, colour, column and width of each curve over time; where F̂ lies on F, both are seen.
-ANGLES = [("arm φ [rad]", ARM, PHI, 2.0), ("pendulum θ [rad]", PENDULUM, THETA, 2.0)]
-VOLTAGES = [
-    ("u [V]", COMMANDED, COMMAND, 1.5),
-    ("friction F [V]", TRUE, FRICTION, 3.5),
-    ("estimate F̂ [V]", ESTIMATED, ESTIMATE, 1.5),
-]
 FONT = "13px system-ui, sans-serif"
-FRICTION_PLANE = Plane("Friction over speed", "arm speed [rad/s]", "friction [V]", 0.6, 0.3)
-PHASE_PLANE = Plane("Phase plane", "arm angle φ [rad]", "arm speed [rad/s]", 0.3, 0.6)
+# Axes end at round numbers.
+ROUND = MaxNLocator(6, steps=[1, 2, 5, 10], symmetric=True)
 
 
-class TimeChart:
-    """Curves over the last seconds; the axis of values reaches at least from -reach to reach."""
+class Curve(NamedTuple):
+    """Label, colour, and width [pixels] of a curve."""
+
+    label: str
+    colour: str
+    width: float = 2.0
+
+
+# Where F̂ lies on F, both are seen.
+ANGLES = {PHI: Curve("arm φ [rad]", ARM), THETA: Curve("pendulum θ [rad]", PENDULUM)}
+VOLTAGES = {
+    COMMAND: Curve("u [V]", COMMANDED, 1.5),
+    FRICTION: Curve("friction F [V]", TRUE, 3.5),
+    ESTIMATE: Curve("estimate F̂ [V]", ESTIMATED, 1.5),
+}
+FRICTIONS = {FRICTION: Curve("true F", TRUE, 4.0), ESTIMATE: Curve("F̂", ESTIMATED, 1.5)}
+PHASES = (Curve("exact cycle", GREY, 4.0), Curve("now", ARM))
+
+
+class Chart:
+    """Curves over one quantity; the vertical axis is symmetric about 0.
+
+    ``names`` are those of the axes, and ``least`` is how far the axes reach at least. The
+    horizontal one is symmetric too, or the time before now if it has no least reach.
+    """
 
     def __init__(
-        self, gui: Any, name: str, curves: list[tuple[str, str, int, float]], reach: float
+        self, gui: Any, names: tuple[str, str], least: tuple[float, float], curves: Any
     ) -> None:
-        empty = np.array([-SECONDS, 0.0])
-        self._curves, self._shown = curves, [True] * len(curves)
-        end = {"pad": 0.05, "soft": reach, "mode": 1}
+        self._least, self._reaches = least, least
         self._handle = gui.add_uplot(
-            data=(empty, *(np.full(2, np.nan) for _ in curves)),
-            series=self._series(),
-            scales={
-                # Fixed: viser would keep the zoom relative to the data, which may span nothing.
-                "x": {"time": False, "range": (-SECONDS, 0.0)},
-                "y": {"range": {"min": end | {"soft": -reach}, "max": end}},
-            },
-            axes=(_axis("time before now [s]", 30), _axis(name, 48)),
+            data=tuple(np.zeros(2) for _ in range(1 + len(curves))),
+            series=({"label": names[0]}, *map(_series, curves)),
+            scales=_scales(least),
+            axes=tuple(_axis(*about) for about in zip(names, (30, 48), strict=True)),
             legend={"show": True, "live": False},
+            cursor={"show": False},  # it looks for ascending values
             height=HEIGHT,
             padding=(6, 12, 0, 0),
         )
 
-    def draw(self, samples: np.ndarray) -> None:
-        """Draw samples (n, 8)."""
-        if len(samples) < 2:
-            return
-        time = samples[:, TIME] - samples[-1, TIME]
-        values = [without_gaps(time, samples[:, column]) for *_, column, _ in self._curves]
-        shown = [value is not None for value in values]
-        if shown != self._shown:
-            self._shown = shown
-            self._handle.series = self._series()
-        unknown = np.zeros(len(time))
-        self._handle.data = (time, *(unknown if value is None else value for value in values))
-
-    def _series(self) -> tuple[Any, ...]:
-        """The time, and the curves with what is shown of them."""
-        curves = zip(self._curves, self._shown, strict=True)
-        return (
-            {"label": "time [s]"},
-            *(
-                {"label": label, "stroke": colour, "width": width, "show": is_shown}
-                for (label, colour, _, width), is_shown in curves
-            ),
-        )
+    def draw(self, x: np.ndarray, curves: list[np.ndarray]) -> None:
+        """Draw the curves (n,) over x (n,); NaN where a curve has no point."""
+        found = (_reach(self._least[0], [x]), _reach(self._least[1], curves))
+        if found != self._reaches:
+            self._reaches = found
+            self._handle.scales = _scales(found)
+        self._handle.data = (x, *curves)
 
 
-def without_gaps(time: np.ndarray, values: np.ndarray) -> np.ndarray | None:
-    """Values (n,) with lines over unknown ones; None if all are unknown.
+def _series(curve: Curve) -> dict[str, Any]:
+    return {"label": curve.label, "stroke": curve.colour, "width": curve.width}
 
-    A single NaN would leave the whole chart empty, for example the true friction of a rig.
-    """
-    known = np.isfinite(values)
-    return np.interp(time, time[known], values[known]) if known.any() else None
+
+def _scales(reaches: tuple[float, float]) -> dict[str, Any]:
+    across, up = reaches
+    time = (-SECONDS, 0.0)
+    return {
+        "x": {"time": False, "range": (-across, across) if across else time},
+        "y": {"range": (-up, up)},
+    }
+
+
+def _reach(least: float, series: list[np.ndarray]) -> float:
+    """The round end of an axis that no value exceeds; 0 if it is that of the time."""
+    if not least:
+        return 0.0
+    sizes = np.abs(np.concatenate(series))
+    largest = max(least, float(sizes.max(where=np.isfinite(sizes), initial=0.0)))
+    return float(ROUND.tick_values(-largest, largest)[-1])
 
 
 def _axis(label: str, size: int) -> dict[str, Any]:
@@ -93,37 +105,32 @@ class Charts:
 
     def __init__(self, server: viser.ViserServer) -> None:
         gui = server.gui
-        self._time = [
-            TimeChart(gui, "angle [rad]", ANGLES, 0.3),
-            TimeChart(gui, "voltage [V]", VOLTAGES, 0.5),
-        ]
-        self._friction = gui.add_html("")
-        self._phase = gui.add_html("")
+        time = "time before now [s]"
+        speed, phi = "arm speed [rad/s]", "arm angle φ [rad]"
+        self._angles = Chart(gui, (time, "angle [rad]"), (0.0, 0.3), ANGLES.values())
+        self._voltages = Chart(gui, (time, "voltage [V]"), (0.0, 0.5), VOLTAGES.values())
+        self._friction = Chart(gui, (speed, "friction [V]"), (0.6, 0.3), FRICTIONS.values())
+        self._phase = Chart(gui, (phi, "speed [rad/s]"), (0.3, 0.6), PHASES)
         self.cycle: np.ndarray | None = None
 
     def draw(self, samples: np.ndarray) -> None:
         """Draw samples (n, 8)."""
-        if not len(samples):
+        if len(samples) < 2:
             return
-        for chart in self._time:
-            chart.draw(samples)
-        newest = samples[samples[:, TIME] > samples[-1, TIME] - PLANE_SECONDS]
-        self._friction.content = xy_chart(FRICTION_PLANE, _friction_curves(newest))
-        self._phase.content = xy_chart(PHASE_PLANE, self._phase_curves(newest))
+        time = samples[:, TIME] - samples[-1, TIME]
+        self._angles.draw(time, [samples[:, column] for column in ANGLES])
+        self._voltages.draw(time, [samples[:, column] for column in VOLTAGES])
+        newest = samples[time > -PLANE_SECONDS]
+        self._friction.draw(newest[:, PHI_DOT], [newest[:, column] for column in FRICTIONS])
+        self._draw_phase(newest)
 
-    def _phase_curves(self, samples: np.ndarray) -> list[Curve]:
-        exact = []
-        if self.cycle is not None:
-            phi = self.cycle[:, 1] - 0.5 * (self.cycle[:, 1].max() + self.cycle[:, 1].min())
-            exact = [Curve("exact cycle", GREY, phi, self.cycle[:, 2], 4.0)]
-        return [*exact, Curve("now", ARM, samples[:, PHI], samples[:, PHI_DOT])]
+    def _draw_phase(self, samples: np.ndarray) -> None:
+        cycle = np.zeros((0, 6)) if self.cycle is None else self.cycle
+        phi, speed = cycle[:, 1] - _middle(cycle[:, 1]), cycle[:, 2]
+        exact = np.concatenate([speed, np.full(len(samples), np.nan)])
+        now = np.concatenate([np.full(len(speed), np.nan), samples[:, PHI_DOT]])
+        self._phase.draw(np.concatenate([phi, samples[:, PHI]]), [exact, now])
 
 
-def _friction_curves(samples: np.ndarray) -> list[Curve]:
-    speed = samples[:, PHI_DOT]
-    curves = [("true F", TRUE, FRICTION, 4.0), ("F̂", ESTIMATED, ESTIMATE, 1.5)]
-    return [
-        Curve(name, colour, speed, samples[:, column], width)
-        for name, colour, column, width in curves
-        if np.isfinite(samples[:, column]).any()
-    ]
+def _middle(values: np.ndarray) -> float:
+    return 0.5 * float(values.max() + values.min()) if len(values) else 0.0

@@ -16,7 +16,7 @@ from furuta_graph.system_client import BridgeClient, reset_plant
 from furuta_ros.parameter_files import is_of_ros
 from furuta_ros.spinning import SpinningThread
 from furuta_view.jobs import Jobs
-from furuta_view.parameter_types import Described
+from furuta_view.parameter_panel import Described
 
 # A push that begins at once and lasts 0.1 s of the plant's time.
 PUSH = {"pushes.times": [0.0], "pushes.durations": [0.1]}

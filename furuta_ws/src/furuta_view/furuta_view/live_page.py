@@ -4,23 +4,24 @@ from collections.abc import Callable
 from functools import partial
 from itertools import count
 from time import monotonic, sleep
-from typing import Any
 
 import numpy as np
 
+from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_description.robot_description import robot_description
 from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_model.pendulum import FurutaPendulum
+from furuta_ros.context import ros_context, tell_graph
+from furuta_ros.process_end import StopSignal
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import (
+    analysed_loop,
     cycle_size,
     encoder_counts,
     exact_cycle,
     model_of,
     predicted_size,
-    relevant,
 )
-from furuta_view.fall_notice import FallNotice, has_fallen
 from furuta_view.figures import figures, late_samples
 from furuta_view.graph_link import END_TIMEOUT, GraphLink
 from furuta_view.guide import Guide, motion_text
@@ -31,12 +32,26 @@ from furuta_view.rig_controls import RigControls
 from furuta_view.samples import THETA, TIME
 from furuta_view.scene import Scene
 from furuta_view.server import PageServer
-from furuta_view.simulation_controls import FOREVER, SimulationControls
+from furuta_view.simulation_controls import FOREVER, FallNotice, SimulationControls, has_fallen
 
 # Time between two drawings [s]; every how many of them the charts are drawn, the status is updated,
 # and nodes are searched for.
 PERIOD = 1.0 / 30.0
 CHARTS_EVERY, STATUS_EVERY, SEARCH_EVERY = 3, 15, 30
+
+
+def run_page(server: PageServer, namespace: str, opens: bool) -> None:
+    """Print the address, open the browser where there is one, and draw until Ctrl-C."""
+    stop = StopSignal()
+    server.announce(opens)
+    with ros_context(namespace=namespace):
+        tell_graph(namespace)
+        page = LivePage(server)
+        try:
+            page.run(stop)
+        finally:
+            page.close()
+    server.stop()
 
 
 class LivePage:
@@ -63,7 +78,7 @@ class LivePage:
         self._scene = Scene(server)
         self._rig: RigControls | None = None
         self._drawn_model: FurutaPendulum | None = None
-        self._cycle_of: tuple[Any, ...] = ()
+        self._analysed: IdealLoop | None = None
         self._predicted: list[tuple[str, str]] = []
         self._start = 0.0
 
@@ -165,17 +180,16 @@ class LivePage:
         if model != self._drawn_model:
             self._scene.show(robot_description(model.arm_length, model.pendulum_length))
             self._drawn_model = model
-        cycle_of = relevant(values)
-        if cycle_of != self._cycle_of:
-            self._cycle_of = cycle_of
-            self._link.computation.submit("cycle", self._compute_cycle)
+        loop = analysed_loop(values)
+        if loop != self._analysed:
+            self._analysed = loop
+            self._link.computation.submit("cycle", partial(self._compute_cycle, loop))
 
-    def _compute_cycle(self) -> None:
-        values = self._parameters.values
-        cycle = self._charts.cycle = exact_cycle(values)
+    def _compute_cycle(self, loop: IdealLoop | None) -> None:
+        cycle = self._charts.cycle = exact_cycle(loop) if loop else None
         found = {
             "exact, uncompensated": cycle_size(cycle),
-            "describing function": predicted_size(values),
+            "describing function": predicted_size(loop) if loop else None,
         }
         self._predicted = [
             (name, motion_text(*size) if size else "no cycle") for name, size in found.items()

@@ -14,12 +14,9 @@ ALARM, INK = "#b91c1c", "#334155"
 
 
 class Layout:
-    """The places of the page, each to be used with ``with``, and the status at the top.
+    """The places of the page, each to be used with ``with``, and the status at the top."""
 
-    Only a ``live`` page has controls of the graph.
-    """
-
-    def __init__(self, server: viser.ViserServer, live: bool = True) -> None:
+    def __init__(self, server: viser.ViserServer) -> None:
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
         gui.set_panel_label("Furuta pendulum")
@@ -30,11 +27,7 @@ class Layout:
         charts.dock_left()
         charts.set_width(CHARTS_WIDTH)
         charts.expand()  # a narrow page shows panels below each other, collapsed otherwise
-        waiting = "waiting for a running graph" if live else ""
-        self.status = gui.add_html(status_html(waiting, []), order=0.0)
-        if not live:
-            self.main = gui.add_folder("Time", order=1.0)
-            return
+        self.status = gui.add_html(status_html("waiting for a running graph", []), order=0.0)
         controls = gui.add_panel(order=1.0)
         controls.dock_below(gui.main_panel)
         with controls.add_tab("Controls"):

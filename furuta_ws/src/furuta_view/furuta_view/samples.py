@@ -12,7 +12,7 @@ COLUMNS = 8
 class Samples:
     """The newest ``size`` samples as rows of :data:`COLUMNS` columns; NaN where unknown.
 
-    Time that goes backwards starts a new series: another graph, or a recording that was rewound.
+    Time that goes backwards starts a new series: another graph.
     """
 
     def __init__(self, size: int) -> None:

@@ -1,14 +1,22 @@
-"""Controls of the simulated plant: push and reset; in lock-step also the speed."""
+"""Controls of the simulated plant: push, reset, notice of a fall; in lock-step also the speed."""
 
+from collections.abc import Callable
 from functools import partial
+from math import inf, pi, tau
 from typing import Any
 
 import viser
 
-from furuta_view.fall_notice import RESET
+from furuta_graph.settings.nodes import CONTROLLER, PLANT
+from furuta_view.exact_cycle import Values
 from furuta_view.graph_link import GraphLink
-from furuta_view.page_layout import Note
+from furuta_view.page_layout import ALARM, Note
 
+RESET = "Reset: pendulum upright"
+TEXT = (
+    f'<div class="fallen" role="alert" style="background:{ALARM};color:white;margin:0 10px 6px;'
+    'padding:4px 8px;font-size:15px"><b>The pendulum has fallen.</b> Reset puts it upright.</div>'
+)
 PUSHES = {"push arm": "pushes.arm", "push pendulum": "pushes.pendulum"}
 CLOCKWISE, ANTICLOCKWISE = "clockwise", "anticlockwise"  # seen from above: φ falls, φ rises
 # Speeds relative to real time; None: as fast as the machine allows.
@@ -86,3 +94,26 @@ class SimulationControls:
         sign = 1.0 if event.target.value == ANTICLOCKWISE else -1.0
         work = partial(self._link.push, parameter, sign * self._push_size.value)
         self._link.requests.submit("push", work, self._note.fail)
+
+
+class FallNotice:
+    """A notice with a button at the top of the page, and the key R."""
+
+    def __init__(self, gui: Any, reset: Callable[[], None]) -> None:
+        text = gui.add_html(TEXT, visible=False, order=-0.6)
+        button = gui.add_button(RESET, icon=viser.Icon.RESTORE, visible=False, order=-0.5)
+        button.on_click(lambda _: reset())
+        gui.add_command(RESET, hotkey="R").on_trigger(lambda _: reset())
+        self._handles = (text, button)
+
+    def show(self, fallen: bool, values: Values) -> None:
+        """Show it after a fall, unless the controller swings the pendulum up."""
+        swings = values.get(CONTROLLER, {}).get("mode") == "swing_up"
+        for handle in self._handles:
+            handle.visible = fallen and PLANT in values and not swings
+
+
+def has_fallen(theta: float, values: Values) -> bool:
+    """Whether the controller gives up at the pendulum angle θ [rad], of any turn."""
+    limit = float(values.get(CONTROLLER, {}).get("fall_angle", inf))
+    return abs((theta + pi) % tau - pi) > limit

@@ -2,11 +2,9 @@
 
 import os
 import sys
-from pathlib import Path
 
 import click
 
-from furuta_bringup.file_types import PATH
 from furuta_bringup.options import namespace_option, option, own_parts_option
 from furuta_graph.scheduling import may_have_priority
 from furuta_model.accepted_parts import accepted_parts
@@ -21,8 +19,6 @@ NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 
 @click.command()
 @option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
-@option("--bag", type=PATH, metavar="DIR|FILE",
-    help="Show a recording, or a file of simulate --out, without ROS.")  # fmt: skip
 @option("--no-open", is_flag=True, help="Open no browser.")
 @option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
@@ -30,7 +26,6 @@ NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 @click.argument("options", nargs=-1, type=click.UNPROCESSED)
 def command(
     attach: bool,
-    bag: Path | None,
     no_open: bool,
     port: int | None,
     namespace: str,
@@ -41,21 +36,11 @@ def command(
     The address of the page is the first line on standard output. Options of furuta run follow
     after --, for example: furuta view -- --lockstep
     """
-    if bag and (attach or options or namespace):
-        raise click.UsageError(
-            "--bag shows a recording: omit --attach, --namespace and options of furuta run"
-        )
-    if bag:
-        from furuta_view.bag_page import run_bag_page
-        from furuta_view.server import PageServer
-
-        run_bag_page(PageServer(port), bag, opens=not no_open)
-        return
     if attach and options:
         raise click.UsageError("--attach starts no graph: omit the options of furuta run")
     if attach:
         os.nice(NICENESS)  # before any thread starts: each has its own
-        from furuta_view.page_process import run_page
+        from furuta_view.live_page import run_page
         from furuta_view.server import PageServer
 
         run_page(PageServer(port), namespace, opens=not no_open)
