@@ -25,7 +25,7 @@ NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
 		study_files trust_region tuning whole_files) \
 	$(patsubst %,graph/test_%.py,accepted_parts hostile_input lockstep reset second_publishers) \
 	$(patsubst %,processes/test_%.py,analysis_verbs axis_verb bag_verbs command_line compare \
-		every_verb missing_packages suggestions sweep tune))
+		missing_packages sweep tune))
 NOBLE_PYTHON = python3.12 $(wildcard $(HOME)/.pyenv/versions/3.12.*/bin/python3) python3.11 python3
 test-noble:
 	test -d $(NOBLE) || git clone --quiet --no-checkout . $(NOBLE)

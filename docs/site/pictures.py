@@ -17,7 +17,6 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
-    "atlas.png": "theorem fold --out OUT",
     "axis.png": "axis --inertia 0.01 --friction "
     "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1,viscous=0.005 --pid 1 2 0.08 --out OUT",
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",

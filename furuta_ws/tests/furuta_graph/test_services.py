@@ -8,6 +8,7 @@ import pytest
 from rclpy.task import Future
 
 from furuta_graph.services import ServiceCaller, ServiceError
+from furuta_ros.parameter_service import BURST, RATE, Allowance
 
 
 class SlowNode:
@@ -82,3 +83,12 @@ def test_missing_node() -> None:
     with pytest.raises(ServiceError, match=reason):
         node.call()
     assert not node.sent
+
+
+def test_changes_of_parameters_are_limited() -> None:
+    """A burst at once, and then as many as the rate permits, so that samples go on."""
+    now = [0.0]
+    allowance = Allowance(lambda: now[0])
+    assert sum(allowance.take() for _ in range(1000)) == BURST
+    now[0] += 5.0 / RATE
+    assert [allowance.take() for _ in range(6)] == [True] * 5 + [False]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from math import inf
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -95,6 +95,15 @@ def wait_until_ready(process: subprocess.Popen[str], nodes: int) -> None:
         line = process.stderr.readline()
         assert line, "the process ended before its nodes were ready"
         nodes -= "ready" in line
+
+
+def wait_for(condition: Callable[[], Any]) -> Any:
+    """The first true result of the condition."""
+    deadline = monotonic() + TIMEOUT
+    while not (result := condition()):
+        assert monotonic() < deadline, "the awaited condition did not come true"
+        sleep(0.002)
+    return result
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ def answer(result: tuple[int, str, str]) -> dict[str, Any]:
     return parsed
 
 
-def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:
-    """Case a crosses, b does not, c and d start on the negative real axis; and a picture."""
+def test_nyquist(furuta: Any, tmp_path: Path) -> None:
+    """Of Fig. 4 case a crosses, b does not; --feedback replaces the gain everywhere."""
     picture = tmp_path / "new" / "figure4.png"
     result = answer(furuta("linearize", "--figure-4", "--out", picture, "--json"))
     assert [(crossing["case"], crossing["omega_rad_s"]) for crossing in result["crossings"]] == [
@@ -27,14 +27,6 @@ def test_nyquist_figure_4(furuta: Any, tmp_path: Path) -> None:
         ("d", 0.0),
     ]
     assert picture.read_bytes().startswith(PNG)
-
-
-def test_nyquist_of_the_controller(furuta: Any) -> None:
-    """The default feedback is the controller's own gain; --feedback replaces it everywhere."""
-    result = answer(furuta("linearize", "--nyquist", "--json"))
-    assert result["nyquist"]["given"]["feedback"] == [-gain for gain in result["L"]]
-    (crossing,) = result["crossings"]
-    assert crossing["omega_rad_s"] == pytest.approx(3.0301, abs=1e-4)
     result = answer(furuta("linearize", "--nyquist", "--feedback", "10", "4", "60", "20", "--json"))
     assert result["L"] == [-10, -4, -60, -20]
     assert result["crossings"][0]["omega_rad_s"] == pytest.approx(3.057, abs=1e-3)
@@ -44,33 +36,19 @@ def test_passivity(furuta: Any) -> None:
     """The paper's K does not satisfy the condition, and the reason is given."""
     result = answer(furuta("linearize", "--passivity", "--json"))
     assert result["passive"] is False
-    about = result["passivity"]
-    assert "5.09 1/s in the right half plane" in about["reason"]
-    assert about["K"] == 0.01
-    assert about["smallest_real_part"] == pytest.approx(80 / result["L"][0])
-    assert about["fastest_growth"] == pytest.approx(0.5765, abs=1e-4)
-    assert about["exact_model"] is True
+    assert "5.09 1/s in the right half plane" in result["passivity"]["reason"]
+    assert result["passivity"]["exact_model"] is True
 
 
-@pytest.mark.parametrize(
-    ("law", "width", "period"), [("coulomb", 0.6425, 2.0736), ("lugre", 0.6369, 2.1491)]
-)
-def test_prediction(furuta: Any, tmp_path: Path, law: str, width: float, period: float) -> None:
+def test_prediction_takes_parameters_and_feedback(furuta: Any, tmp_path: Path) -> None:
+    """Friction twice as strong, cycle twice as wide; without φ no cycle but rotations."""
     picture = tmp_path / "prediction.png"
-    predict = ("limit-cycle", "--predict", "--law", law, "--out", picture, "--json")
-    result = answer(furuta(*predict))
-    (cycle,) = result["cycles"]
-    assert cycle["phi_peak_to_peak_rad"] == pytest.approx(width, abs=1e-4)
-    assert cycle["period_s"] == pytest.approx(period, abs=1e-4)
+    predict = ("limit-cycle", "--predict", "--json")
+    coulomb = (*predict, "--law", "coulomb", "--set", "alpha0=0.42", "--out", picture)
+    (cycle,) = answer(furuta(*coulomb))["cycles"]
+    assert cycle["phi_peak_to_peak_rad"] == pytest.approx(2 * 0.6425, abs=2e-4)
     assert cycle["stable"] is True
     assert picture.read_bytes().startswith(PNG)
-
-
-def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
-    """Friction twice as strong, cycle twice as wide; without φ no cycle but rotations."""
-    predict = ("limit-cycle", "--predict", "--json")
-    result = answer(furuta(*predict, "--law", "coulomb", "--set", "alpha0=0.42"))
-    assert result["cycles"][0]["phi_peak_to_peak_rad"] == pytest.approx(2 * 0.6425, abs=2e-4)
     result = answer(furuta(*predict, "--feedback", "0", "7", "60", "20"))
     assert result["cycles"] == []
     rates = [rotation["rate_rad_s"] for rotation in result["rotations"]]
@@ -80,13 +58,8 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any) -> None:
 def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "cycle.png"
     result = answer(furuta("limit-cycle", "--json", "--out", picture))
-    assert result["kind"] == "oscillation"
+    assert (result["kind"], result["stable"]) == ("oscillation", True)
     assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
-    assert result["stable"]
-    assert len(result["floquet_multipliers"]) == 4
-    assert {"theta_peak_to_peak_rad", "period_s", "rotation_rate_rad_s", "stuck_fraction"} <= set(
-        result
-    )
     assert picture.read_bytes().startswith(PNG)
 
 
@@ -95,7 +68,6 @@ def test_branch(furuta: Any, tmp_path: Path) -> None:
     result = answer(furuta("limit-cycle", "--over", "viscous=0.2:0.3", "--json", "--out", picture))
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
     assert folds == [pytest.approx(0.2095, abs=1e-3)]
-    assert {point["stable"] for point in result["branch"]} == {True, False}
     assert picture.read_bytes().startswith(PNG)
 
 
@@ -109,28 +81,13 @@ def test_map(furuta: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "view",
-    [
-        ("linearize", "--nyquist"),
-        ("limit-cycle", "--predict", "--law", "coulomb"),
-        pytest.param(
-            ("limit-cycle", "--over", "sigma0=70:80:2", "--over", "sigma1=1:2:2"),
-            marks=pytest.mark.long,
-        ),
-    ],
+    "view", [("linearize", "--nyquist"), ("limit-cycle", "--predict", "--law", "coulomb")]
 )
-@pytest.mark.parametrize(
-    "loop",
-    [
-        ("--feedback", "0", "0", "0", "0"),
-        ("--feedback", "0", "-1", "60", "20"),
-        ("--set", "plant.friction.alpha0=0", "--set", "plant.friction.alpha1=0"),
-    ],
-)
+@pytest.mark.parametrize("gains", ["0 0 0 0", "0 -1 60 20"])
 def test_degenerate_loops_are_drawn(
-    furuta: Any, tmp_path: Path, loop: tuple[str], view: tuple[str]
+    furuta: Any, tmp_path: Path, gains: str, view: tuple[str, ...]
 ) -> None:
     picture = tmp_path / "loop.png"
-    status, _, err = furuta(*view, *loop, "--out", picture)
+    status, _, err = furuta(*view, "--feedback", *gains.split(), "--out", picture)
     assert (status, err) == (0, "")
     assert picture.read_bytes().startswith(PNG)

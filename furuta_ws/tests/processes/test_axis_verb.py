@@ -33,23 +33,6 @@ def test_reference_speed_and_unstable_gains(furuta: Any) -> None:
     assert (result["kind"], result["recommended"]) == ("unbounded", None)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected", "reason"),
-    [
-        (AXIS, 2, "either --pid or --cascade"),
-        (("--pid", "1", "1", "1"), 2, "--inertia and --friction, or --identify"),
-        ((*AXIS[:2], "--friction", "alpha=1", "--pid", "1", "1", "1"), 1, "NAME=VALUE"),
-        ((*AXIS[:2], "--identify", "x.csv", "--pid", "1", "1", "1"), 2, "or --identify"),
-        (("--identify", "nothing.csv", "--pid", "1", "1", "1"), 1, "no recording nothing.csv"),
-    ],
-)
-def test_wrong_usage(furuta: Any, arguments: Any, expected: int, reason: str) -> None:
-    status, _, err = furuta("axis", *arguments)
-    assert status == expected
-    assert reason in err
-    assert len(err.splitlines()) == 1
-
-
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A slow motion of a hunting axis, and noise."""

@@ -39,7 +39,7 @@ def test_info(furuta: Any, bag: Path) -> None:
     assert Path(result["parameters"]).is_file()
 
 
-def test_export_and_plot(bag: Path, tmp_path: Path) -> None:
+def test_export_as_table_and_picture(bag: Path, tmp_path: Path) -> None:
     """A row per measurement, every column of the graph, each sample with its own command.
 
     The table gives the same picture as the bag.
@@ -58,7 +58,7 @@ def test_export_and_plot(bag: Path, tmp_path: Path) -> None:
     assert np.max(np.abs(error)) < 20 / 2**12
     assert np.max(np.abs(rows["true_phi_rad"] - rows["estimated_phi_rad"])) < 0.05
     for source, picture in ((bag, "bag.png"), (table, "table.png")):
-        assert picture in output("plot", source, "--out", tmp_path / picture)
+        assert picture in output("bag", "export", source, "--out", tmp_path / picture)
     assert (tmp_path / "bag.png").read_bytes() == (tmp_path / "table.png").read_bytes()
 
 

@@ -55,16 +55,6 @@ def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> 
     assert len({row["friction.sigma0"] for row in rows}) == 1
 
 
-def test_table_in_a_pipe_is_whole(furuta: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """However narrow the terminal, no heading and no number is cut."""
-    monkeypatch.setenv("COLUMNS", "40")
-    status, out, err = furuta("compare", "--rigs", "1", "--seconds", "5", "--candidate", "none")
-    assert status == 0, err
-    assert "…" not in out
-    (line,) = (line for line in out.splitlines() if line.split()[:1] == ["candidate"])
-    assert line.split()[-6:] == ["Δu", ">", "50", "Hz", "delay", "[s]", "pushes"][-6:]
-
-
 def test_tuned_candidates_are_compared(furuta: Any, tmp_path: Path) -> None:
     """With the result of the tuning, a table for readers, and a picture."""
     picture = tmp_path / "named.png"

@@ -35,12 +35,9 @@ def choose(monkeypatch: pytest.MonkeyPatch) -> Any:
     [
         ({}, "LOCALHOST", False),
         ({RANGE: ""}, "LOCALHOST", False),
-        ({RANGE: "LOCALHOST"}, "LOCALHOST", False),
         ({RANGE: "OFF"}, "OFF", False),
         ({RANGE: "SUBNET"}, "SUBNET", True),
-        ({RANGE: "SYSTEM_DEFAULT"}, "SYSTEM_DEFAULT", True),
         ({"ROS_STATIC_PEERS": "192.0.2.7"}, None, True),
-        ({RANGE: "LOCALHOST", "ROS_STATIC_PEERS": "192.0.2.7"}, "LOCALHOST", True),
         ({"ROS_DISCOVERY_SERVER": "192.0.2.7:11811"}, None, True),
         ({RANGE: "SUBNET", "ROS_LOCALHOST_ONLY": "1"}, "SUBNET", False),
     ],

@@ -8,6 +8,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from processes.conftest import wait_for
 
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import encode
@@ -34,23 +35,6 @@ def test_files(furuta: Any, tmp_path: Path) -> None:
     assert "#define LOOP_REAL float" in header
 
 
-def test_refusal(furuta: Any, tmp_path: Path) -> None:
-    """One line, and no file."""
-    options = ("--set", "mode=off", "--out", tmp_path / "new")
-    status, out, err = furuta("export", "c", *options)
-    assert (status, out) == (1, "")
-    assert err.startswith("error: controller.mode must be one of balance, swing_up")
-    assert not (tmp_path / "new").exists()
-
-
-def wait(rig: Any, samples: int) -> None:
-    """Let the rig take so many samples."""
-    end, until = monotonic() + PATIENCE, rig.ask("status")["sample"] + samples
-    while rig.ask("status")["sample"] < until:
-        assert monotonic() < end
-        sleep(0.02)
-
-
 @pytest.mark.long
 @pytest.mark.realtime
 @pytest.mark.timeout(900)
@@ -70,7 +54,8 @@ def test_killed_graph(furuta: Any, processes: Any, emulate: Any, tmp_path: Path)
         _, _, refusal = processes.run("hw", "arm")
     graph.send_signal(signal.SIGKILL)
     graph.wait()
-    wait(rig, ALONE)
+    until = rig.status["sample"] + ALONE
+    wait_for(lambda: rig.status["sample"] >= until)
     status = rig.ask("status")
     assert status["armed"] and abs(status["state"][2]) < 0.2
     line = os.open(rig.port, os.O_RDWR | os.O_NOCTTY)

@@ -1,37 +1,29 @@
-"""The graph as one process per node, with parameters set from outside."""
+"""Graphs as they are started: one process per node, launched, in namespaces, two at once."""
 
 import signal
 from functools import wraps
 from itertools import pairwise
 from pathlib import Path
-from time import monotonic, sleep
+from time import sleep
 from typing import Any
 
 import numpy as np
 import pytest
+from launch_stand_ins import launched_nodes
 from paused_graph import PausedGraph
+from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
+from furuta_graph.graph_plan import GraphOptions, plan_graph
 from furuta_graph.settings.nodes import graph_nodes
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.simulation.closed_loop import simulate
 
-SAMPLES = 1500
+SAMPLES = 300
 NODE_NAMES = [node.name for node in graph_nodes()]
-
-
-@pytest.mark.long
-def test_separate_processes_are_the_same_loop(bench: Bench, processes: Any) -> None:
-    """In lock-step, four processes give the offline loop's run to the last bit."""
-    graph = PausedGraph(bench)
-    for name in NODE_NAMES:
-        extra = ("clock:=lockstep", "run_until:=0.0") if name == "plant" else ()
-        processes.node(name, *extra, *(("compensation:=lugre",) if "observer" in name else ()))
-    expected = simulate(loop(load_settings([], ["compensation=lugre"])), SAMPLES * 0.001)
-    np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
 
 
 @pytest.mark.long
@@ -104,10 +96,7 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     process = processes.furuta(
         "run", "--processes", "--lockstep", "--record", bag, "--topic", "command"
     )
-    deadline = monotonic() + 120.0
-    while not (bag / "metadata.yaml").exists() or not messages(bag):
-        assert monotonic() < deadline
-        sleep(0.05)
+    wait_for(lambda: (bag / "metadata.yaml").exists() and messages(bag))
     process.send_signal(signal.SIGINT)
     _, err = process.communicate()
     assert process.returncode == 0, err
@@ -120,3 +109,67 @@ def messages(bag: Path) -> int:
     """Number of commands; /rosout has messages before the graph is ready."""
     with Bag(bag) as reader:
         return sum(c.msgcount for c in reader.connections if c.topic == "/command")
+
+
+def test_launched_graph_on_another_rig(
+    monkeypatch: Any, bench: Bench, processes: Any, other_rig: Path, tmp_path: Path
+) -> None:
+    """The launch file's processes run the rig of ``rig:=`` as the simulation does, to the bit."""
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        "plant: {ros__parameters: {run_until: 0.0, seed: 4}}\n"
+        "friction_observer: {ros__parameters: {compensation: lugre}}\n"
+    )
+    arguments = {"rig": str(other_rig), "params_file": str(file), "namespace": "left"}
+    graph = PausedGraph(bench, "left", sample_time=0.002)
+    for node in launched_nodes(monkeypatch, clock="lockstep", **arguments):
+        processes.start(*node.command)
+    plan = plan_graph(GraphOptions(rig=str(other_rig)), [file])
+    expected = simulate(loop(plan.settings), SAMPLES * 0.002)
+    np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [(), pytest.param(("--processes",), marks=pytest.mark.long)],
+    ids=["composed", "processes"],
+)
+def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str, ...]) -> None:
+    """In one ROS domain each namespace has its own pendulum, clients included."""
+    seeds = {"left": 1, "right": 2}
+    graphs = {name: PausedGraph(bench, name) for name in seeds}
+    for name, seed in seeds.items():
+        assignments = ("--set", f"seed={seed}", "--set", "run_until=0")
+        processes.furuta("run", "--lockstep", "--namespace", name, *extra, *assignments)
+    for name, seed in seeds.items():
+        expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
+        np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
+    assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"
+
+
+@pytest.mark.parametrize(
+    "how",
+    ["run", *(pytest.param(how, marks=pytest.mark.long) for how in ("run --processes", "node"))],
+)
+def test_a_second_graph_does_not_start(processes: Any, how: str) -> None:
+    """Beside one in its namespace and domain; the first one goes on."""
+    first = processes.ready_node("plant")
+    if how == "node":
+        second = processes.node("plant")
+        _, err = second.communicate(timeout=60.0)
+        status = second.returncode
+    else:
+        status, _, err = processes.run(*how.split(), "--lockstep")
+    assert status == 1
+    assert "a graph already runs in namespace / of ROS domain" in err
+    assert first.poll() is None
+
+
+@pytest.mark.long
+def test_a_graph_starts_again_after_a_kill(processes: Any) -> None:
+    """At once: a kill ends its claim too."""
+    first = processes.ready_node("plant")
+    first.send_signal(signal.SIGKILL)
+    first.wait()
+    status, out, err = processes.run("run", "--lockstep", "--seconds", "2")
+    assert (status, out) == (0, "2000 samples, 2.000 s\n"), err

@@ -1,13 +1,12 @@
 """``furuta hw`` and ``run --plant hardware`` as a user runs them."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import pytest
 from bridge_bench import PERMISSIVE_RIG
+from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
 
 from furuta_graph.settings.settings import read_file
@@ -20,13 +19,6 @@ limits:
   {command_age: 10, estimate_age: 10, measurement_age: 10, bad_frames: 1.0, disagreement: 1000,
    pendulum_angle: 3.141592653589793, arm_angle: 1.0e+6}
 """
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Wait until the condition holds; fail if it does not."""
-    end = monotonic() + 120.0
-    while not condition():
-        assert monotonic() < end, "the awaited condition did not come true"
 
 
 def test_rig_as_json(furuta: Any) -> None:
@@ -57,7 +49,7 @@ def test_signs(furuta: Any, emulate: Any, tmp_path: Path) -> None:
     assert status == 0, err
     assert json.loads(out) == {"arm.sign": 1, "speed.sign": 1, "pendulum.sign": -1}
     assert rig.status["driven"] > 0
-    wait_until(lambda: (rig.status["volts"], rig.status["armed"]) == (0.0, False))
+    wait_for(lambda: (rig.status["volts"], rig.status["armed"]) == (0.0, False))
 
 
 def test_a_bad_line_fails_the_check(furuta: Any, emulate: Any) -> None:
@@ -112,9 +104,9 @@ def test_arming_by_the_verb(furuta: Any, processes: Any, emulate: Any, tmp_path:
     assert furuta("hw", "state")[1].strip() == "active"
     status, _, err = furuta("hw", "arm")
     assert status == 0, err
-    wait_until(lambda: rig.status["driven"] > 0 and rig.status["armed"])
+    wait_for(lambda: rig.status["driven"] > 0 and rig.status["armed"])
     assert furuta("hw", "disarm")[0] == 0
-    wait_until(lambda: not rig.status["armed"])
+    wait_for(lambda: not rig.status["armed"])
     assert furuta("hw", "state", "deactivate")[1].strip() == "inactive"
     status, _, err = furuta("hw", "arm")
     assert (status, err.strip()) == (1, "error: not armed: the bridge is inactive, must be active")

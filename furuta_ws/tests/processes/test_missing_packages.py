@@ -44,9 +44,6 @@ def run_there(
     ("missing", "arguments", "remedy"),
     [
         ("viser", "view --no-open", "pip install viser"),
-        ("websockets", "view --no-open", "pip install websockets"),
-        ("xacro", "view --no-open", "pip install xacro"),
-        ("urdf_parser_py", "view --no-open", "pip install urdf-parser-py"),
         ("distributed", "sweep alpha0=1 --scheduler tcp://127.0.0.1:9", "pip install distributed"),
         ("pyarrow", TABLE, "pip install"),
         ("flint", f"{AXIS} --prove", "pip install python-flint"),
@@ -60,8 +57,6 @@ def test_a_verb(
     replace: Any, run_there: Any, tmp_path: Path, missing: str, arguments: str, remedy: str
 ) -> None:
     """It ends with status 1 and has written no file."""
-    if arguments.startswith("view") and missing != "viser":
-        pytest.importorskip("viser")  # it is imported first
     replace(missing, NOT_INSTALLED)
     status, out, err = run_there(arguments)
     assert (status, out) == (1, "")

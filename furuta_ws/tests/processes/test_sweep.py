@@ -5,12 +5,11 @@ import json
 import os
 import signal
 from pathlib import Path
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
+from processes.conftest import TIMEOUT, Processes, wait_for
 
-TIMEOUT = 120.0
 # Long enough to be killed in between, and with an impossible point.
 LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 
@@ -18,14 +17,6 @@ LONG = ("plant.seed=0:59:60", "sigma1=1.0,1.5,1e9", "--seconds", "60")
 def finished_runs(journal: Path) -> int:
     """The number of runs in the journal, 0 if there is none yet; its first line describes it."""
     return max(0, journal.read_bytes().count(b"\n") - 1) if journal.exists() else 0
-
-
-def wait_for_runs(journal: Path, runs: int) -> None:
-    """Return once the journal has this many runs."""
-    deadline = monotonic() + TIMEOUT
-    while finished_runs(journal) < runs:
-        assert monotonic() < deadline, "the sweep makes no progress"
-        sleep(0.01)
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -36,8 +27,6 @@ def table(path: Path) -> list[dict[str, str]]:
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The table of the long sweep without any interruption."""
-    from processes.conftest import Processes  # noqa: PLC0415
-
     out = tmp_path_factory.mktemp("whole") / "sweep.csv"
     processes = Processes()
     status, _, err = processes.run("sweep", *LONG, "--out", out)
@@ -74,7 +63,7 @@ def test_killed_sweep_is_resumed(furuta: Any, processes: Any, tmp_path: Path, wh
     out = tmp_path / "sweep.csv"
     journal = tmp_path / "sweep.csv.part"
     process = processes.furuta("sweep", *LONG, "--out", out)
-    wait_for_runs(journal, 20)
+    wait_for(lambda: finished_runs(journal) >= 20)
     process.send_signal(signal.SIGKILL)
     process.wait()
     assert not out.exists()
@@ -104,7 +93,7 @@ def test_cluster_loses_workers(processes: Any, tmp_path: Path, whole: bytes) -> 
         process = processes.furuta(
             "sweep", *LONG, "--out", out, "--scheduler", client.scheduler.addr
         )
-        wait_for_runs(tmp_path / "sweep.csv.part", 12)
+        wait_for(lambda: finished_runs(tmp_path / "sweep.csv.part") >= 12)
         workers = list(client.run(os.getpid).values())
         for worker in workers[:2]:
             os.kill(worker, signal.SIGKILL)

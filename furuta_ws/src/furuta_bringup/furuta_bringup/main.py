@@ -2,7 +2,6 @@
 
 import importlib
 import logging
-import re
 import sys
 from difflib import get_close_matches
 from importlib.metadata import packages_distributions, version
@@ -10,7 +9,7 @@ from typing import Any
 
 import click
 
-from furuta_bringup.groups import HelpfulGroup
+from furuta_bringup.options import HelpfulGroup
 from furuta_bringup.printing import printable
 from furuta_model.optional import missing
 from furuta_model.parameters import ParameterError
@@ -29,15 +28,11 @@ VERBS = {
     "linearize": "Linear model, poles, gain, margins; Nyquist plot; passivity.",
     "limit-cycle": "Limit cycle, exact or predicted; its branches and maps.",
     "export": "Export the tuned loop as C for a microcontroller.",
-    "theorem": "Check theorems on limit cycles of an axis with friction.",
     "axis": "Hunting of a servo axis with friction; which compensation helps.",
     "identify": "Identify a model from recordings.",
     "bag": "Show, export, recover and replay recorded bags.",
-    "plot": "Draw a bag or a file of series.",
     "hw": "Commission a real rig, arm it, or emulate one.",
     "param": "Read and set parameters of running nodes; print parameter files.",
-    "reset": "Put the simulated pendulum upright again.",
-    "node": "List the running nodes, or run one.",
 }
 
 
@@ -85,10 +80,8 @@ class Verbs(HelpfulGroup):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The verb's name, its command and the other arguments; suggests a like or related one."""
-        word = re.compile(rf"\b{re.escape(args[0])}(e?s)?\b", re.IGNORECASE)
-        named = [verb for verb, about in VERBS.items() if word.search(about)]
-        similar = get_close_matches(args[0], VERBS, n=1) or named
+        """The verb's name, its command and the other arguments; suggests a like one."""
+        similar = get_close_matches(args[0], VERBS, n=1)
         if similar and args[0] not in VERBS:
             ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
         return super().resolve_command(ctx, args)
@@ -157,14 +150,6 @@ def _fail(reason: str, status: int = 1) -> int:
 
 def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
-    if isinstance(error, click.NoSuchOption):
-        name = error.option_name
-        message = f"No such option {name!r}" + ("" if name.startswith("--") else "; write --NAME")
-        near = get_close_matches(name, error.possibilities or (), n=1)
-        if error.ctx and error.ctx.info_name == "view" and not near:
-            message = f"No such option {name!r}; options of furuta run come after --"
-        suggested = f". Did you mean {near[0]!r}?" if near else ""
-        error = click.UsageError(message + suggested, error.ctx)
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{text} (see {context.command_path} --help)" if context else text

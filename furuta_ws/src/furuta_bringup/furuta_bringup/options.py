@@ -4,15 +4,15 @@ Help shows them without numerical code: what computes is imported when a verb ru
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
 
-from furuta_bringup.file_types import PATH
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
@@ -21,6 +21,20 @@ from furuta_ros.time_stamps import MOST_SECONDS
 from furuta_ros.topic_names import full_namespace
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class HelpfulGroup(click.Group):
+    """A group that without arguments shows its help on standard error, with exit status 2.
+
+    click itself does so since 8.2; before, it shows the help as a result.
+    """
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Show the help if there is nothing to parse."""
+        if not args and not ctx.resilient_parsing:
+            click.echo(ctx.get_help(), err=True)
+            ctx.exit(2)
+        return super().parse_args(ctx, args)
 
 
 def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Function]:
@@ -155,6 +169,19 @@ namespace_option = click.option(
     callback=_namespace,
     help="ROS namespace of the graph.",
 )
+
+
+@contextmanager
+def joined_node(name: str, namespace: str) -> Iterator[tuple[Any, Any]]:
+    """A node that joins the graph of a namespace as its client, and its executor."""
+    from rclpy.node import Node
+
+    from furuta_ros.context import joined_graph
+    from furuta_ros.spinning import executor_of
+
+    with joined_graph(namespace):
+        node = Node(name, start_parameter_services=False)
+        yield node, executor_of([node])
 
 
 def names_options(function: Function) -> Function:

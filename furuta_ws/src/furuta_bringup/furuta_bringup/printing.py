@@ -1,12 +1,16 @@
-"""Prints results as JSON or for people, and makes text from files fit for the terminal."""
+"""Prints results as JSON or for people, tables and progress, with text fit for the terminal."""
 
 import json
 import math
-from collections.abc import Iterator
-from typing import Any
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+Item = TypeVar("Item")
 
 # Most characters of a line; a name in a damaged or hostile file may have millions.
 LONGEST_LINE = 2000
+WIDEST = 10_000  # of a table [characters]
 # Names whose values are lists of complex numbers, as real and imaginary part.
 COMPLEX = ("poles", "zeros", "multipliers")
 
@@ -67,3 +71,42 @@ def finite(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [finite(item) for item in value]
     return value
+
+
+def with_progress(
+    title: str, items: Iterable[Item], size: int, completed: int = 0, quiet: bool = False
+) -> Iterator[Item]:
+    """The items, with a bar on the terminal that advances with each of them."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
+    with Progress(console=console, transient=True) as progress:
+        task = progress.add_task(title, total=size, completed=completed)
+        for item in items:
+            yield item
+            progress.advance(task)
+
+
+def print_table(title: str, rows: Iterable[Mapping[str, Any]], headings: Mapping[str, str]) -> None:
+    """Print the columns that ``headings`` names; the first one is text, NaN and None are dashes."""
+    from rich.box import SIMPLE
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title=escape(title), box=SIMPLE, padding=(0, 0, 0, 1), pad_edge=False)
+    for number, heading in enumerate(headings.values()):
+        justify: Any = "right" if number else "left"
+        table.add_column(escape(heading), justify=justify, no_wrap=not number)
+    for row in rows:
+        values = (finite(row[name]) for name in headings)
+        texts = (f"{value:.3g}" if isinstance(value, float) else value for value in values)
+        table.add_row(*("–" if text is None else escape(escaped(str(text))) for text in texts))
+    console().print(table)
+
+
+def console() -> Any:
+    """Standard output; a pipe or a file is as wide as a table, so that no number is cut."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else WIDEST)

@@ -19,7 +19,7 @@ from furuta.loops import make_loop
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
-from furuta_bringup.terminal import with_progress
+from furuta_bringup.printing import with_progress
 from furuta_graph.settings.nodes import graph_nodes
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.compilation_notice import share_right

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import FIGURE, FiniteRange
 from furuta_bringup.options import json_option
 from furuta_bringup.printing import show
 from furuta_model.friction.names import ANALYSED_LAWS

@@ -5,10 +5,8 @@ from typing import Any
 
 import click
 
-from furuta_bringup.file_types import PATH, SERIES
-from furuta_bringup.groups import HelpfulGroup
-from furuta_bringup.number_types import FiniteRange
-from furuta_bringup.options import json_option, names_options, option
+from furuta_bringup.option_types import FIGURE_SUFFIXES, PATH, SERIES_OR_FIGURE, FiniteRange
+from furuta_bringup.options import HelpfulGroup, json_option, names_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
@@ -45,24 +43,34 @@ def info(bag: Path, as_json: bool) -> None:
 
 
 @command.command()
-@BAG
+@click.argument("bag", type=PATH, metavar="BAG|FILE")
 @option(
     "--out",
-    type=SERIES,
+    type=SERIES_OR_FIGURE,
     required=True,
     metavar="FILE",
-    help="File to write: .csv, .parquet, .mat (MATLAB) or .npz.",
+    help="Table (.csv, .parquet, .mat, .npz) or picture (.png, .pdf, .svg) to write.",
 )
 @names_options
 @json_option
 def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
-    """Write BAG as a table, one row per measurement; docs/topics.md lists the columns."""
+    """Write BAG as a table, one row per measurement, or draw it.
+
+    FILE is a table of series instead, such as one of simulate --out. docs/topics.md lists the
+    columns.
+    """
     from furuta.studies.series import series_with_findings
     from furuta_recordings.series_columns import TIME
-    from furuta_recordings.table_files import write_columns
 
     series, findings = series_with_findings(bag, names)
-    write_columns(out, series)
+    if out.suffix.lower() in FIGURE_SUFFIXES:
+        from furuta.figures.series import draw_series
+
+        draw_series(series, out)
+    else:
+        from furuta_recordings.table_files import write_columns
+
+        write_columns(out, series)
     result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
     show(result | {"findings": findings}, as_json)
 

@@ -19,8 +19,7 @@ from furuta.studies.comparison.rigs import (
     RandomRigs,
     named_rigs,
 )
-from furuta_bringup.file_types import FIGURE_SUFFIXES, OutputFile
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import FIGURE_SUFFIXES, FiniteRange, OutputFile
 from furuta_bringup.options import (
     MEASURED_SECONDS,
     SEED,
@@ -111,7 +110,7 @@ def command(
     from furuta.studies.comparison.comparison import Comparison, encoder_resolution
     from furuta.studies.comparison.scores import comparison_report, rank
     from furuta.studies.study_tables import check_table, write_runs
-    from furuta_bringup.terminal import print_table, with_progress
+    from furuta_bringup.printing import print_table, with_progress
 
     if truths:
         _reject_random_options(ctx)
@@ -165,7 +164,7 @@ def command(
 
 def _print_truths(table: Table) -> None:
     """Print the residual of each candidate on each rig, some candidates at a time."""
-    from furuta_bringup.terminal import console, print_table
+    from furuta_bringup.printing import console, print_table
 
     rigs = zip(table.rigs, table.residual.T, strict=True)
     rows = [

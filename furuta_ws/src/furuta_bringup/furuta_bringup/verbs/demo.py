@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from furuta.studies.tuning.plan import TuningPlan
-from furuta_bringup.file_types import DIRECTORY
+from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_ros.whole_files import whole_file
@@ -51,7 +51,7 @@ def command(
     The graph runs in lock-step in one process and is recorded. Parameter services tune
     the compensator and switch between the compensations.
     """
-    from furuta_bringup.terminal import print_table
+    from furuta_bringup.printing import print_table
     from furuta_graph.settings.settings import load_settings
 
     settings = load_settings(files, assignments)
@@ -72,7 +72,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     from furuta.studies.phases import COMPENSATIONS, evaluate
     from furuta.studies.trust_region import SEARCH
     from furuta_bringup.demo_run import run_demo
-    from furuta_bringup.terminal import with_progress
+    from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers
     from furuta_recordings.bags.recorded_loop import read_recorded_run
     from furuta_ros.context import ros_context

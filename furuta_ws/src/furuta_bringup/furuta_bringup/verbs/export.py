@@ -5,8 +5,7 @@ from typing import Any
 
 import click
 
-from furuta_bringup.groups import HelpfulGroup
-from furuta_bringup.options import json_option, model_options
+from furuta_bringup.options import HelpfulGroup, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_ros.whole_files import whole_file
 

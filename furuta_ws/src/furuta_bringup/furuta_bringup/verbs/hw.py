@@ -3,20 +3,45 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from furuta_bringup.groups import HelpfulGroup
-from furuta_bringup.options import json_option, namespace_option
-from furuta_bringup.printing import show
-from furuta_bringup.verbs.hw_commissioning import check, friction, read, signs, zero
+from furuta_bringup.option_types import FiniteRange
+from furuta_bringup.options import (
+    HelpfulGroup,
+    joined_node,
+    json_option,
+    namespace_option,
+    option,
+    own_parts_option,
+)
+from furuta_bringup.printing import print_json, show
 from furuta_graph.transitions import TRANSITIONS
+from furuta_hw.commissioning import RAMP_RATE
+from furuta_hw.errors import RigError
+from furuta_ros.errors import UserError
+from furuta_ros.process_start import interrupt_raised
 
 if TYPE_CHECKING:
     from furuta_graph.system_client import BridgeClient
+    from furuta_hw.commissioning.session import RigSession
+    from furuta_hw.connection.rig_driver import RigSample
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+# Time between two lines of ``read`` [s].
+DISPLAY_PERIOD = 0.1
+# Time for which the pendulum must hang at rest before friction is measured [s].
+REST_SECONDS = 1.0
+# Numbers that the options take, in SI units.
+SECONDS = FiniteRange(0.0, 3600.0, min_open=True)
+VOLTAGES = FiniteRange(0.0, 1e3, min_open=True)
+ANGLES = FiniteRange(0.01, 1e6)
+RATES = FiniteRange(1e-3, 10.0)
 
 
 @click.group(cls=HelpfulGroup)
@@ -27,21 +52,174 @@ def command() -> None:
     """
 
 
-for verb in (check, read, zero, signs, friction):
-    command.add_command(verb)
+def rig_options(function: Function) -> Function:
+    """``--port``, ``--rig`` and ``--own-parts``."""
+    rig = option(
+        "--rig", "name", default="paper", metavar="NAME|FILE", help="Rig, by name or file."
+    )
+    port = "Port of the rig, or mock for an emulated rig."
+    return option("--port", required=True, metavar="PORT", help=port)(
+        rig(own_parts_option(function))
+    )
+
+
+def drive_options(function: Function) -> Function:
+    """``--voltage`` and ``--arm-range``, the limits of verbs that drive."""
+    stop = "Stop when the arm is further than this from its start, in either direction [rad]."
+    voltage = option("--voltage", type=VOLTAGES, default=2.0, help="Largest voltage [V].")
+    return option("--arm-range", type=ANGLES, default=3.0, help=stop)(voltage(function))
+
+
+@contextmanager
+def _open_rig(port: str, name: str) -> Iterator[RigSession]:
+    """Open the line to a rig; errors of the rig become one line."""
+    from furuta_hw.commissioning.session import RigSession
+    from furuta_hw.rigs.known_rigs import find_rig
+
+    rig = find_rig(name)
+    try:
+        with interrupt_raised(), RigSession(port, rig) as session:
+            yield session
+    except RigError as error:
+        raise UserError(str(error)) from None
+
+
+@command.command()
+@rig_options
+@option("--seconds", type=SECONDS, default=3.0, help="Duration of the check.")
+@json_option
+def check(port: str, name: str, seconds: float, as_json: bool) -> None:
+    """Check the serial line: handshake, sample rate, lost and corrupt frames. Drives nothing."""
+    started = perf_counter()
+    with _open_rig(port, name) as session:
+        handshake = perf_counter() - started
+        started = perf_counter()
+        samples = sum(1 for _ in session.samples(seconds))
+        duration = perf_counter() - started
+        line, rig = session.statistics(), session.rig
+    result = {
+        "handshake_seconds": handshake,
+        "samples": samples,
+        "samples_per_s": samples / duration,
+        "expected_per_s": 1.0 / rig.line.sample_time,
+    }
+    frames = {name: count for name, count in line._asdict().items() if name != "discarded_by_rig"}
+    show(result | frames, as_json)
+    if line.bad > rig.limits.bad_frames * samples:
+        raise UserError(f"{line.bad} of {samples} frames were lost or corrupt")
+
+
+@command.command()
+@rig_options
+@option("--seconds", type=SECONDS, default=10.0, help="Duration of reading.")
+@json_option
+def read(port: str, name: str, seconds: float, as_json: bool) -> None:
+    """Show live sensor values, as codes and in SI units. Drives nothing.
+
+    With --json, print their mean and spread instead.
+    """
+    samples: list[RigSample] = []
+    with _open_rig(port, name) as session:
+        every = max(1, round(DISPLAY_PERIOD / session.rig.line.sample_time))
+        for sample in session.samples(seconds):
+            samples.append(sample)
+            if not as_json and len(samples) % every == 0:
+                print(f"\r{_sample_line(sample)}", end="\033[K", flush=True)
+    if as_json:
+        print_json(_summary(samples))
+    else:
+        print()
+
+
+def _sample_line(sample: RigSample) -> str:
+    codes = [f"{code:7d} = " for code in sample.codes] if sample.codes else [""] * 3
+    return (
+        f"arm {codes[0]}{sample.arm_angle:+8.4f} rad   "
+        f"speed {codes[1]}{sample.arm_speed:+8.4f} rad/s   "
+        f"pendulum {codes[2]}{sample.pendulum_angle:+8.4f} rad"
+        + ("  AT THE END OF A RANGE" if sample.at_rail else "")
+    )
+
+
+def _summary(samples: list[RigSample]) -> dict[str, Any]:
+    """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
+    import numpy as np
+
+    from furuta_hw.commissioning.zeros import code_statistics
+
+    codes = code_statistics(samples) if samples[-1].codes else {}
+    angles = [(s.arm_angle, s.arm_speed, s.pendulum_angle) for s in samples]
+    names = ("phi_rad", "phi_dot_rad_s", "theta_rad")
+    means = dict(zip(names, map(float, np.mean(angles, axis=0)), strict=True))
+    return codes | means | {"at_rail": samples[-1].at_rail}
+
+
+@command.command()
+@rig_options
+@option("--seconds", type=SECONDS, default=2.0, help="Duration of averaging.")
+@option("--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle.")
+@json_option
+def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
+    """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
+    from furuta_hw.commissioning.zeros import find_zeros
+
+    with _open_rig(port, name) as session:
+        zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
+    show(zeros, as_json)
+
+
+@command.command()
+@rig_options
+@drive_options
+@json_option
+def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
+    """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
+    from furuta_hw.commissioning.signs import find_signs
+
+    with _open_rig(port, name) as session:
+        result = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
+    show({f"{sensor}.sign": sign for sensor, sign in result._asdict().items()}, as_json)
+
+
+@command.command()
+@rig_options
+@drive_options
+@option("--rate", type=RATES, default=RAMP_RATE, help="Rate of the voltage ramps [V/s].")
+@option("--removed", is_flag=True, help="The pendulum is removed; do not check that it hangs.")
+@json_option
+def friction(
+    port: str,
+    name: str,
+    voltage: float,
+    arm_range: float,
+    rate: float,
+    removed: bool,
+    as_json: bool,
+) -> None:
+    """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
+
+    The pendulum must hang at rest or be removed. This takes one to two minutes.
+    """
+    from rich.console import Console
+
+    from furuta_hw.commissioning.friction import check_arm_range, check_hanging, measure_friction
+
+    with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
+        check_arm_range(session.rig, arm_range)
+        if not removed:
+            check_hanging(list(session.samples(REST_SECONDS)))
+        experiment = measure_friction(session.rig, rate, status.update)
+        levels = session.drive(experiment, voltage, arm_range)
+    derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
+    show(levels._asdict() | derived, as_json)
 
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
-    from rclpy.node import Node
-
     from furuta_graph.system_client import BridgeClient
-    from furuta_ros.context import joined_graph
-    from furuta_ros.spinning import executor_of
 
-    with joined_graph(namespace):
-        node = Node("furuta_hw", start_parameter_services=False)
-        yield BridgeClient(node, executor_of([node]))
+    with joined_node("furuta_hw", namespace) as joined:
+        yield BridgeClient(*joined)
 
 
 @command.command()

@@ -6,8 +6,7 @@ from typing import Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE, PATH
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import escaped, print_json, show
 from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options

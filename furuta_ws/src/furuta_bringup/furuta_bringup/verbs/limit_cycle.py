@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import FIGURE, FiniteRange
 from furuta_bringup.options import feedback_option, json_option, law_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
@@ -144,7 +143,7 @@ def _map(
 ) -> dict[str, Any]:
     from furuta.studies.analysis_options import parse_range
     from furuta.studies.feedback_map import map_feedbacks
-    from furuta_bringup.terminal import with_progress
+    from furuta_bringup.printing import with_progress
 
     (first, firsts), (second, seconds) = (parse_range(text, DEFAULT_COUNT) for text in ranges)
     if first == second:

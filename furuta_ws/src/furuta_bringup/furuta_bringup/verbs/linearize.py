@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta_bringup.file_types import FIGURE
+from furuta_bringup.option_types import FIGURE
 from furuta_bringup.options import feedback_option, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError

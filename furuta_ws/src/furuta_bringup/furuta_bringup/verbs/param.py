@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta_bringup.groups import HelpfulGroup
-from furuta_bringup.options import json_option, namespace_option
+from furuta_bringup.options import HelpfulGroup, joined_node, json_option, namespace_option
 from furuta_bringup.printing import print_json
 from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError, number_from_text, shortened
@@ -39,15 +38,10 @@ node_argument = click.argument("node", callback=_node_name)
 
 @contextmanager
 def _client(namespace: str) -> Iterator[ParameterClient]:
-    from rclpy.node import Node
-
     from furuta_graph.parameter_client import ParameterClient
-    from furuta_ros.context import joined_graph
-    from furuta_ros.spinning import executor_of
 
-    with joined_graph(namespace):
-        node = Node("furuta_param", start_parameter_services=False)
-        yield ParameterClient(node, executor_of([node]))
+    with joined_node("furuta_param", namespace) as joined:
+        yield ParameterClient(*joined)
 
 
 @command.command("list")

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from furuta_bringup.file_types import PATH
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
 from furuta_graph.scheduling import Scheduling
 from furuta_graph.settings.nodes import NODES

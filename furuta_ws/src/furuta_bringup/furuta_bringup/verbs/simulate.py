@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from furuta_bringup.file_types import SERIES_OR_FIGURE
+from furuta_bringup.option_types import SERIES_OR_FIGURE
 from furuta_bringup.options import (
     SEED,
     SIMULATED_SECONDS,

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from furuta_bringup.file_types import TABLE
+from furuta_bringup.option_types import TABLE
 from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
@@ -48,7 +48,7 @@ def command(
     from furuta.studies.study_tables import check_table, write_runs
     from furuta.studies.sweep import Sweep, parse_swept_parameter, run
     from furuta.studies.sweep_journal import Journal
-    from furuta_bringup.terminal import with_progress
+    from furuta_bringup.printing import with_progress
     from furuta_graph.settings.settings import load_settings
 
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)

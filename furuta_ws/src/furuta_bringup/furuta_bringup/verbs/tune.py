@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from furuta.studies.tuning.plan import TuningPlan, TuningResult
-from furuta_bringup.file_types import PATH
-from furuta_bringup.number_types import FiniteRange
+from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
+    joined_node,
     json_option,
     model_options,
     namespace_option,
@@ -110,17 +110,12 @@ def command(
 
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
-    from rclpy.node import Node
-
     from furuta.studies.tuning.tuning import tune
     from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
     from furuta_graph.parameter_client import ParameterClient
-    from furuta_ros.context import joined_graph
-    from furuta_ros.spinning import StopSignal, executor_of
+    from furuta_ros.process_end import StopSignal
 
-    with joined_graph(namespace):
-        node = Node("furuta_tune", start_parameter_services=False)
-        executor = executor_of([node])
+    with joined_node("furuta_tune", namespace) as (node, executor):
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(parameter_client, estimates, executor, StopSignal())
         try:

@@ -1,5 +1,6 @@
-"""Types of options that name a file to write, checked before the work begins."""
+"""Types of options beyond those of click: files to write, and finite numbers."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,25 @@ class OutputFile(click.Path):
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 FIGURE = OutputFile(*FIGURE_SUFFIXES)
-SERIES = OutputFile(*SUFFIXES)
 TABLE = OutputFile(*TABLE_SUFFIXES)
 SERIES_OR_FIGURE = OutputFile(*SUFFIXES, *FIGURE_SUFFIXES)
+
+
+class FiniteRange(click.FloatRange):
+    """A range of finite numbers: unlike click's own it rejects NaN."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number."""
+        try:
+            float(value)
+        except ValueError:
+            self.fail(f"{value!r} is not a number; give it without a unit.", param, ctx)
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+    def _describe_range(self) -> str:  # click's own says "x<=None" of a range without ends
+        return super()._describe_range() if self.min != self.max else ""
