@@ -1,75 +1,20 @@
-"""Points, journal and table of a sweep: what continues, what is kept, types."""
+"""Points and table of a sweep."""
 
 import csv
 import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from furuta.outcomes import Outcome
 from furuta.studies.study_tables import OUTCOME, check_table, write_runs
 from furuta.studies.sweep import Sweep, SweptParameter, parse_swept_parameter
-from furuta.studies.sweep_journal import Journal
 from furuta_model.parameters import ParameterError
 from furuta_recordings import table_files
 
-RESULTS = [{"size": 0.1 * number, "error": ""} for number in range(3)]
 ALPHA0 = SweptParameter("alpha0", (1.0, 2.0))
 KIND = SweptParameter("compensation", ("coulomb", "lugre"))
 SWEEP = Sweep({"plant": {"seed": 1}}, (ALPHA0,), 60.0)
-
-
-def recorded(out: Path, stop: int = 9) -> int:
-    """Add results to the journal of ``out`` up to ``stop``; the number that was there."""
-    journal = Journal(out, SWEEP)
-    before = journal.count
-    assert list(journal.record(RESULTS[before:stop])) == RESULTS[before:stop]
-    assert list(journal.results()) == RESULTS[: journal.count]
-    journal.close()
-    return before
-
-
-def test_a_journal_continues(tmp_path: Path) -> None:
-    out = tmp_path / "a.csv"
-    assert [recorded(out, 2), recorded(out), recorded(out)] == [0, 2, 3]
-
-
-def test_a_line_that_a_kill_has_cut_is_dropped(tmp_path: Path) -> None:
-    out = tmp_path / "a.csv"
-    recorded(out)
-    journal = tmp_path / "a.csv.part"
-    journal.write_bytes(journal.read_bytes()[:-5])
-    assert recorded(out) == 2
-
-
-def test_a_result_that_two_processes_have_written_counts_once(tmp_path: Path) -> None:
-    journals = [Journal(tmp_path / "a.csv", SWEEP) for _ in range(2)]
-    for number in range(3):
-        for journal in journals:
-            list(journal.record(RESULTS[number : number + 1]))
-    assert list(journals[0].results()) == RESULTS
-
-
-@pytest.mark.parametrize("other", ["a value", "the columns", "a text"])
-def test_a_journal_of_another_sweep_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: str
-) -> None:
-    """One number is enough to be another sweep; an earlier version may have measured less."""
-    out, sweep = tmp_path / "a.csv", SWEEP
-    journal = out.with_name("a.csv.part")
-    recorded(out)
-    if other == "a text":
-        journal.write_text("notes of my own, which are no journal")
-    elif other == "a value":
-        sweep = SWEEP._replace(seconds=float(np.nextafter(60.0, 61.0)))
-    else:
-        monkeypatch.setattr(Outcome, "_fields", Outcome._fields[:-1])
-    kept = journal.read_bytes()
-    with pytest.raises(ParameterError, match="belongs to another sweep or version"):
-        Journal(out, sweep)
-    assert journal.read_bytes() == kept
 
 
 def rows(count: int) -> Any:

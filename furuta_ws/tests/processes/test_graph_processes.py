@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from launch_stand_ins import launched_nodes
-from paused_graph import PausedGraph
+from paused_graph import PausedGraph, launch_commands
 from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
 from testbench import Bench
@@ -112,7 +111,7 @@ def messages(bag: Path) -> int:
 
 
 def test_launched_graph_on_another_rig(
-    monkeypatch: Any, bench: Bench, processes: Any, other_rig: Path, tmp_path: Path
+    bench: Bench, processes: Any, other_rig: Path, tmp_path: Path
 ) -> None:
     """The launch file's processes run the rig of ``rig:=`` as the simulation does, to the bit."""
     file = tmp_path / "mine.yaml"
@@ -122,8 +121,8 @@ def test_launched_graph_on_another_rig(
     )
     arguments = {"rig": str(other_rig), "params_file": str(file), "namespace": "left"}
     graph = PausedGraph(bench, "left", sample_time=0.002)
-    for node in launched_nodes(monkeypatch, clock="lockstep", **arguments):
-        processes.start(*node.command)
+    for command in launch_commands(clock="lockstep", **arguments):
+        processes.start(*command)
     plan = plan_graph(GraphOptions(rig=str(other_rig)), [file])
     expected = simulate(loop(plan.settings), SAMPLES * 0.002)
     np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)

@@ -47,7 +47,7 @@ def sweep(
     axes = tuple(SweptParameter(name, _values(name, each)) for name, each in values.items())
     study = Sweep(loop_settings(checked_loop(loop)), axes, seconds)
     study.size()
-    rows = [point | result for point, result in zip(study.points(), run(study, 0), strict=True)]
+    rows = [point | result for point, result in zip(study.points(), run(study), strict=True)]
     if all(row["error"] for row in rows):
         raise ParameterError(f"no run is possible: {rows[0]['error']}")
     return columns(rows)

@@ -74,7 +74,7 @@ def finite(value: Any) -> Any:
 
 
 def with_progress(
-    title: str, items: Iterable[Item], size: int, completed: int = 0, quiet: bool = False
+    title: str, items: Iterable[Item], size: int, quiet: bool = False
 ) -> Iterator[Item]:
     """The items, with a bar on the terminal that advances with each of them."""
     from rich.console import Console
@@ -82,7 +82,7 @@ def with_progress(
 
     console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
     with Progress(console=console, transient=True) as progress:
-        task = progress.add_task(title, total=size, completed=completed)
+        task = progress.add_task(title, total=size)
         for item in items:
             yield item
             progress.advance(task)

@@ -1,20 +1,27 @@
-"""A sweep: many closed loops over every combination of some values."""
+"""A sweep: many closed loops over every combination of some values, here or on a cluster."""
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import islice, product
 from math import prod
 from typing import Any, NamedTuple
 
-from furuta.lanes.batch import batch
+from furuta.lanes.batch import batch, outcomes
 from furuta.outcomes import Outcome
 from furuta.studies.analysis_options import parse_range
 from furuta_graph.settings.parameter_names import parameters_named
 from furuta_graph.settings.settings import Settings, loop_with
+from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.parameters import ParameterError, names_part
+from furuta_ros.errors import UserError
 from furuta_sim.simulation.closed_loop import Loop
 
 MAX_POINTS = 10_000_000
+# Runs of a task of the cluster, and tasks that are sent together.
+RUNS_PER_TASK, TASKS = 8, 1000
+# Attempts at a task that fails, and longest wait for the scheduler's answer [s].
+RETRIES, CONNECT_TIMEOUT = 3, 5.0
 NO_OUTCOME = dict.fromkeys(Outcome._fields)
 
 # Values of the swept parameters in one run, by name.
@@ -74,21 +81,21 @@ class Sweep(NamedTuple):
         for values in product(*(axis.values for axis in self.axes)):
             yield dict(zip(names, values, strict=True))
 
-    def loops(self, first: int) -> Iterator[Loop | str]:
-        """The loop of every run from number ``first`` on, or the reason why it is impossible."""
-        for point in islice(self.points(), first, None):
+    def loops(self) -> Iterator[Loop | str]:
+        """The loop of every run, or the reason why it is impossible."""
+        for point in self.points():
             try:
                 yield loop_with(self.settings, point)
             except ParameterError as error:
                 yield str(error)
 
 
-def run(sweep: Sweep, first: int, simulate: Simulate = batch) -> Iterator[Result]:
-    """Run everything from number ``first`` on, by default on all cores; the results in order."""
+def run(sweep: Sweep, simulate: Simulate = batch) -> Iterator[Result]:
+    """Run everything, by default on all cores; the results in order."""
     waiting: deque[Loop | str] = deque()
 
     def possible_loops() -> Iterator[Loop]:
-        for loop_or_reason in sweep.loops(first):
+        for loop_or_reason in sweep.loops():
             waiting.append(loop_or_reason)
             if not isinstance(loop_or_reason, str):
                 yield loop_or_reason
@@ -98,3 +105,32 @@ def run(sweep: Sweep, first: int, simulate: Simulate = batch) -> Iterator[Result
             yield {**NO_OUTCOME, "error": reason}
         yield {**outcome._asdict(), "error": ""}
     yield from ({**NO_OUTCOME, "error": str(reason)} for reason in waiting)
+
+
+def outcomes_on_cluster(address: str, loops: Iterator[Loop], seconds: float) -> Iterator[Outcome]:
+    """The outcomes of loops in order, from a Dask cluster whose workers have this workspace.
+
+    Dask repeats the tasks of a worker that dies.
+    """
+    from distributed import Client, KilledWorker
+
+    try:
+        client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UserError(f"no Dask scheduler answers at {address}: {error}") from None
+    task = partial(_task, accepted_parts(), seconds)
+    chunks = iter(lambda: list(islice(loops, RUNS_PER_TASK)), [])
+    with client:
+        while block := list(islice(chunks, TASKS)):
+            futures = client.map(task, block, retries=RETRIES, pure=False)
+            try:
+                for done in client.gather(futures):
+                    yield from done
+            except (ImportError, RuntimeError, KilledWorker) as error:
+                raise UserError(f"the workers of the cluster cannot run it: {error}") from None
+
+
+def _task(parts: list[str], seconds: float, loops: list[Loop]) -> list[Outcome]:
+    """The outcomes of some loops, whose parts the client of the cluster accepts."""
+    accept_parts(parts)
+    return outcomes(loops, seconds)

@@ -151,7 +151,7 @@ def _map(
     mapped = map_feedbacks(
         lambda a, b: options.ideal_loop({first: a, second: b}), firsts, seconds, release
     )
-    points = list(with_progress("mapping", mapped, len(firsts) * len(seconds), 0, quiet))
+    points = list(with_progress("mapping", mapped, len(firsts) * len(seconds), quiet))
     if out is not None:
         from furuta.figures.feedback_map import draw_map
 

@@ -1,6 +1,5 @@
 """``furuta sweep``."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
@@ -40,14 +39,11 @@ def command(
 
     Example: furuta sweep friction_observer.alpha0=0.1:0.3:50 seed=0:9
 
-    Each run gives the same result as furuta simulate. Call an interrupted sweep again with the same
-    arguments to continue it.
+    Each run gives the same result as furuta simulate. The table appears when all are done.
     """
     from furuta.lanes.batch import batch
-    from furuta.studies.cluster import check_cluster, outcomes_on_cluster
     from furuta.studies.study_tables import check_table, write_runs
-    from furuta.studies.sweep import Sweep, parse_swept_parameter, run
-    from furuta.studies.sweep_journal import Journal
+    from furuta.studies.sweep import Sweep, outcomes_on_cluster, parse_swept_parameter, run
     from furuta_bringup.printing import with_progress
     from furuta_graph.settings.settings import load_settings
 
@@ -55,32 +51,24 @@ def command(
     sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()
     check_table(out)
-    if scheduler:
-        check_cluster()
-    journal = Journal(out, sweep)
-    resumed, counts = journal.count, Counter[str]()
-    try:
-        simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
-        results = journal.record(run(sweep, resumed, simulate))
-        for _ in with_progress("sweeping", results, size, resumed, quiet=as_json):
-            pass
-        pairs = zip(sweep.points(), journal.results(), strict=True)
-        write_runs(_counted((point | result for point, result in pairs), counts), out)
-        reason = next(journal.results())["error"]
-        journal.delete()
-    finally:
-        journal.close()
-    if counts["impossible"] == counts["runs"]:
-        raise ParameterError(f"no run is possible: {reason}")
-    kinds = {kind: counts[kind] for kind in ("fell", "impossible")}
-    show({"runs": counts["runs"], "resumed": resumed, **kinds, "file": str(out)}, as_json)
+    simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
+    results = with_progress("sweeping", run(sweep, simulate), size, quiet=as_json)
+    pairs = zip(sweep.points(), results, strict=True)
+    found: dict[str, Any] = {"runs": size, "fell": 0, "impossible": 0}
+    reasons: list[str] = []
+    write_runs(_counted((point | result for point, result in pairs), found, reasons), out)
+    if found["impossible"] == size:
+        raise ParameterError(f"no run is possible: {reasons[0]}")
+    show(found | {"file": str(out)}, as_json)
 
 
-def _counted(rows: Iterable[dict[str, Any]], counts: Counter[str]) -> Iterator[dict[str, Any]]:
-    """The rows, which are counted by kind on their way."""
+def _counted(
+    rows: Iterable[dict[str, Any]], found: dict[str, Any], reasons: list[str]
+) -> Iterator[dict[str, Any]]:
+    """The rows, which are counted on their way, and the first reason why one is impossible."""
     for row in rows:
-        counts["runs"] += 1
-        counts["fell"] += bool(row["fell"])
-        if row["error"]:
-            counts["impossible"] += 1
+        found["fell"] += bool(row["fell"])
+        found["impossible"] += bool(row["error"])
+        if row["error"] and not reasons:
+            reasons.append(row["error"])
         yield row
