@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hunting_reference import stribeck_reach
 from joint_reference import ReferenceJoint
+from random_loops import random_axis
 from scipy.integrate import solve_ivp
 
 import furuta
@@ -142,12 +142,44 @@ def test_steady_motion_near_the_stribeck_velocity(velocity: float) -> None:
     assert motion.growth_rate_1_s == pytest.approx(exact, rel=1e-6)
 
 
-@pytest.mark.parametrize("velocity", [1e-2, 1e-3])
-def test_no_step_passes_over_a_small_stribeck_velocity(velocity: float) -> None:
+@pytest.mark.parametrize("vs", [1e-2, 1e-3])
+def test_no_step_passes_over_a_small_stribeck_velocity(vs: float) -> None:
     """An integration with short steps slides from one end of the cycle to the other."""
-    axis = furuta.Axis(0.01, FRICTION._replace(stribeck_velocity=velocity))
-    end = 0.5 * furuta.servo_cycle(axis, PID).peak_to_peak
-    assert stribeck_reach(axis, PID, end) == pytest.approx(end, rel=1e-8)
+    p = FRICTION._replace(stribeck_velocity=vs)
+    end = 0.5 * furuta.servo_cycle(furuta.Axis(0.01, p), PID).peak_to_peak
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        level = p.alpha0 + p.alpha1 * np.exp(-((y[0] / vs) ** 2)) + p.viscous * y[0]
+        return [(y[1] + 2.0 * y[2] - 0.08 * y[0] - level) / 0.01, -y[0], y[1]]
+
+    def stop(_: float, y: np.ndarray) -> float:
+        return float(y[0])
+
+    stop.terminal, stop.direction = True, -1.0  # type: ignore[attr-defined]
+    after = 1e-3 * vs  # the break-away, from where its series leads
+    v = 100.0 * end * after**2
+    start = [v, end - v * after / 3, 0.5 * (0.2 - end) + end * after]
+    steps = {"max_step": 0.05 * vs, "rtol": 1e-10, "atol": 1e-13 * vs}
+    run = solve_ivp(rate, (0.0, 1e3), start, "DOP853", events=stop, **steps)
+    assert -run.y[1, -1] == pytest.approx(end, rel=1e-8)
+
+
+@pytest.mark.parametrize(("law", "hunts"), [("coulomb", False), ("stiction", True)])
+def test_static_friction_makes_a_stabilising_pid_hunt(law: str, hunts: bool) -> None:
+    """And Coulomb friction alone never does (Bisoffi 2018; Armstrong and Amin 1996)."""
+    random = np.random.default_rng(20261124)
+    for _ in range(20):
+        kind = furuta.servo_cycle(*random_axis(random, law)).kind
+        assert (kind in ("limit_cycle", "irregular")) == hunts
+
+
+@pytest.mark.timeout(60)
+def test_a_joint_at_the_limit_of_its_friction_is_at_rest() -> None:
+    """On the way to a cycle the engine meets slides of 1e-22 s, on which time does not advance."""
+    friction = furuta.Friction(alpha0=0.30068472226519616, alpha1=0.0)
+    axis = furuta.Axis(27.860797278697245, friction, "coulomb")
+    pid = furuta.Pid(28548.521345677415, 1460698.0487461183, 2229.6578793434733)
+    assert furuta.servo_cycle(axis, pid).kind == "rest"
 
 
 def test_an_irregular_motion_says_what_was_seen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,9 +5,10 @@ import pytest
 
 pytest.importorskip("flint")
 
+from random_loops import random_axis
+
 from furuta.axis.axis import Axis, Cascade, Controller, Pid, servo_cycle
 from furuta.axis.proof import certificate, check, prove_cycle
-from furuta.axis.random_axes import random_axis
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 
