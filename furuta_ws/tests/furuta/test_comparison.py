@@ -1,4 +1,4 @@
-"""Rigs, candidates, runs and tuning of a comparison."""
+"""Rigs, candidates and runs of a comparison."""
 
 from dataclasses import replace
 
@@ -6,21 +6,16 @@ import numpy as np
 import pytest
 
 from furuta.outcomes import outcome
-from furuta.studies.comparison.candidates import STANDARD, Candidate, parse_candidates
+from furuta.studies.comparison.candidates import STANDARD, parse_candidates
 from furuta.studies.comparison.comparison import Comparison
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     FRICTION_ERROR,
     MODEL_ERROR,
-    TUNING,
+    TRAINING,
     RandomRigs,
     named_rigs,
     nominal_values,
-)
-from furuta.studies.comparison.tuning import (
-    ARM_GUARD,
-    TuningBudget,
-    tune_candidate,
 )
 from furuta_graph.settings.nodes import NODES
 from furuta_graph.settings.settings import default_settings, load_settings, loop
@@ -61,11 +56,11 @@ def test_factors_apply_to_the_settings() -> None:
     ],
 )
 def test_random_rig_is_the_same_in_any_number(rigs: RandomRigs) -> None:
-    """Another seed has others, as have those to tune on."""
+    """Another seed has others, as have those to train on."""
     many = list(rigs)
     assert len({rig.plant(SETTINGS) for rig in many}) == len(rigs) == 12
     assert list(replace(rigs, size=4)) == many[:4]
-    for others in (replace(rigs, seed=8), replace(rigs, purpose=TUNING)):
+    for others in (replace(rigs, seed=8), replace(rigs, purpose=TRAINING)):
         assert all(rig not in many for rig in others)
 
 
@@ -112,7 +107,7 @@ def test_uncertain_torque_waves_vary() -> None:
 
 def test_rows_are_those_of_single_runs() -> None:
     """Pushes are in the rows; only the plant differs from the candidate's loop."""
-    candidates = parse_candidates(["none", "coulomb"], SETTINGS, tuned=False)
+    candidates = parse_candidates(["none", "coulomb"], SETTINGS)
     rigs = list(RandomRigs(SETTINGS, 2))
     comparison = Comparison(SETTINGS, rigs, candidates, 5.0, (3.0,))
     rows = list(comparison.rows())
@@ -132,7 +127,7 @@ def test_impossible_rigs_are_left_out() -> None:
     """With their reason; if there are no others, that is an error."""
     impossible = {"model.gamma": 0.1}
     good, bad = named_rigs(SETTINGS)[0], named_rigs(SETTINGS)[1]._replace(values=impossible)
-    candidates = parse_candidates(["none"], SETTINGS, tuned=False)
+    candidates = parse_candidates(["none"], SETTINGS)
     comparison = Comparison(SETTINGS, [bad, good], candidates, 5.0)
     assert len(list(comparison.rows())) == 1
     assert comparison.table().rigs == ["nominal"]
@@ -143,10 +138,10 @@ def test_impossible_rigs_are_left_out() -> None:
 
 def test_candidates_are_parsed() -> None:
     """Standard ones by name, others by settings that leave the plant alone; lists have commas."""
-    every = parse_candidates(STANDARD, SETTINGS, tuned=False)
+    every = parse_candidates(STANDARD, SETTINGS)
     assert [candidate.name for candidate in every] == list(STANDARD)
     text = "stiff=compensation=lugre,sigma0=1000,gain=[1, 2, 3, 4]"
-    (stiff,) = parse_candidates([text], SETTINGS, tuned=False)
+    (stiff,) = parse_candidates([text], SETTINGS)
     made = loop(stiff.applied_to(SETTINGS))
     assert made.observer.friction.sigma0 == 1000.0
     assert made.controller.gain == (1.0, 2.0, 3.0, 4.0)
@@ -163,36 +158,11 @@ def test_candidates_are_parsed() -> None:
         ("a=alpha0=-1", "alpha0 must be"),
         ("a=plant.friction.alpha0=1", "only the plant"),
         ("a=encoder_counts=500,estimator.sample_time=0.002", "sample_time"),
-        ("a=alpha0=0.1:0.3", "needs --tune-budget"),
-        ("a=alpha0=0.3:0.1", "LOW < HIGH"),
-        ("a=alpha0=nan:1", "LOW < HIGH"),
-        ("a=alpha0=0:b", "expected LOW:HIGH"),
         ("a=compensation=0:1", "compensation must be one of"),
     ],
 )
 def test_bad_candidates_are_rejected(text: str, reason: str) -> None:
     with pytest.raises(ParameterError, match=reason):
-        parse_candidates([text], SETTINGS, tuned=False)
+        parse_candidates([text], SETTINGS)
     with pytest.raises(ParameterError, match="only once"):
-        parse_candidates(["lugre", "lugre=sigma0=1"], SETTINGS, tuned=False)
-
-
-def test_tuning_improves_within_its_budget() -> None:
-    """Coulomb compensation with a level that is 40 % too high finds a better one."""
-    budget = TuningBudget(12, RandomRigs(SETTINGS, 1, purpose=TUNING), 20.0)
-    observer = "friction_observer"
-    settings = {f"{observer}.compensation": "coulomb", f"{observer}.alpha0": 0.3}
-    candidate = Candidate("coulomb", settings, {f"{observer}.alpha0": (0.05, 1.0)})
-    tuned = tune_candidate(candidate, SETTINGS, budget)
-    assert tuned.evaluations <= 12
-    assert tuned.after < 0.7 * tuned.before
-    assert 0.1 < tuned.settings[f"{observer}.alpha0"] < 0.28
-    assert tuned == tune_candidate(candidate, SETTINGS, budget)
-
-
-def test_tuning_counts_a_fall_as_the_guard() -> None:
-    """And without a range the only evaluation is the start."""
-    budget = TuningBudget(12, RandomRigs(SETTINGS, 2, purpose=TUNING), 10.0)
-    off = Candidate("off", {"controller.mode": "off"}, {})
-    tuned = tune_candidate(off, SETTINGS, budget)
-    assert (tuned.before, tuned.after, tuned.evaluations) == (ARM_GUARD, ARM_GUARD, 1)
+        parse_candidates(["lugre", "lugre=sigma0=1"], SETTINGS)

@@ -234,7 +234,7 @@ def test_names_in_studies(no_parts: None) -> None:
     """A colon in the name of a part is no range."""
     name = "own_parts:array_counting"
     accept_parts([name])
-    (candidate,) = parse_candidates([f"mine=compensation={name}"], default_settings(), True)
+    (candidate,) = parse_candidates([f"mine=compensation={name}"], default_settings())
     applied = loop(candidate.applied_to(default_settings()))
     assert applied.observer.compensation == name
     swept = parse_swept_parameter(f"compensation=none,{name}", 2)

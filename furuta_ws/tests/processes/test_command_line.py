@@ -176,7 +176,6 @@ FAILED = {
     "swing-up --rig paper": "potentiometer_range must be at least",
     "swing-up --set estimator.method=kalman": "whole_circle",
     "compare --truths --rigs 5": "--rigs has no effect on the named rigs",
-    "compare --candidate a=alpha0=0.1:0.3": "needs --tune-budget",
     "compare --candidate a=plant.seed=1": "only the plant",
     "compare --out mine.csv": "already exists",
     "sweep sigma1=1e9,2e9": "no run is possible",

@@ -55,14 +55,13 @@ def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> 
     assert len({row["friction.sigma0"] for row in rows}) == 1
 
 
-def test_tuned_candidates_are_compared(furuta: Any, tmp_path: Path) -> None:
-    """With the result of the tuning, a table for readers, and a picture."""
+def test_the_recommended_settings_are_printed(furuta: Any, tmp_path: Path) -> None:
+    """Below a table for readers, and beside a picture."""
     picture = tmp_path / "named.png"
-    given = ("--rigs", "2", "--seconds", "5", "--tune-budget", "3", "--out", picture)
+    given = ("--rigs", "2", "--seconds", "5", "--out", picture)
     arguments = ("compare", *given)
-    status, out, err = furuta(*arguments, "--candidate", "a=compensation=lugre,sigma0=20:500")
+    status, out, err = furuta(*arguments, "--candidate", "a=compensation=lugre,sigma0=100")
     assert status == 0, err
-    assert "candidate a, settings" in out
     assert "friction_observer.sigma0" in out
     assert out.split()[-2:] == ["recommended", "a"]
     assert picture.read_bytes().startswith(PNG)

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from furuta.loops import make_loop
-from furuta.studies.comparison.rigs import JUDGING, TUNING, RandomRigs
+from furuta.studies.comparison.rigs import JUDGING, TRAINING, RandomRigs
 from furuta_graph.settings.settings import default_settings
 from furuta_model.arguments import check, checked
 from furuta_model.block import block
@@ -58,7 +58,7 @@ def random_plants(
 
     Those for ``training`` are others than those that ``furuta compare`` judges by.
     """
-    settings, purpose = default_settings(), TUNING if training else JUDGING
+    settings, purpose = default_settings(), TRAINING if training else JUDGING
     rigs = RandomRigs(settings, number, seed, tuple(disturbances), purpose=purpose)
     return [rig.plant(settings) for rig in rigs]
 

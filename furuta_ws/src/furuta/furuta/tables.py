@@ -143,7 +143,7 @@ def compare(
         pairs = ((name, _plain(name, values)) for name, values in candidates.items())
         chosen = tuple(candidate_of(*pair, settings) for pair in pairs)
     else:
-        chosen = parse_candidates(STANDARD if candidates is None else candidates, settings, False)
+        chosen = parse_candidates(STANDARD if candidates is None else candidates, settings)
     simulated = RandomRigs(settings, rigs) if isinstance(rigs, int) else _rigs_of(rigs)
     comparison = Comparison(settings, simulated, chosen, seconds, pushes)
     rows = list(comparison.rows())

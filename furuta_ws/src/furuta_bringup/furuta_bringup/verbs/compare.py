@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,6 @@ from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     MOST_RIGS,
     NOMINAL,
-    TUNING,
     RandomRigs,
     named_rigs,
 )
@@ -39,7 +37,7 @@ if TYPE_CHECKING:
     from furuta.studies.comparison.comparison import Table
 
 # Options without effect on the named rigs.
-RANDOM_ONLY = ("--rigs", "--disturb", "--seed", "--tune-budget")
+RANDOM_ONLY = ("--rigs", "--disturb", "--seed")
 
 # Columns of the names of rigs, and of a candidate's residuals [characters].
 RIG_WIDTH, CANDIDATE_WIDTH = 28, 13
@@ -72,8 +70,6 @@ HEADINGS = {
 @option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
     help=f"Candidate: a name with its settings, or one of {', '.join(STANDARD)}; repeatable "
     "(default: all of these).")  # fmt: skip
-@option("--tune-budget", type=click.IntRange(0, 100_000), default=0,
-    help="Evaluations for tuning each candidate, on other random rigs; 0: no tuning.")  # fmt: skip
 @option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
     help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.")  # fmt: skip
 @option("--seconds", type=MEASURED_SECONDS, default=30.0,
@@ -92,7 +88,6 @@ def command(
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     texts: tuple[str, ...],
-    tune_budget: int,
     pushes: tuple[float, ...],
     seconds: float,
     out: Path | None,
@@ -104,8 +99,7 @@ def command(
     --candidate stiff=compensation=lugre,sigma0=1000
 
     A candidate keeps its settings on every rig. The rigs are random by default, named ones with
-    --truths, and drawn from the uncertainty in its file with --rig. With --tune-budget a candidate
-    may have a range for a parameter, PARAMETER=LOW:HIGH.
+    --truths, and drawn from the uncertainty in its file with --rig.
     """
     from furuta.studies.comparison.comparison import Comparison, encoder_resolution
     from furuta.studies.comparison.scores import comparison_report, rank
@@ -120,17 +114,7 @@ def command(
     settings = load_settings((rig_file(rig), *files) if rig else files, assignments)
     about, uncertainty = find_uncertain_rig(rig) if rig else (NOMINAL, CERTAIN)
     random = RandomRigs(settings, number, seed, disturb, about, uncertainty)
-    candidates = parse_candidates(texts or STANDARD, settings, bool(tune_budget))
-    tuned = []
-    if tune_budget:
-        from furuta.studies.comparison.tuning import TUNING_RIGS, TuningBudget, tune_candidate
-
-        rigs = replace(random, size=TUNING_RIGS, purpose=TUNING)
-        budget = TuningBudget(tune_budget, rigs, seconds)
-        results = (tune_candidate(candidate, settings, budget) for candidate in candidates)
-        tuned = list(with_progress("tuning", results, len(candidates), quiet=as_json))
-        pairs = zip(candidates, tuned, strict=True)
-        candidates = tuple(candidate._replace(settings=best.settings) for candidate, best in pairs)
+    candidates = parse_candidates(texts or STANDARD, settings)
     chosen = named_rigs(settings) if truths else random
     comparison = Comparison(settings, chosen, candidates, seconds, pushes)
     rows = with_progress("comparing", comparison.rows(), comparison.size, quiet=as_json)
@@ -145,7 +129,6 @@ def command(
         draw_comparison(outcome, [score.candidate for score in scores], count, out)
     report = comparison_report(outcome, scores, count, by_rig=truths)
     report["impossible"] = len(comparison.impossible)
-    report["tuned"] = [best._asdict() for best in tuned]
     chosen_settings = {each.name: each.settings for each in candidates}
     report["recommended_settings"] = chosen_settings.get(report["recommended"], {})
     if as_json:
@@ -158,7 +141,7 @@ def command(
         f"{count:.4f} rad; rms of u, of its steps and above 50 Hz [V]; delay and pushes survived"
     )
     print_table(title, report["ranking"], HEADINGS)
-    last = ("impossible", "tuned", "recommended_settings", "recommended")
+    last = ("impossible", "recommended_settings", "recommended")
     show({name: report[name] for name in last}, as_json)
 
 

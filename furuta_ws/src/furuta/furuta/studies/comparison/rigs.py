@@ -43,8 +43,8 @@ BACKLASH = {"arm": (5,), "motor": (1, 5, 17, 30)}  # [mrad]
 GEAR_FREQUENCY = 150.0  # [Hz]
 
 MOST_RIGS = 1_000_000
-# Streams of rigs to judge by and of rigs to tune on.
-JUDGING, TUNING = 0, 1
+# Streams of rigs to judge by and of rigs to train on.
+JUDGING, TRAINING = 0, 1
 NOMINAL = Rig()
 # Points that are drawn together.
 _DRAWN = 1024
