@@ -11,7 +11,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 import furuta
 from furuta.figures.figure import style_time_series
 from furuta.figures.run import draw_run
-from furuta.studies.swing_up_starts import swing_up_settings
+from furuta.studies.swing_up import swing_up_settings
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import PHI, THETA
 from furuta_sim.simulation.closed_loop import Simulation

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from furuta.lanes.batch import batch
-from furuta.studies.tuning.guarded_loop import SimulatedLoop
 from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.tuning import tune
+from furuta.studies.tuning.tuning import SimulatedLoop, tune
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (
     COMPENSATIONS,

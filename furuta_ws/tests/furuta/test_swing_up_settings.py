@@ -5,8 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta.studies.swing_up_knocks import Knocks, count_knocks
-from furuta.studies.swing_up_starts import swing_up_settings
+from furuta.studies.swing_up import Knocks, count_knocks, swing_up_settings
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.parameters import ParameterError

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from furuta.lanes.batch import batch
-from furuta.studies.tuning.guarded_loop import GuardError, SimulatedLoop
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.tuning import tune
+from furuta.studies.tuning.tuning import GuardError, SimulatedLoop, tune
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters

@@ -15,7 +15,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
-from furuta.studies.swing_up_starts import swing_up_settings
+from furuta.studies.swing_up import swing_up_settings
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_graph.composed_graph import SimulatedGraph
 from furuta_graph.settings.settings import Settings, default_settings, load_settings, loop

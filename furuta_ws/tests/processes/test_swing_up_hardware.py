@@ -11,7 +11,7 @@ from bridge_bench import hold_and_arm
 from rclpy.parameter import Parameter
 from testbench import Bench
 
-from furuta.studies.swing_up_starts import swing_up_settings
+from furuta.studies.swing_up import swing_up_settings
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode

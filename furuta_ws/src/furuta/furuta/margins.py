@@ -16,12 +16,13 @@ is multiplied by any complex number in the disk with the real diameter from (2 â
 introduction to disk margins, IEEE Control Systems 40(5), 2020).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.transfer import checked_feedback
+from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.transfer import checked_feedback, transfer
 from furuta_control.control import ControllerParameters
 from furuta_model.linear import linearize
 from furuta_model.optional import needed_by
@@ -92,6 +93,28 @@ def linear_report(
     if np.all(closed.real < 0.0):
         report["margins"] = margins(controller.model, gain, controller.model_viscous)._asdict()
     return report
+
+
+def nyquist_report(cases: Mapping[str, IdealLoop]) -> dict[str, Any]:
+    """Crossings of the negative real axis by G of every loop, and G by the name of the case."""
+    responses = {case: transfer(loop.body, loop.gains) for case, loop in cases.items()}
+    return {
+        "crossings": [
+            {"case": case, **crossing._asdict()}
+            for case, g in responses.items()
+            for crossing in g.crossings
+        ],
+        "nyquist": {
+            case: {
+                "feedback": cases[case].gains,
+                "numerator": g.numerator,
+                "denominator": g.denominator,
+                "poles": pairs(g.poles),
+                "stable_without_friction": g.stable,
+            }
+            for case, g in responses.items()
+        },
+    }
 
 
 def pairs(roots: Iterable[complex]) -> list[list[float]]:

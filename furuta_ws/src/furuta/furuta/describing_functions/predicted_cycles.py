@@ -16,7 +16,7 @@ with G = B/D, must be stable too.
 """
 
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,9 @@ from furuta.describing_functions.describing_function import (
     static_describing_function,
 )
 from furuta.describing_functions.lugre_cycles import search
-from furuta.transfer import Transfer
+from furuta.describing_functions.steady_rotation import steady_rotations
+from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.transfer import Transfer, transfer
 from furuta_model.friction.laws import FrictionLaw
 
 
@@ -122,3 +124,20 @@ def _others_decay(amplitude: float, omega: float, g: Transfer, law: FrictionLaw)
 
 def _sorted(cycles: list[PredictedCycle]) -> tuple[PredictedCycle, ...]:
     return tuple(sorted(cycles, key=lambda cycle: cycle.phi_peak_to_peak_rad))
+
+
+def prediction_report(loop: IdealLoop, prediction: Prediction) -> dict[str, Any]:
+    """The predicted cycles and rotations of a loop, and what was searched."""
+    rotations = steady_rotations(loop.body, loop.gains, loop.law)
+    return {
+        "law": loop.law.name,
+        "feedback": loop.gains,
+        "stable_without_friction": transfer(loop.body, loop.gains).stable,
+        "cycles": [cycle._asdict() for cycle in prediction.cycles],
+        "rotations": [rotation._asdict() for rotation in rotations],
+        "searched": {
+            "omega_rad_s": prediction.omega_range_rad_s,
+            "phi_amplitude_rad": prediction.phi_amplitude_range_rad,
+        },
+        "complete": prediction.complete,
+    }

@@ -7,7 +7,6 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import LACKS, ideal_loop, left_out
-from furuta.transfer import checked_feedback
 from furuta_graph.settings.nodes import PLANT
 from furuta_graph.settings.parameter_names import parameters_named
 from furuta_graph.settings.settings import load_settings, loop
@@ -43,12 +42,6 @@ class AnalysisOptions(NamedTuple):
     def left_out(self) -> list[str]:
         """Names of the given parameters that the ideal loop idealises."""
         return left_out(loop(load_settings(self.files, self.assignments)))
-
-    def checked_loop(self) -> IdealLoop:
-        """The ideal loop, if its feedback is finite."""
-        ideal = self.ideal_loop()
-        checked_feedback(ideal.gains)
-        return ideal
 
     def value(self, name: str) -> float | None:
         """The value of a parameter or gain in the settings, None if nodes have different values."""

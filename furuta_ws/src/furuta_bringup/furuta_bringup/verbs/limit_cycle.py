@@ -83,11 +83,10 @@ def command(
 
 
 def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:
-    from furuta.describing_functions.predicted_cycles import predict_cycles
-    from furuta.studies.linear_loop import prediction_report
+    from furuta.describing_functions.predicted_cycles import predict_cycles, prediction_report
     from furuta.transfer import transfer
 
-    ideal = options.checked_loop()
+    ideal = options.ideal_loop()
     prediction = predict_cycles(transfer(ideal.body, ideal.gains), ideal.law)
     if out is not None:
         from furuta.figures.describing_function import draw_describing_function

@@ -47,7 +47,7 @@ def command(
     --passivity depends on the plant's model and friction, on the feedback, and on the observer's
     gain K.
     """
-    from furuta.margins import linear_report
+    from furuta.margins import linear_report, nyquist_report
     from furuta.studies.analysis_options import AnalysisOptions
     from furuta_graph.settings.settings import load_settings, loop
 
@@ -60,10 +60,9 @@ def command(
     report = linear_report(nominal.controller, feedback)
     options = AnalysisOptions(files, assignments, "lugre", feedback)
     if nyquist:
-        from furuta.studies.linear_loop import nyquist_report
         from furuta.transfer import FIGURE_4
 
-        ideal = options.checked_loop()
+        ideal = options.ideal_loop()
         feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
         cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
         if out is not None:
@@ -72,7 +71,7 @@ def command(
             draw_nyquist(cases, out)
         report |= nyquist_report(cases)
     if passivity:
-        report |= _passivity(options.checked_loop(), nominal)
+        report |= _passivity(options.ideal_loop(), nominal)
     show(report, as_json)
 
 

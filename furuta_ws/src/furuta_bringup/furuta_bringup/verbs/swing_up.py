@@ -33,16 +33,14 @@ def command(
     A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
     run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
-    from furuta.studies import swing_up_starts
+    from furuta.studies import swing_up
     from furuta_graph.settings.settings import load_settings, loop
     from furuta_hw.rigs.known_rigs import find_rig
 
-    given = load_settings(files, assignments, swing_up_starts.swing_up_settings(find_rig(rig)))
+    given = load_settings(files, assignments, swing_up.swing_up_settings(find_rig(rig)))
     nominal = loop(given)
-    runs = swing_up_starts.run_starts(swing_up_starts.random_starts(nominal, starts, seed))
-    report = swing_up_starts.summary(runs)._asdict()
+    runs = swing_up.run_starts(swing_up.random_starts(nominal, starts, seed))
+    report = swing_up.summary(runs)._asdict()
     if knocks:
-        from furuta.studies.swing_up_knocks import run_knocks
-
-        report |= run_knocks(nominal)._asdict()
+        report |= swing_up.run_knocks(nominal)._asdict()
     show(report, as_json)

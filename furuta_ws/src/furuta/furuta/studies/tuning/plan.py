@@ -104,7 +104,7 @@ class TuningResult(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """The result as a JSON object."""
-        from furuta.studies.trust_region import SEARCH
+        from furuta.studies.tuning.tuning import SEARCH
 
         return {
             "parameters": observer_parameters(self.after.observer),

@@ -19,17 +19,11 @@ parameters are restored.
 
 from collections.abc import Callable
 from math import log
+from typing import Protocol
 
 import numpy as np
+import scipy
 
-from furuta.studies.trust_region import search
-from furuta.studies.tuning.guarded_loop import (
-    GUARD_INTERVAL,
-    GuardedLoop,
-    GuardError,
-    SimulatedLoop,
-    TunableLoop,
-)
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import (
     FINALISTS,
@@ -48,12 +42,14 @@ from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, declared
-from furuta_model.state import PHI
-from furuta_sim.simulation.closed_loop import Loop
+from furuta_model.state import PHI, THETA
+from furuta_sim.simulation.closed_loop import Loop, Simulation
 
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
 
+# COBYQA needs fewer evaluations; scipy has it since 1.14, and Ubuntu 24.04 has scipy 1.11.
+SEARCH = "COBYQA" if tuple(map(int, scipy.__version__.split(".")[:2])) >= (1, 14) else "COBYLA"
 # One step of the search multiplies σ₁ by a factor.
 STEP_FACTOR = 1.5
 # First and last radius of the trust region, in steps.
@@ -61,6 +57,79 @@ RADII = (0.6, 0.1)
 # Least amplitude that the search distinguishes from 0 [rad].
 SMALLEST_AMPLITUDE = 1e-12
 _SIGMA1 = next(item.about for item in declared(ObserverParameters) if item.name == "sigma1")
+# Time between two checks of the guard [s].
+GUARD_INTERVAL = 0.1
+
+
+class TunableLoop(Protocol):
+    """A closed loop in operation, simulated or real."""
+
+    def apply(self, observer: ObserverParameters) -> None:
+        """Set the friction observer's parameters."""
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """Let the pendulum move on, and return the estimates (n, 5) of that time."""
+
+
+class SimulatedLoop:
+    """A simulation as a :class:`TunableLoop`."""
+
+    def __init__(self, loop: Loop) -> None:
+        self._simulation = Simulation(loop)
+
+    def apply(self, observer: ObserverParameters) -> None:
+        """Set the friction observer's parameters between two samples."""
+        self._simulation.loop = self._simulation.loop._replace(observer=observer)
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """Continue the simulation, and return the estimates (n, 5)."""
+        return self._simulation.run(seconds).estimate
+
+
+class GuardError(ParameterError):
+    """The motion left the guard."""
+
+
+class GuardedLoop:
+    """A loop whose excursion is checked every tenth of a second.
+
+    ``arm_guard`` [rad] is the largest allowed peak-to-peak angle of the arm, ``pendulum_guard``
+    [rad] the largest allowed angle of the pendulum; ``elapsed`` is the pendulum time so far [s].
+    """
+
+    def __init__(self, loop: TunableLoop, arm_guard: float, pendulum_guard: float) -> None:
+        self._loop = loop
+        self._arm_guard = arm_guard
+        self._pendulum_guard = pendulum_guard
+        self.elapsed = 0.0
+
+    def apply(self, observer: ObserverParameters) -> None:
+        """Set the friction observer's parameters."""
+        self._loop.apply(observer)
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """The estimates (n, 5) of the next ``seconds``; :class:`GuardError` outside the guard."""
+        low, high = np.inf, -np.inf
+        parts = []
+        for _ in range(int(seconds / GUARD_INTERVAL + 1e-6)):
+            part = self.watch_unguarded(GUARD_INTERVAL)
+            parts.append(part)
+            low, high = min(low, part[:, PHI].min()), max(high, part[:, PHI].max())
+            self._check(high - low, np.abs(part[:, THETA]).max())
+        return np.concatenate(parts)
+
+    def watch_unguarded(self, seconds: float) -> np.ndarray:
+        """The estimates (n, 5) of the next ``seconds``, without a check."""
+        self.elapsed += seconds
+        return self._loop.watch(seconds)
+
+    def _check(self, arm: float, pendulum: float) -> None:
+        if arm > self._arm_guard or pendulum > self._pendulum_guard:
+            raise GuardError(
+                f"stopped and restored the initial parameters: arm {arm:.2f} rad peak to peak, "
+                f"pendulum {pendulum:.2f} rad; the guard is {self._arm_guard:g} and "
+                f"{self._pendulum_guard:g} rad (arm-guard, pendulum-guard)"
+            )
 
 
 def tune(
@@ -146,7 +215,7 @@ class _Tuner:
             tried = start._replace(friction=start.friction._replace(sigma1=sigma1))
             return log(max(self._try(tried), SMALLEST_AMPLITUDE))
 
-        search(cost, np.zeros(1), RADII, self._plan.max_trials)
+        _search(cost, self._plan.max_trials)
         if self._plan.rivals and not self._plan.tries_rivals:
             self._report("no time left to try the other compensations")
         for rival in RIVALS if self._plan.tries_rivals else ():
@@ -218,3 +287,14 @@ class _Tuner:
 
     def _report(self, message: str) -> None:
         self._report_progress(message, self._rig.elapsed)
+
+
+def _search(cost: Callable[[np.ndarray], float], evaluations: int) -> None:
+    """Call ``cost`` at most so often, near its minimum in the end."""
+    from scipy.optimize import minimize
+
+    first, last = RADII
+    options = {"maxfev": evaluations, "initial_tr_radius": first, "final_tr_radius": last}
+    if SEARCH == "COBYLA":
+        options = {"maxiter": evaluations, "rhobeg": first, "tol": last}
+    minimize(cost, np.zeros(1), method=SEARCH, options=options)
