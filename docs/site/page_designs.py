@@ -9,9 +9,9 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
+from adjustable import numbers_of
 
 import furuta
-from furuta.export.adjustable import numbers_of
 from furuta_model.block import marks
 from furuta_model.parameters import SELECTS
 from furuta_sim.plant import Plant, design_plant

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from adjustable import Adjustable
 from page_designs import BASE, PUSHES, SELECTING, Design, Group, design_of
 
-from furuta.export.adjustable import Adjustable
 from furuta.export.functions import CFunction, Translation
 from furuta.export.structures import initialisation, structures
 from furuta.export.text import filled_text

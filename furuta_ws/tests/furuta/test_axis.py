@@ -10,9 +10,8 @@ from scipy.integrate import solve_ivp
 
 import furuta
 import furuta.limit_cycles.limit_cycle as engine
-from furuta.axis.axis import Controller
+from furuta.axis.axis import Controller, parse_friction
 from furuta.axis.compensations import residual
-from furuta.axis.friction_text import parse_friction
 from furuta.limit_cycles.joint import JointCycle
 
 FRICTION = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)

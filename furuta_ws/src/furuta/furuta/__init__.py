@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle, servo_motions
     from furuta.axis.compensations import compare_on_axis
-    from furuta.axis.draws import consequences, drawn_axes
-    from furuta.axis.identification import identified_axis
+    from furuta.axis.draws import consequences, drawn_axes, identified_axis
     from furuta.axis.simulation import simulate_axis
     from furuta.describing_functions.describing_function import describing_function
     from furuta.limit_cycles.joint import Joint, JointCycle, branch
@@ -120,8 +119,7 @@ __all__ = [
 _MODULES = {
     "furuta.axis.axis": "Axis Cascade Pid servo_cycle servo_motions",
     "furuta.axis.compensations": "compare_on_axis",
-    "furuta.axis.draws": "consequences drawn_axes",
-    "furuta.axis.identification": "identified_axis",
+    "furuta.axis.draws": "consequences drawn_axes identified_axis",
     "furuta.axis.simulation": "simulate_axis",
     "furuta.describing_functions.describing_function": "describing_function",
     "furuta.limit_cycles.joint": "Joint JointCycle branch",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from furuta.describing_functions.describing_function import describing_function
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import checked_loop
 from furuta_model.friction import laws
@@ -110,9 +111,19 @@ def friction_nonlinearity(
         ParameterError: The law is not analysed, or has a bristle and ``omega`` is not above 0.
     """
     with needed_by("furuta.friction_nonlinearity"):
-        from furuta.describing_functions.nonlinearity import FrictionNonlinearity
+        import control
     law = laws.analysed_law(law.name, law.parameters._replace(viscous=0.0))
     if law.bristle and not (omega and omega > 0.0):
         given = f"omega [rad/s] above 0, given {omega}"
         raise ParameterError(f"the describing function of {law.name} needs {given}")
-    return FrictionNonlinearity(law, omega or 1.0)
+
+    class FrictionNonlinearity(control.DescribingFunctionNonlinearity):
+        """Friction [V] at steady speed v [rad/s], and its N [V s/rad] at v = A sin ωt."""
+
+        def __call__(self, v: float) -> float:
+            return laws.steady_friction(v, law)
+
+        def describing_function(self, A: float) -> complex:  # noqa: N803
+            return describing_function(A, omega or 1.0, law)
+
+    return FrictionNonlinearity()

@@ -14,12 +14,14 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
 from furuta.limit_cycles.linear_loop import BRISTLE, W
+from furuta_model.friction.laws import find_law
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -29,6 +31,8 @@ RELEASED_AT = 20.0
 # A small disturbance, relative to that error, or of the steady motion; difference of motions that
 # are one.
 DISTURBANCE, SAME = 1e-3, 1e-3
+# No friction; what a law needs beside α₀ is given.
+NOTHING = Friction(alpha0=0.0, alpha1=0.0)
 
 
 class Axis(NamedTuple):
@@ -216,3 +220,39 @@ def axis_report(motions: dict[str, JointCycle]) -> dict[str, Any]:
     shown = ("start", "kind", "peak_to_peak_rad", "period_s", "stable")
     others = [{name: report[name] for name in shown} for report in reports[1:]]
     return reports[0] | {"other_motions": others}
+
+
+def parse_friction(text: str, law: str) -> Friction:
+    """The friction that a text NAME=VALUE,... describes; all else is 0.
+
+    Raises:
+        ParameterError: A name is unknown, a value not allowed, or one that the law needs missing.
+    """
+    given = {}
+    for part in text.split(","):
+        name, _, value = (word.strip() for word in part.partition("="))
+        if name not in Friction._fields:
+            known = ", ".join(Friction._fields)
+            raise ParameterError(f"friction must be NAME=VALUE,... of {known}; given {part!r}")
+        given[name] = _number(name, value)
+    needed = ["alpha0"]
+    if given.get("alpha1") and law in ("stribeck", "lugre"):
+        needed.append("stribeck_velocity")
+    if find_law(law).bristle:
+        needed.append("sigma0")
+    missing = [name for name in needed if not given.get(name)]
+    if missing:
+        raise ParameterError(f"friction of the law {law} needs {', '.join(missing)} above 0")
+    return NOTHING._replace(**{"sigma1": 0.0, **given})
+
+
+def _number(name: str, text: str) -> float:
+    """A number of at least 0, or an asymmetry."""
+    low, high = (-1.0, 1.0) if name == "asymmetry" else (0.0, 1e12)
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not (isfinite(value) and low <= value <= high):
+        raise ParameterError(f"{name} must be {low:g} to {high:g}, given {text!r}")
+    return value

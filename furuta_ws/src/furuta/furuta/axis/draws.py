@@ -1,4 +1,4 @@
-"""What a recording leaves open of an axis, and what follows for its final motion."""
+"""The axis of a recording, what the recording leaves open, and what follows for its motion."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, servo_cycle
-from furuta.axis.identification import identified_axis
+from furuta.axis.axis import NOTHING, Axis, Controller, servo_cycle
 from furuta_identification.axis.effects import FALL
 from furuta_identification.axis.fitting import value_of
 from furuta_identification.axis.identify import AxisFit
+from furuta_model.friction.laws import LAWS, find_law
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
 
 # Draws from the covariance, and how many of them the compensations are compared on.
 DRAWS, COMPARED = 100, 4
@@ -50,6 +52,30 @@ class Consequences(NamedTuple):
             f"{text}: this recording does not tell; record stops and reversals under a torque that "
             f"rises slowly from 0 to beyond {level:.2g} either way"
         )
+
+
+def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
+    """The axis of a fit, without what belongs to the recording: offset and drift.
+
+    Args:
+        fit: What :func:`furuta.identify_axis` returned.
+        law: A law that truly sticks: coulomb, stiction or stribeck. None takes stribeck, or
+            stiction if the recording shows that friction falls at once.
+
+    Raises:
+        ParameterError: The law has a bristle, which the recording does not show.
+    """
+    at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
+    law = law or ("stiction" if at_once else "stribeck")
+    if law not in LAWS or find_law(law).bristle:
+        raise ParameterError(
+            f"a recording shows no bristle: the law must be coulomb, stiction or stribeck, given "
+            f"{law}"
+        )
+    known = {name: value for name, value in fit.values.items() if name in Friction._fields}
+    if "stribeck_velocity" not in known and law != "stiction":
+        known["alpha1"] = 0.0
+    return Axis(fit.values["inertia"], NOTHING._replace(**known), law)
 
 
 def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:

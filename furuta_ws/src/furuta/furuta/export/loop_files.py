@@ -7,18 +7,25 @@ the method, the compensation and the mode that the parameters select.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import expm1
 from typing import Any
+
+import numpy as np
 
 from furuta.export.functions import CFunction, Translation
 from furuta.export.structures import initialisation, structures
 from furuta.export.text import comment, filled
-from furuta.export.values import REAL, Array, ExportError, Known, Memory, Precision, Value
-from furuta.export.vectors import test_program
+from furuta.export.values import DOUBLE, REAL, Array, ExportError, Known, Memory, Precision, Value
 from furuta_control.control import ControllerMemory, forget_integrals
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import declared, values
-from furuta_sim.simulation.closed_loop import Loop
+from furuta_model.parts.disturbances import Pushes
+from furuta_model.parts.sensor_faults import SensorFaults
+from furuta_model.sensors import measure
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.plant import Noise
+from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 from furuta_sim.simulation.control_system import (
     ControlMemory,
     ControlSystem,
@@ -32,6 +39,12 @@ PREFIX = "loop_"
 MODES = ("balance", "swing_up")
 # Tolerance of floats for rounding, relative.
 FLOAT_ROUNDING = 1e-6
+# Of the run that the test replays.
+SAMPLES = 500
+# A push on the pendulum that lets it fall: when and how long [s], relative to its weight.
+PUSH_BEGIN, PUSH_TIME, PUSH_SIZE = 0.15, 0.1, 1.0
+# Deviation of a float's command that counts as rounding, relative to the voltage limit.
+FLOAT_TOLERANCE = 1e-3
 
 
 def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[str, str]:
@@ -78,7 +91,7 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
         structures=structures(whole, ControlMemory),
         memory=whole.structure_name(ControlMemory),
     )
-    return {"loop.h": header, "loop.c": source, "loop_test.c": test_program(loop, precision)}
+    return {"loop.h": header, "loop.c": source, "loop_test.c": _test_program(loop, precision)}
 
 
 def _translated(whole: Translation, function: Any, *arguments: Value) -> CFunction:
@@ -153,3 +166,32 @@ def _description(loop: Loop, origin: str) -> str:
             lines.append(f"  {name} = {given[name]} {about.unit}".rstrip() + f": {meaning}")
     texts = (comment(line)[3:].removesuffix(" */") for line in lines)
     return "/* " + "\n * ".join(texts) + "\n */"
+
+
+def _test_program(loop: Loop, precision: Precision) -> str:
+    """Replays a simulated run and compares the commands: in double the last bit must agree."""
+    size = PUSH_SIZE * loop.plant.model.delta
+    push = Pushes(times=(PUSH_BEGIN,), durations=(PUSH_TIME,), pendulum=(size,))
+    plant = loop.plant._replace(pushes=push, sensor_faults=SensorFaults())
+    run = simulate(loop._replace(plant=plant), SAMPLES * plant.sample_time)
+    return filled(
+        "loop_test.c",
+        real=precision.name,
+        samples=SAMPLES,
+        readings=_rows(_readings(run, plant).tolist(), precision),
+        expected=_rows(np.column_stack([run.command, run.friction_estimate]).tolist(), DOUBLE),
+        tolerance=FLOAT_TOLERANCE * loop.controller.voltage_limit if precision.suffix else 0.0,
+    )
+
+
+def _readings(run: Record, plant: PlantParameters) -> np.ndarray:
+    """What the sensors said (n, 5); the record has what the estimator made of it."""
+    readings = run.measurement.copy()
+    noise = Noise(plant.seed)
+    for state, reading in zip(run.state, readings, strict=True):
+        measure(state, noise(), plant.sensors, reading)
+    return readings
+
+
+def _rows(rows: Iterable[list[float]], precision: Precision) -> str:
+    return "\n".join("    {" + ", ".join(map(precision.literal, row)) + "}," for row in rows)

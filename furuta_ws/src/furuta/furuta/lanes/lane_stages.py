@@ -3,22 +3,29 @@
 A stage is made from the functions that a single run calls, so an outcome is the same to the last
 bit. What is rare would spoil the loops: an estimate that starts or has to replace a reading, a
 controller that catches or drops the pendulum. Such a lane calls the function of a single run in
-that sample.
+that sample. The others compute only what nearly every sample needs, with the same bits.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.lanes import usual_sample
 from furuta.lanes.lane_compiler import widest_vectors
 from furuta.oscillation import accumulate_midpoint
 from furuta.outcomes import Sums, measure_sample, note_fall
-from furuta_control.control import ControllerDesign, ControllerMemory, control
-from furuta_control.estimation import EstimatorDesign, EstimatorMemory, estimate_state
-from furuta_friction.compensation import CompensationDesign, CompensationMemory
+from furuta_control import estimation, readings
+from furuta_control.control import ControllerDesign, ControllerMemory, control, limited
+from furuta_control.estimation import (
+    UNFILTERED,
+    EstimatorDesign,
+    EstimatorMemory,
+    estimate_state,
+)
+from furuta_control.modes import balance
+from furuta_friction.compensation import CompensationDesign, CompensationMemory, compensate
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.converter import Actuator, drive
@@ -27,7 +34,7 @@ from furuta_model.friction.laws import FrictionLaw, friction_force
 from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
-from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
+from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI, PHI_DOT, PLANT_STATES, SIGNALS, THETA
 from furuta_sim.plant import NOISE_CHANNELS
 
 
@@ -85,6 +92,51 @@ class LaneDesign(NamedTuple):
     controller_design: ControllerDesign
 
 
+@inlined
+def estimate_continues(
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign
+) -> bool:
+    """Whether the estimate goes on with this method and every reading is usable."""
+    running = p.method + 1 if p.filtered else UNFILTERED
+    usable = readings.all_usable(memory.readings, measurement, p.readings)
+    return (memory.running == running) & estimation.is_bounded(memory) & usable
+
+
+@inlined
+def continue_estimate(
+    memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign, estimate: np.ndarray
+) -> None:
+    """:func:`furuta_control.estimation.estimate_state` for an estimate that continues."""
+    readings.forget_unusable(memory.readings)
+    if p.filtered:
+        estimation.update(p.method, memory, measurement, p)
+    else:
+        estimation.take_measurement(memory, measurement)
+    estimation.finish(memory, measurement, p, estimate)
+
+
+@inlined
+def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V] if the compensation never changes: no observer runs idle."""
+    if isnan(x[PHI_DOT] + x[PHI]):
+        return 0.0
+    return compensate(p.kind, memory, x, p)
+
+
+@inlined
+def balancing_continues(memory: ControllerMemory, x: np.ndarray, p: ControllerDesign) -> bool:
+    """Whether the pendulum was balanced and still is; the mode is ``balance``."""
+    return memory.balance.balancing & balance.is_allowed(x, p.balance)
+
+
+@inlined
+def continue_balancing(
+    memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign
+) -> float:
+    """:func:`furuta_control.control.control` for balancing that continues."""
+    return limited(balance.command(memory.balance, x, friction, p.balance), p)
+
+
 def _in_each_lane(step: Callable[[Any], None]) -> Callable[[Any, int], None]:
     """Make a loop that calls an inlined function for every lane."""
 
@@ -121,7 +173,7 @@ def estimate_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         p, measurement = lane.estimator_design, lane.measurement
-        usual = usual_sample.estimate_continues(lane.estimator, measurement, p)
+        usual = estimate_continues(lane.estimator, measurement, p)
         unusual += 0 if usual else 1
     if unusual > 0:
         _estimate_singly(lanes, count)
@@ -129,7 +181,7 @@ def estimate_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         p, measurement = lane.estimator_design, lane.measurement
-        usual_sample.continue_estimate(lane.estimator, measurement, p, lane.estimate)
+        continue_estimate(lane.estimator, measurement, p, lane.estimate)
 
 
 @compiled
@@ -138,9 +190,7 @@ def observe_lanes(lanes: Any, count: int) -> None:
     widest_vectors()
     for i in range(count):
         lane = lanes[i]
-        lane.friction_estimate = usual_sample.estimate_friction(
-            lane.observer, lane.estimate, lane.compensation
-        )
+        lane.friction_estimate = estimate_friction(lane.observer, lane.estimate, lane.compensation)
 
 
 @_in_each_lane
@@ -159,7 +209,7 @@ def control_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         p = lane.controller_design
-        usual = usual_sample.balancing_continues(lane.controller, lane.estimate, p)
+        usual = balancing_continues(lane.controller, lane.estimate, p)
         unusual += 0 if usual else 1
     if unusual > 0:
         _control_singly(lanes, count)
@@ -167,7 +217,7 @@ def control_lanes(lanes: Any, count: int) -> None:
     for i in range(count):
         lane = lanes[i]
         p, friction = lane.controller_design, lane.friction_estimate
-        lane.command = usual_sample.continue_balancing(lane.controller, lane.estimate, friction, p)
+        lane.command = continue_balancing(lane.controller, lane.estimate, friction, p)
 
 
 @compiled

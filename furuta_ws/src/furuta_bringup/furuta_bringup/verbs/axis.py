@@ -83,9 +83,8 @@ def command(
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
     """
-    from furuta.axis.axis import Axis, Cascade, Pid, axis_report, servo_motions
+    from furuta.axis.axis import Axis, Cascade, Pid, axis_report, parse_friction, servo_motions
     from furuta.axis.compensations import compare_on_axis
-    from furuta.axis.friction_text import parse_friction
 
     if pid is not None and cascade is not None:
         raise click.UsageError("give either --pid or --cascade")
@@ -106,8 +105,7 @@ def command(
         return
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
     if fit is not None:
-        from furuta.axis.draws import COMPARED, consequences, drawn_axes, report
-        from furuta.axis.identification import identified_axis
+        from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
 
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
