@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from furuta.describing_functions.predicted_cycles import Prediction
+from furuta.describing_functions.predicted_cycles import Prediction, predict_joint
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
 from furuta.limit_cycles import joint as joints
 from furuta.limit_cycles import limit_cycle as cycles
@@ -16,7 +16,6 @@ from furuta.limit_cycles.joint import Joint, JointCycle
 from furuta.limit_cycles.linear_system import matrices
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
-from furuta.limit_cycles.predicted_joint import predict_joint
 from furuta.loops import Part, checked_loop, ideal_loop, with_parts
 from furuta.outcomes import Outcome, outcome
 from furuta.transfer import transfer

@@ -16,7 +16,6 @@ this one cancels s exactly if l₁ = 0, where ``minreal`` compares with a tolera
 """
 
 from collections.abc import Sequence
-from math import copysign, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
+REAL = 1e-7  # relative imaginary part of a computed root that is real
 # The feedbacks of Fig. 4 as l of u = l·x.
 FIGURE_4: dict[str, tuple[float, float, float, float]] = {
     "a": (10.0, 4.0, 60.0, 20.0),
@@ -95,9 +95,14 @@ class Transfer(NamedTuple):
 
     @property
     def real_frequencies(self) -> tuple[float, ...]:
-        """All ω > 0 [rad/s] at which G(jω) is real: roots of a₀ω⁴ − a₂ω² + a₄."""
-        a0, _, a2, _, a4 = self.denominator
-        return tuple(sqrt(root) for root in real_quadratic_roots(a0, -a2, a4) if root > 0.0)
+        """All ω > 0 [rad/s] at which G(jω) = B/D is real: roots of Im(D(jω) B(−jω))."""
+        b, d = (
+            np.array(part) * 1j ** np.arange(len(part) - 1, -1, -1)
+            for part in (self.numerator, self.denominator)
+        )
+        roots = np.roots(np.polymul(d, b.conj()).imag)
+        real = roots[(np.abs(roots.imag) < REAL * np.abs(roots)) & (roots.real > 0.0)].real
+        return tuple(sorted(real.tolist()))
 
 
 def transfer(p: FurutaPendulum, feedback: Sequence[float]) -> Transfer:
@@ -115,6 +120,18 @@ def transfer(p: FurutaPendulum, feedback: Sequence[float]) -> Transfer:
     )
 
 
+def joint_transfer(a: np.ndarray, b: np.ndarray) -> Transfer:
+    """G(s) from a force on a joint to its speed, which is the first state of ẋ = A x + b f.
+
+    It is B/D with D(s) = det(sI − A) and B(s) = det(sI − A + b c) − D(s).
+    """
+    fed_back = a.copy()
+    fed_back[:, 0] -= b
+    denominator = np.poly(a)
+    numerator = (np.poly(fed_back) - denominator)[1:]
+    return Transfer(tuple(numerator.tolist()), tuple(denominator.tolist()))
+
+
 def checked_feedback(feedback: Sequence[float]) -> tuple[float, float, float, float]:
     """The feedback as four finite numbers, or :class:`ParameterError`."""
     values = tuple(float(each) for each in feedback)
@@ -124,12 +141,3 @@ def checked_feedback(feedback: Sequence[float]) -> tuple[float, float, float, fl
             f"feedback must be four finite numbers (phi, phi_dot, theta, theta_dot), given {given}"
         )
     return values
-
-
-def real_quadratic_roots(a: float, b: float, c: float) -> tuple[float, ...]:
-    """Real roots of ax² + bx + c, a ≠ 0, in ascending order, without cancellation errors."""
-    discriminant = b * b - 4.0 * a * c
-    if discriminant < 0.0:
-        return ()
-    q = -0.5 * (b + copysign(sqrt(discriminant), b))
-    return tuple(sorted({q / a, c / q if q != 0.0 else 0.0}))

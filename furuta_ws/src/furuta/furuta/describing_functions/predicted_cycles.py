@@ -28,8 +28,9 @@ from furuta.describing_functions.describing_function import (
 )
 from furuta.describing_functions.lugre_cycles import search
 from furuta.describing_functions.steady_rotation import steady_rotations
+from furuta.limit_cycles.joint import Joint, Units
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.transfer import Transfer, transfer
+from furuta.transfer import Transfer, joint_transfer, transfer
 from furuta_model.friction.laws import FrictionLaw
 
 
@@ -77,6 +78,30 @@ def predict_cycles(g: Transfer, law: FrictionLaw) -> Prediction:
         omegas,
         deflections,
         complete,
+    )
+
+
+def predict_joint(given: Joint) -> Prediction:
+    """All solutions of 1 + G(jω)N(A, ω) = 0 with ω > 0, in the user's units."""
+    loop, units = given.loop, given.units
+    scaled = predict_cycles(joint_transfer(loop.a, loop.b), loop.law)
+    low, high = scaled.omega_range_rad_s
+    least, largest = scaled.phi_amplitude_range_rad
+    return scaled._replace(
+        cycles=tuple(_in_units(cycle, units) for cycle in scaled.cycles),
+        omega_range_rad_s=(low / units.time, high / units.time),
+        phi_amplitude_range_rad=(least * units.position, largest * units.position),
+    )
+
+
+def _in_units(cycle: PredictedCycle, units: Units) -> PredictedCycle:
+    return PredictedCycle(
+        cycle.omega_rad_s / units.time,
+        cycle.velocity_amplitude_rad_s * units.speed,
+        cycle.phi_peak_to_peak_rad * units.position,
+        cycle.period_s * units.time,
+        cycle.stable,
+        cycle.bias_v * units.force,
     )
 
 
