@@ -11,145 +11,86 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
     0.511 rad, 2.37 s
 """
 
+import ast
 from importlib import import_module
 from inspect import isfunction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+# The public names. Type checkers read this list, and so does the code below: a module is imported
+# when one of its names is first used. A study that only simulates needs neither scipy's optimisers
+# nor the readers of recordings.
 if TYPE_CHECKING:
-    from furuta.axis.axis import Axis, Cascade, Pid, servo_cycle, servo_motions
-    from furuta.axis.compensations import compare_on_axis
-    from furuta.axis.draws import consequences, drawn_axes, identified_axis
-    from furuta.axis.simulation import simulate_axis
-    from furuta.describing_functions.describing_function import describing_function
-    from furuta.limit_cycles.joint import Joint, JointCycle, branch
-    from furuta.limit_cycles.pendulum_loop import IdealLoop
-    from furuta.limit_cycles.periodic_orbit import LimitCycle
-    from furuta.loops import ideal_loop, load_rig, make_loop, rig_names
-    from furuta.models import friction_law, friction_nonlinearity, linearize, place_poles
-    from furuta.motions import (
-        friction_joint,
-        limit_cycle,
-        measure,
-        predict_cycles,
-        simulate,
-        trace_cycle,
-        tune,
+    from furuta.axis.axis import Axis as Axis
+    from furuta.axis.axis import Cascade as Cascade
+    from furuta.axis.axis import Pid as Pid
+    from furuta.axis.axis import servo_cycle as servo_cycle
+    from furuta.axis.axis import servo_motions as servo_motions
+    from furuta.axis.compensations import compare_on_axis as compare_on_axis
+    from furuta.axis.draws import consequences as consequences
+    from furuta.axis.draws import drawn_axes as drawn_axes
+    from furuta.axis.draws import identified_axis as identified_axis
+    from furuta.axis.simulation import simulate_axis as simulate_axis
+    from furuta.describing_functions.describing_function import (
+        describing_function as describing_function,
     )
-    from furuta.recordings import (
-        identified_values,
-        identify,
-        load_series,
-        read_recording,
-        simulated_series,
-        write_series,
-    )
-    from furuta.tables import compare, random_rigs, sweep
-    from furuta_hw.rigs.rig import Rig
-    from furuta_identification.axis.identify import identify_axis
-    from furuta_model.friction.law import Law
-    from furuta_model.friction.parameters import Friction
-    from furuta_model.linear import DesiredPoles
-    from furuta_model.parameters import ParameterError
-    from furuta_model.pendulum import FurutaPendulum
-    from furuta_recordings.readers import read_axis
-    from furuta_recordings.recording import Recording
-    from furuta_recordings.series_columns import COLUMNS
-    from furuta_sim.simulation.closed_loop import Loop, Record
+    from furuta.limit_cycles.joint import Joint as Joint
+    from furuta.limit_cycles.joint import JointCycle as JointCycle
+    from furuta.limit_cycles.joint import branch as branch
+    from furuta.limit_cycles.pendulum_loop import IdealLoop as IdealLoop
+    from furuta.limit_cycles.periodic_orbit import LimitCycle as LimitCycle
+    from furuta.loops import ideal_loop as ideal_loop
+    from furuta.loops import load_rig as load_rig
+    from furuta.loops import make_loop as make_loop
+    from furuta.loops import rig_names as rig_names
+    from furuta.models import friction_law as friction_law
+    from furuta.models import friction_nonlinearity as friction_nonlinearity
+    from furuta.models import linearize as linearize
+    from furuta.models import place_poles as place_poles
+    from furuta.motions import friction_joint as friction_joint
+    from furuta.motions import limit_cycle as limit_cycle
+    from furuta.motions import measure as measure
+    from furuta.motions import predict_cycles as predict_cycles
+    from furuta.motions import simulate as simulate
+    from furuta.motions import trace_cycle as trace_cycle
+    from furuta.motions import tune as tune
+    from furuta.recordings import identified_values as identified_values
+    from furuta.recordings import identify as identify
+    from furuta.recordings import load_series as load_series
+    from furuta.recordings import read_recording as read_recording
+    from furuta.recordings import simulated_series as simulated_series
+    from furuta.recordings import write_series as write_series
+    from furuta.tables import compare as compare
+    from furuta.tables import random_rigs as random_rigs
+    from furuta.tables import sweep as sweep
+    from furuta_hw.rigs.rig import Rig as Rig
+    from furuta_identification.axis.identify import identify_axis as identify_axis
+    from furuta_model.friction.law import Law as Law
+    from furuta_model.friction.parameters import Friction as Friction
+    from furuta_model.linear import DesiredPoles as DesiredPoles
+    from furuta_model.parameters import ParameterError as ParameterError
+    from furuta_model.pendulum import FurutaPendulum as FurutaPendulum
+    from furuta_recordings.readers import read_axis as read_axis
+    from furuta_recordings.recording import Recording as Recording
+    from furuta_recordings.series_columns import COLUMNS as COLUMNS
+    from furuta_sim.simulation.closed_loop import Loop as Loop
+    from furuta_sim.simulation.closed_loop import Record as Record
 
     __version__: str
 
-__all__ = [
-    "COLUMNS",
-    "Axis",
-    "Cascade",
-    "DesiredPoles",
-    "Friction",
-    "FurutaPendulum",
-    "IdealLoop",
-    "Joint",
-    "JointCycle",
-    "Law",
-    "LimitCycle",
-    "Loop",
-    "ParameterError",
-    "Pid",
-    "Record",
-    "Recording",
-    "Rig",
-    "__version__",
-    "branch",
-    "compare",
-    "compare_on_axis",
-    "consequences",
-    "describing_function",
-    "drawn_axes",
-    "friction_joint",
-    "friction_law",
-    "friction_nonlinearity",
-    "ideal_loop",
-    "identified_axis",
-    "identified_values",
-    "identify",
-    "identify_axis",
-    "limit_cycle",
-    "linearize",
-    "load_rig",
-    "load_series",
-    "make_loop",
-    "measure",
-    "place_poles",
-    "predict_cycles",
-    "random_rigs",
-    "read_axis",
-    "read_recording",
-    "rig_names",
-    "servo_cycle",
-    "servo_motions",
-    "simulate",
-    "simulate_axis",
-    "simulated_series",
-    "sweep",
-    "trace_cycle",
-    "tune",
-    "write_series",
-]
-
-# Where each name comes from. A module is imported when one of its names is first used: a study that
-# only simulates needs neither scipy's optimisers nor the readers of recordings.
-_MODULES = {
-    "furuta.axis.axis": "Axis Cascade Pid servo_cycle servo_motions",
-    "furuta.axis.compensations": "compare_on_axis",
-    "furuta.axis.draws": "consequences drawn_axes identified_axis",
-    "furuta.axis.simulation": "simulate_axis",
-    "furuta.describing_functions.describing_function": "describing_function",
-    "furuta.limit_cycles.joint": "Joint JointCycle branch",
-    "furuta.limit_cycles.pendulum_loop": "IdealLoop",
-    "furuta.limit_cycles.periodic_orbit": "LimitCycle",
-    "furuta.loops": "ideal_loop load_rig make_loop rig_names",
-    "furuta.models": "friction_law friction_nonlinearity linearize place_poles",
-    "furuta.motions": "friction_joint limit_cycle measure predict_cycles simulate trace_cycle tune",
-    "furuta.recordings": (
-        "identified_values identify load_series read_recording simulated_series write_series"
-    ),
-    "furuta.tables": "compare random_rigs sweep",
-    "furuta_hw.rigs.rig": "Rig",
-    "furuta_identification.axis.identify": "identify_axis",
-    "furuta_model.friction.law": "Law",
-    "furuta_model.friction.parameters": "Friction",
-    "furuta_model.linear": "DesiredPoles",
-    "furuta_model.parameters": "ParameterError",
-    "furuta_model.pendulum": "FurutaPendulum",
-    "furuta_recordings.readers": "read_axis",
-    "furuta_recordings.recording": "Recording",
-    "furuta_recordings.series_columns": "COLUMNS",
-    "furuta_sim.simulation.closed_loop": "Loop Record",
+_MODULE_OF = {
+    name.name: str(node.module)
+    for node in ast.walk(ast.parse(Path(__file__).read_text(encoding="utf-8")))
+    if isinstance(node, ast.ImportFrom)
+    for name in node.names
+    if name.asname
 }
-_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names.split()}
+__all__ = list(_MODULE_OF)
 
 
 def __getattr__(name: str) -> Any:
     """The value of a name when it is first used; PEP 562."""
-    if name not in __all__:
+    if name not in (*__all__, "__version__"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return globals().setdefault(name, _found(name))
 
