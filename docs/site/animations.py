@@ -10,7 +10,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 
 import furuta
 from furuta.figures.figure import style_time_series
-from furuta.figures.run import draw_run
+from furuta.figures.series import draw_series
 from furuta.studies.swing_up import swing_up_settings
 from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import PHI, THETA
@@ -34,7 +34,7 @@ def draw_swing_up(path: Path) -> None:
     if path.suffix == ".gif":
         _animate(run.sample_time, run.state[: round(SHOWN / run.sample_time)], path)
     else:
-        draw_run(run, path)
+        draw_series(furuta.simulated_series(run), path)
 
 
 def draw_compensation(path: Path) -> None:

@@ -5,8 +5,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import pytest
 
-from furuta.figures.figure import legend_outside, saved_figure
-from furuta.figures.labels import axis_label
+from furuta.figures.figure import axis_label, legend_outside, saved_figure
 
 PNG = b"\x89PNG"
 

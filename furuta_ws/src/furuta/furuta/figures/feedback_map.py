@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from furuta.figures.figure import legend_outside, saved_figure, style_axis
-from furuta.figures.labels import axis_label
+from furuta.figures.figure import axis_label, legend_outside, saved_figure, style_axis
 from furuta.studies.feedback_map import MapPoint
 
 # Colours of motions that are no oscillation.

@@ -1,13 +1,24 @@
-"""Exact limit cycles: one period, and a branch over a parameter."""
+"""Exact limit cycles: one period of the pendulum or of an axis, and a branch over a parameter."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from furuta.figures.figure import ARM, CONTROL, FRICTION, PENDULUM, saved_figure, style_axis
-from furuta.figures.labels import axis_label
+from furuta.axis.simulation import AxisRecord
+from furuta.figures.figure import (
+    ARM,
+    CONTROL,
+    ESTIMATE,
+    FRICTION,
+    PENDULUM,
+    REFERENCE,
+    axis_label,
+    saved_figure,
+    style_axis,
+)
 from furuta.limit_cycles.continuation import BranchPoint
+from furuta.limit_cycles.joint import JointCycle
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta_model.state import PHI, PHI_DOT, THETA
 
@@ -17,33 +28,74 @@ BRANCH_SERIES = {
     "period_s": ("period [s]", "0.3"),
 }
 
+# Periods of an axis that are drawn.
+PERIODS = 2
 # Events of a branch that are marked, with their labels.
 MARKED_EVENTS = {"fold": "fold", "vanishes": "the cycle vanishes"}
 
 
 def draw_limit_cycle(motion: Trajectory, cycle: LimitCycle, law: str, path: Path) -> None:
     """Draw arm, pendulum, control and friction over one period, and the arm's phase plane."""
-    with saved_figure(path, 2, 2, figsize=(10, 6.5)) as (figure, axes):
-        (arm, pendulum), (force, plane) = axes
-        arm.plot(motion.time, motion.state[:, PHI], color=ARM)
-        style_axis(arm, y="arm φ [rad]")
-        pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
-        style_axis(pendulum, y="pendulum θ [rad]")
-        force.plot(motion.time, motion.control, color=CONTROL, label="control u")
-        force.plot(motion.time, motion.friction, color=FRICTION, label="friction F")
-        style_axis(force, "time [s]", "[V]")
-        force.legend()
-        plane.plot(motion.state[:, PHI], motion.state[:, PHI_DOT], color=ARM)
-        style_axis(plane, "arm φ [rad]", "arm speed [rad/s]")
-        figure.suptitle(_title(law, cycle))
-
-
-def _title(law: str, cycle: LimitCycle) -> str:
-    return (
+    title = (
         f"{law}: {cycle.phi_peak_to_peak_rad:.4f} rad, {cycle.period_s:.3f} s, stuck "
         f"{cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}, largest "
         f"multiplier {abs(cycle.floquet_multipliers[0]):.3g}"
     )
+    with saved_figure(path, 2, 2, figsize=(10, 6.5)) as (figure, axes):
+        (arm, pendulum), (force, plane) = axes
+        _draw_cycle(arm, force, plane, motion)
+        pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
+        style_axis(arm, y="arm φ [rad]")
+        style_axis(pendulum, y="pendulum θ [rad]")
+        style_axis(force, "time [s]", "[V]")
+        style_axis(plane, "arm φ [rad]", "arm speed [rad/s]")
+        figure.suptitle(title)
+
+
+def draw_axis(
+    motion: Trajectory | None, cycle: JointCycle, runs: dict[str, AxisRecord], path: Path
+) -> None:
+    """Draw the exact cycle of an axis, and the second half of simulated ``runs``.
+
+    These are given by compensation.
+    """
+    title = f"final motion: {cycle.kind}"
+    if cycle.kind == "limit_cycle":
+        title = (
+            f"limit cycle: {cycle.peak_to_peak:.4g} rad peak to peak, period {cycle.period_s:.3g} "
+            f"s, stuck {cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}"
+        )
+    with saved_figure(path, 2, 2, figsize=(10, 6.5)) as (figure, axes):
+        (position, after), (force, plane) = axes
+        if motion is not None:
+            state = motion.state.copy()
+            state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
+            _draw_cycle(position, force, plane, motion._replace(state=state), PERIODS)
+        for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
+            settled = slice(len(run.time) // 2, None)
+            time, error = run.time[settled] - run.time[settled.start], run.error[settled]
+            after.plot(time, error, color=colour, label=f"compensation {name}")
+        if runs:
+            after.margins(y=0.3)
+            after.legend()
+        style_axis(position, y="exact: position [rad]")
+        style_axis(force, "time [s]", "torque [N m]")
+        style_axis(plane, "position [rad]", "speed [rad/s]")
+        style_axis(after, "time [s]", "simulated: error [rad]")
+        figure.suptitle(title)
+
+
+def _draw_cycle(
+    position: Any, force: Any, plane: Any, motion: Trajectory, periods: int = 1
+) -> None:
+    """Draw position and forces over some periods, and the phase plane."""
+    time = np.concatenate([motion.time + k * motion.time[-1] for k in range(periods)])
+    phi = motion.state[:, PHI]
+    position.plot(time, np.tile(phi, periods), color=ARM)
+    force.plot(time, np.tile(motion.control, periods), color=CONTROL, label="control")
+    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label="friction")
+    force.legend()
+    plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 
 
 def draw_branch(name: str, points: list[BranchPoint], path: Path) -> None:

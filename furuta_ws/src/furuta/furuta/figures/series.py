@@ -1,4 +1,4 @@
-"""Series over time: a recording or simulation."""
+"""Series over time: a recording or simulation, and the demo's phases beside each other."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,10 +13,14 @@ from furuta.figures.figure import (
     FRICTION,
     MEASURED,
     PENDULUM,
+    legend_outside,
     saved_figure,
     style_time_series,
 )
+from furuta.studies.phases import Phase
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI, THETA
+from furuta_recordings.bags.recorded_loop import RecordedRun
 
 # Columns that a row shows where they exist: label and style. The truth has the colour of its
 # quantity.
@@ -33,10 +37,19 @@ COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
     },
     "control u [V]": {"command_v": {"label": "command", "lw": 0.8, "color": CONTROL}},
     "friction [V]": {
-        "true_friction_v": {"label": "true F", "lw": 1.6, "color": FRICTION},
-        "friction_estimate_v": {"label": "friction estimate", "lw": 0.6, "color": ESTIMATE},
+        "true_friction_v": {"label": "true F", "lw": 2.4, "alpha": 0.7, "color": FRICTION},
+        "friction_estimate_v": {"label": "estimate of F", "lw": 0.6, "color": ESTIMATE},
     },
 }
+TITLES = {
+    "none": "no compensation (Fig. 6)",
+    "coulomb": "Coulomb (Fig. 7)",
+    "lugre": "LuGre (Fig. 8)",
+    "tuned": "LuGre, tuned (Fig. 9)",
+    "recommended": "recommended",
+}
+# Length of the part that is shown of each phase of the demo, and of its friction [s].
+SHOWN, FRICTION_SHOWN = 10.0, 2.5
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
 GAP = 100.0
 # Matplotlib finds no ticks for the largest numbers.
@@ -56,23 +69,53 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
         largest = float(np.nanmax(np.abs(values), initial=0.0))
         if largest > LARGEST:
             raise ParameterError(f"{name} has {largest:.3g}, at most {LARGEST:g} can be drawn")
-    rows: dict[str, list[tuple[np.ndarray, dict[str, Any]]]] = {}
-    for label, columns in COLUMNS.items():
-        lines = [
-            (np.where(after_gap, np.nan, series[name]), style)
-            for name, style in columns.items()
-            if name in series
-        ]
-        if lines:
-            rows[label] = lines
-    if not rows:
+    drawn = {name: np.where(after_gap, np.nan, values) for name, values in series.items()}
+    labels = [label for label, columns in COLUMNS.items() if columns.keys() & series.keys()]
+    if not labels:
         raise ParameterError(f"no series to draw in {path}")
-    shared: dict[str, Any] = {"squeeze": False, "sharex": True, "figsize": (10, 2 * len(rows))}
-    with saved_figure(path, len(rows), **shared) as (_, axes):
-        for axis, (label, lines) in zip(axes[:, 0], rows.items(), strict=True):
-            for values, style in lines:
-                axis.plot(time, values, **style)
-            style_time_series(axis, label)
-            if len(lines) > 1:
+    shared: dict[str, Any] = {"squeeze": False, "sharex": True, "figsize": (10, 2 * len(labels))}
+    with saved_figure(path, len(labels), **shared) as (_, axes):
+        for axis, label in zip(axes[:, 0], labels, strict=True):
+            _draw_row(axis, label, time, drawn)
+            axis.set_ylabel(label)
+            if len(axis.lines) > 1:
                 axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         axes[-1, 0].set_xlabel("time [s]")
+
+
+def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
+    """Draw one column per phase and one row per signal; a row has one scale.
+
+    The friction is shown for a shorter time, so that its estimate can be told from it.
+    """
+    shape = (len(COLUMNS), len(phases))
+    with saved_figure(path, *shape, sharey="row", figsize=(17, 8.5)) as (figure, axes):
+        for column, phase in zip(axes.T, phases, strict=True):
+            shown = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
+            series = {
+                "true_phi_rad": shown.state[:, PHI],
+                "true_theta_rad": shown.state[:, THETA],
+                "command_v": shown.command,
+                "true_friction_v": shown.friction,
+                "friction_estimate_v": shown.friction_estimate,
+            }
+            for axis, label in zip(column, COLUMNS, strict=True):
+                _draw_row(axis, label, shown.time, series)
+            column[0].set_title(TITLES[phase.compensation])
+            column[3].set_xlim(phase.end - FRICTION_SHOWN, phase.end)
+            for axis in column[:2]:
+                axis.tick_params(labelbottom=False)
+        for axis, label in zip(axes[:, 0], COLUMNS, strict=True):
+            axis.set_ylabel(label)
+        for axis in axes[2:].flat:
+            axis.set_xlabel("time [s]")
+        entries = axes[3, 0].get_legend_handles_labels()
+        legend_outside(figure, "lower center", *entries, ncols=2)
+
+
+def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:
+    """Draw the series of a row of :data:`COLUMNS` that exist."""
+    for name, style in COLUMNS[label].items():
+        if name in series:
+            axis.plot(time, series[name], **style)
+    style_time_series(axis)

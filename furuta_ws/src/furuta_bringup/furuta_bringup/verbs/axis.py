@@ -171,7 +171,7 @@ def _draw(
     from furuta.axis.axis import servo_joint
     from furuta.axis.compensations import SHORTEST
     from furuta.axis.simulation import simulate_axis
-    from furuta.figures.axis import PERIODS, draw_axis
+    from furuta.figures.limit_cycle import PERIODS, draw_axis
     from furuta.limit_cycles.joint import trace_joint
 
     motion = None

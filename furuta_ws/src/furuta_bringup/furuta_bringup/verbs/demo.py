@@ -68,7 +68,7 @@ def command(
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
     from rich.console import Console
 
-    from furuta.figures.run import draw_demo
+    from furuta.figures.series import draw_demo
     from furuta.studies.phases import COMPENSATIONS, evaluate
     from furuta.studies.tuning.tuning import SEARCH
     from furuta_bringup.demo_run import run_demo

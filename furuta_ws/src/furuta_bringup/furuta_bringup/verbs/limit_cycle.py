@@ -89,7 +89,7 @@ def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:
     ideal = options.ideal_loop()
     prediction = predict_cycles(transfer(ideal.body, ideal.gains), ideal.law)
     if out is not None:
-        from furuta.figures.describing_function import draw_describing_function
+        from furuta.figures.nyquist import draw_describing_function
 
         draw_describing_function(ideal, prediction, out)
     return prediction_report(ideal, prediction)

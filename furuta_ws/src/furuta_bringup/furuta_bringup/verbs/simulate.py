@@ -114,6 +114,7 @@ def _save(record: Any, out: Path, actuator: Any) -> None:
 
         write_columns(out, simulated_series(record))
     else:
-        from furuta.figures.run import draw_run
+        from furuta.figures.series import draw_series
+        from furuta.studies.series import simulated_series
 
-        draw_run(record, out)
+        draw_series(simulated_series(record), out)
