@@ -1,7 +1,5 @@
-"""Batches: a run has the same outcome in any batch, and memory does not grow."""
+"""Batches: a run has the same outcome in any batch."""
 
-import gc
-import tracemalloc
 from collections.abc import Iterator
 
 import numpy as np
@@ -98,30 +96,6 @@ def test_rest_has_no_period() -> None:
     assert found.phi_peak_to_peak_rad == 0.0
     assert np.isnan(found.period_s)
     assert found.stuck_fraction == 1.0
-
-
-@pytest.mark.long
-def test_memory_does_not_grow() -> None:
-    """A long batch of long runs needs no more memory than a short one of short runs."""
-
-    def peak(count: int, seconds: float) -> int:
-        gc.collect()
-        gc.freeze()  # the more objects a process has, the more seldom is its garbage collected
-        tracemalloc.start()
-        loops = (Loop(PlantParameters(seed=k)) for k in range(count))
-        assert sum(1 for _ in batch(loops, seconds, workers=1)) == count
-        _, most = tracemalloc.get_traced_memory()
-        tracemalloc.stop()
-        gc.unfreeze()
-        return most
-
-    garbage = 1_000_000  # that the garbage collector may leave, for any number of runs
-    count = 400  # more than the chunks take until they have their full size
-    for short, long in ((0.01, 0.4), (0.6, 2.4)):  # single runs, lanes
-        peak(count, short)  # loads the compiled code
-        small = peak(count, short)
-        assert peak(6 * count, short) < small + garbage
-        assert peak(50, long) < small + garbage
 
 
 def test_batch_consumes_its_loops_step_by_step() -> None:

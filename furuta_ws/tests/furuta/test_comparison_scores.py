@@ -1,13 +1,11 @@
-"""Scores of a comparison, against closed forms and tables of the binomial distribution."""
+"""Scores of a comparison."""
 
-from math import inf, isnan
+from math import inf
 
 import numpy as np
-import pytest
-from scipy import stats
 
 from furuta.studies.comparison.comparison import Table
-from furuta.studies.comparison.scores import probability_below, quantile, rank, recommended
+from furuta.studies.comparison.scores import rank, recommended
 
 
 def table(
@@ -28,32 +26,6 @@ def table(
         np.array(pushes, bool) if pushes else np.empty((*residual.shape, 0), bool),
         len(sizes) * [0.05],
     )
-
-
-def test_quantile_intervals_are_order_statistics() -> None:
-    """For the median of 100 values the 40th and the 61st, as tables give; few values give none."""
-    assert quantile(np.arange(1.0, 101.0), 0.5) == (50.0, 40.0, 61.0)
-    value, _, high = quantile(np.arange(1.0, 11.0), 0.95)
-    assert value == 10.0
-    assert isnan(high)
-
-
-@pytest.mark.parametrize("n", [1, 7, 60, 1000])
-@pytest.mark.parametrize("part", [0.5, 0.95])
-def test_quantile_intervals_are_those_of_scipy(n: int, part: float) -> None:
-    """Also with ties, and where the values are too few."""
-    if not hasattr(stats, "quantile_test"):
-        pytest.skip("scipy has quantile_test since 1.12")
-    values = np.random.default_rng(n).integers(0, 2 * n, n).astype(float)
-    value, low, high = quantile(values, part)
-    expected = stats.quantile_test(values, q=value, p=part).confidence_interval(0.95)
-    np.testing.assert_array_equal((low, high), tuple(expected))
-
-
-@pytest.mark.parametrize("n", [10, 1000])
-def test_probability_of_what_has_not_happened(n: int) -> None:
-    """The closed form of Clopper and Pearson: 1 − 0.05^(1/n) for no hit of n."""
-    assert probability_below(np.zeros(n, bool)) == pytest.approx(1.0 - 0.05 ** (1.0 / n))
 
 
 def test_ranking() -> None:

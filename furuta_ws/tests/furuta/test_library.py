@@ -173,25 +173,17 @@ def test_what_is_no_loop_is_a_parameter_error(name: str, value: Any) -> None:
 
 
 @pytest.mark.parametrize("value", NUMBERS, ids=shortened)
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda value: furuta.simulate(seconds=value),
-        lambda value: furuta.limit_cycle(theta=value),
-        lambda value: furuta.describing_function(1.0, value, furuta.friction_law("coulomb")),
-        lambda value: furuta.place_poles(furuta.FurutaPendulum(), furuta.DesiredPoles(value)),
-        lambda value: furuta.linearize(furuta.FurutaPendulum(gamma=value)),
-        lambda value: furuta.servo_cycle(
-            furuta.Axis(value, furuta.Friction()), furuta.Pid(1.0, 1.0, 1.0)
-        ),
-        lambda value: furuta.friction_law("lugre", furuta.Friction(alpha0=value)),
-        lambda value: furuta.ideal_loop(feedback=[1.0, value, 1.0, 1.0]),
-    ],
-)
-def test_what_is_no_number_is_a_parameter_error(call: Any, value: Any) -> None:
-    with pytest.raises(furuta.ParameterError) as error:
-        call(value)
-    assert "\n" not in str(error.value)
+def test_what_is_no_number_is_a_parameter_error(value: Any) -> None:
+    calls = (
+        lambda: furuta.simulate(seconds=value),
+        lambda: furuta.place_poles(furuta.FurutaPendulum(), furuta.DesiredPoles(value)),
+        lambda: furuta.friction_law("lugre", furuta.Friction(alpha0=value)),
+        lambda: furuta.ideal_loop(feedback=[1.0, value, 1.0, 1.0]),
+    )
+    for call in calls:
+        with pytest.raises(furuta.ParameterError) as error:
+            call()
+        assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -202,10 +194,7 @@ def test_what_is_no_number_is_a_parameter_error(call: Any, value: Any) -> None:
             "gamma must be at least 1e-09 V s²/rad, given 0",
         ),
         (lambda: furuta.simulate(seconds=1e300), "above 0 and at most 1e+06, given 1e+300"),
-        (lambda: furuta.linearize(furuta.Loop(plant=None)), "plant must be PlantParameters"),
-        (lambda: furuta.make_loop({1: 2}), "a name in values must be text, given 1"),
         (lambda: furuta.make_loop(files=[None]), "files[0] must be text or a path, given None"),
-        (lambda: furuta.identify([]), "at least one recording"),
         (
             lambda: furuta.simulated_series(RUN._replace(state=np.zeros((10, 3)))),
             "record.state must have shape (10, 4), given (10, 3)",
@@ -218,28 +207,15 @@ def test_what_is_no_number_is_a_parameter_error(call: Any, value: Any) -> None:
             "too large or too small",
         ),
         (lambda: furuta.sweep({"alfa0": [1.0]}), "did you mean alpha0"),
-        (lambda: furuta.sweep({"alpha0": []}), "alpha0 must be at least one, given none"),
-        (lambda: furuta.sweep({"alpha0": "0.1"}), "alpha0 must be a list, given '0.1'"),
-        (lambda: furuta.sweep({"alpha0": [-1.0]}, seconds=0.1), "no run is possible: "),
-        (lambda: furuta.random_rigs(0), "the number of rigs must be 1 to 1000000"),
         (lambda: furuta.random_rigs(disturbances=["x"]), "disturbances are delay, lag, noise"),
-        (lambda: furuta.compare(candidates=["x"]), "one of none, coulomb"),
-        (lambda: furuta.compare(candidates={"x": {"seed": 1}}), "which only the plant has"),
-        (lambda: furuta.compare(candidates={"x": 3}), "candidate x must be a mapping, given 3"),
         (lambda: furuta.compare(rigs={"plant.alfa": [1.0]}), "plant has no parameter alfa"),
-        (lambda: furuta.compare(rigs={}), "columns of one and the same length"),
         (lambda: furuta.make_loop({"alfa0": 0.1}), "did you mean alpha0"),
-        (lambda: furuta.make_loop({"alpha0": None}), "must be a number, text or list"),
         (lambda: furuta.make_loop(rig="nobody"), "no rig nobody; rigs are"),
-        (lambda: furuta.simulate(seconds=-1.0), "above 0 and at most 1e+06, given -1"),
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
-        (lambda: furuta.ideal_loop(feedback=[1, 2]), "feedback must be four finite numbers"),
         (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
         (lambda: furuta.friction_law("glue"), "no friction law glue; laws are coulomb"),
-        (lambda: furuta.describing_function(0.0, 1.0, furuta.friction_law("lugre")), "above 0"),
         (lambda: furuta.trace_cycle(None, furuta.LimitCycle("rest")), "given a rest motion"),
         (lambda: furuta.tune(seconds=1.0), "needs at least"),
-        (lambda: furuta.read_recording("nothing.csv"), "no recording nothing.csv"),
         (lambda: furuta.write_series("run.xlsx", {}), "does not end in .csv, .parquet, .mat, .npz"),
     ],
 )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import reference
-from event_reference import EventLoop
+from joint_reference import ReferenceJoint
 
 from furuta.limit_cycles.continuation import Branch, BranchPoint, fold_value
 from furuta.limit_cycles.limit_cycle import limit_cycle
@@ -13,7 +13,7 @@ from furuta.loops import LACKS, ideal_loop, left_out, make_loop
 from furuta.studies.feedback_map import map_feedbacks
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.parameters import Friction
-from furuta_model.linear import DesiredPoles, place_poles
+from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 
@@ -96,10 +96,12 @@ def test_stuck_arm_stands_still_and_breaks_away_at_the_level() -> None:
 def test_friction_of_one_direction_only(law: str) -> None:
     """The arm slides back without friction; an integration with events moves alike."""
     friction = Friction(alpha1=0.1, asymmetry=1.0)
-    cycle = limit_cycle(ideal(friction, law))
-    middle = cycle.point[0] - 0.5 * cycle.phi_peak_to_peak_rad
-    events = EventLoop(law, friction, np.array(_gain()))
-    found = events.run(np.array(cycle.point[:4]), 3.2 * cycle.period_s, middle)
+    loop = ideal(friction, law, linear=True)
+    cycle, (a, b) = limit_cycle(loop), linearize(BODY)
+    order = [1, 0, 2, 3]  # the speed of the joint comes first
+    closed = (a + np.outer(b, loop.gains))[np.ix_(order, order)]
+    events = ReferenceJoint(closed, b[order], np.zeros(4), law, friction)
+    found = events.run(np.array(cycle.point)[order], 30.0, np.zeros(4))
     assert cycle.phi_peak_to_peak_rad == pytest.approx(found.peak_to_peak, rel=1e-7)
     assert cycle.period_s == pytest.approx(found.period, rel=1e-7)
 

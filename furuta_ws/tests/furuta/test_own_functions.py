@@ -115,21 +115,12 @@ def test_bad_part_is_one_line(part: Any, message: str) -> None:
     assert "\n" not in str(error.value)
 
 
-# The parameters that can name code, and a module that says that it has run.
 NAMING_CODE = ("friction.law", "compensation", "mode", "estimator.method")
-HOSTILE = """
-evil:f evil.py:f ./evil.py:f ../evil.py:f /dev/stdin:f évil:f evil: evil:f.g own:evil os:system
-math:sin venv.__main__:x json:dumps builtins:exec sys:exit subprocess:run : :: a: :b own_parts:
-pickle:loads evil:__import__ importlib:import_module evil::f furuta_model.own_functions:accept_parts
-"""
-NAMES = [*HOSTILE.split(), " :f", "evil:f\n", "e vil:f", "evil:f,os:system", "evil:f" * 5000]
 
 
 @pytest.mark.parametrize("parameter", NAMING_CODE)
 @pytest.mark.parametrize(
-    "name",
-    NAMES,
-    ids=lambda name: name[:20],
+    "name", ["evil:f", "evil.py:f", "os:system", "builtins:exec", ":", "e v:f"]
 )
 def test_a_name_that_is_not_accepted_imports_nothing(evil: Path, parameter: str, name: str) -> None:
     """Wherever it comes from: the check of the parameters refuses it."""
@@ -154,12 +145,9 @@ def test_working_directory_is_no_import_path(evil: Path) -> None:
     ("name", "reason"),
     [
         ("no_such_module:law", "cannot load the part 'no_such_module:law': ModuleNotFoundError"),
-        ("math:no_such_function", "cannot load the part 'math:no_such_function': AttributeError"),
         ("venv.__main__:x", "cannot load the part 'venv.__main__:x': SystemExit"),
         ("no_such.py:f", "cannot load the part 'no_such.py:f': FileNotFoundError"),
         ("evil", "cannot load the part 'evil': ValueError: expected module:function"),
-        ("math:pi", "math:pi must be a Python function, given float"),
-        ("math:sin", "math:sin must be a Python function, given builtin_function"),
         ("os:system", "os:system must be a Python function, given builtin_function"),
     ],
 )

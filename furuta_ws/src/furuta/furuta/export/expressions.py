@@ -23,9 +23,6 @@ from furuta.export.values import (
     Value,
 )
 
-# Calls a function that is translated too.
-Caller = Callable[[Any, list[Value], dict[str, Value]], Value | None]
-
 
 class Expressions:
     """The expressions of one function, with the values of its local names."""

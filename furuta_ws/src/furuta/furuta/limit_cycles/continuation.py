@@ -12,8 +12,7 @@ import numpy as np
 
 from furuta.limit_cycles.friction_loop import FrictionLoop
 from furuta.limit_cycles.limit_cycle import limit_cycle
-from furuta.limit_cycles.periodic_orbit import REST, LimitCycle, periodic_orbit
-from furuta.limit_cycles.section import REST_STEP, Section
+from furuta.limit_cycles.periodic_orbit import REST, REST_STEP, LimitCycle, Section, periodic_orbit
 from furuta.limit_cycles.smooth_motion import CLOSEST, FURTHER
 from furuta_model.parameters import ParameterError
 

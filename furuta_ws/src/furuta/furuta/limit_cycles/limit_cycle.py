@@ -14,11 +14,12 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import (
     REST,
     LimitCycle,
+    Return,
+    Section,
     limit_cycle_through,
     periodic_orbit,
 )
 from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
-from furuta.limit_cycles.section import Return, Section
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
     EVENT,

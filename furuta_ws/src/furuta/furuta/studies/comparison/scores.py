@@ -1,38 +1,26 @@
-"""Scores of a comparison, with exact confidence intervals of 95 %.
-
-Rigs are independent, so intervals follow from the binomial distribution alone: quantiles from order
-statistics (Conover 1999), fractions by the method of Clopper and Pearson (1934). An end is NaN if
-there are too few rigs for it.
-"""
+"""Scores of a comparison: the candidates over all rigs, and which one is recommended."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import binom, binomtest
 
 from furuta.studies.comparison.comparison import Table
-
-CONFIDENCE = 0.95
 
 
 class Score(NamedTuple):
     """A candidate over all rigs.
 
     ``within_count`` is the fraction of the rigs whose residual is at most one count of the encoder.
-    The probability of a fall is less than ``falls_below`` (one-sided limit). Commands are medians
-    over the rigs.
+    Commands are medians over the rigs.
     """
 
     candidate: str
     rigs: int
     residual_median_rad: float
     residual_95_rad: float
-    residual_95_low_rad: float
-    residual_95_high_rad: float
     residual_worst_rad: float
     within_count: float
     falls: int
-    falls_below: float
     command_rms_v: float
     command_step_v: float
     command_high_frequency_v: float
@@ -81,16 +69,16 @@ def comparison_report(
 
 def _score(table: Table, k: int, encoder_count: float) -> Score:
     residual, survived = table.residual[k], table.survived[k]
+    median, high = np.quantile(residual, [0.5, 0.95], method="inverted_cdf").tolist()
     falls = np.isinf(residual)
     return Score(
         table.candidates[k],
         len(table.rigs),
-        quantile(residual, 0.5)[0],
-        *quantile(residual, 0.95),
+        median,
+        high,
         float(residual.max()),
         int((residual <= encoder_count).sum()) / len(residual),
         int(falls.sum()),
-        probability_below(falls),
         float(np.median(table.command[k])),
         float(np.median(table.step[k])),
         float(np.median(table.fast[k])),
@@ -98,21 +86,3 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
         survived.size,
         int(survived.sum()),
     )
-
-
-def quantile(values: np.ndarray, part: float) -> tuple[float, float, float]:
-    """A quantile, which is one of the ``values``, with its interval.
-
-    scipy has it as ``quantile_test`` since a later version than that of Ubuntu 24.04.
-    """
-    value = float(np.quantile(values, part, method="inverted_cdf"))
-    below = binom(len(values), part)  # number of the values below the quantile
-    tail = (1.0 - CONFIDENCE) / 2.0
-    padded = [np.nan, *np.sort(values), np.nan]
-    return value, float(padded[int(below.ppf(tail))]), float(padded[int(below.isf(tail)) + 1])
-
-
-def probability_below(hits: np.ndarray) -> float:
-    """The probability of ``hits`` (n,) is below it with :data:`CONFIDENCE`."""
-    test = binomtest(int(np.sum(hits)), len(hits), alternative="less")
-    return float(test.proportion_ci(CONFIDENCE, method="exact").high)
