@@ -129,14 +129,6 @@ def test_number_of_steps_is_sufficient() -> None:
                 assert once == pytest.approx(twice, rel=2e-6)
 
 
-def test_asymmetry_enters_in_second_order_only() -> None:
-    equal = describing_function(0.1, 3.0, friction_law("lugre"))
-    errors = [abs(simulated(0.1, 3.0, Friction(asymmetry=a)) / equal - 1.0) for a in (0.2, 0.4)]
-    assert errors[0] < 8e-3
-    assert np.diff(np.log2(errors)) == pytest.approx([2.0], abs=0.4)
-    assert describing_function(0.1, 3.0, friction_law("lugre", Friction(asymmetry=0.4))) == equal
-
-
 @pytest.mark.parametrize(("amplitude", "omega"), [(0, 1), (1, 0), (-1, 1), (float("nan"), 1)])
 def test_impossible_oscillations_are_rejected(amplitude: float, omega: float) -> None:
     with pytest.raises(ParameterError, match="above 0"):

@@ -1,11 +1,8 @@
 """The friction fit is accurate; tuning finds good parameters, is safe, and keeps its time."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 
-from furuta.lanes.batch import batch
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import RIVALS, TuningPlan
 from furuta.studies.tuning.tuning import GuardError, SimulatedLoop, tune
@@ -38,13 +35,6 @@ def silent(message: str, seconds: float) -> None:
     """Ignore progress."""
 
 
-def amplitude(friction: Friction, true: Friction, seeds: range) -> float:
-    """Arm, peak to peak over 30 s [rad], mean over the seeds."""
-    observer = ObserverParameters("lugre", friction)
-    loops = (Loop(plant(true, seed), observer=observer) for seed in seeds)
-    return float(np.mean([each.phi_peak_to_peak_rad for each in batch(loops, 40.0, 0.75)]))
-
-
 @pytest.mark.parametrize("true", [OTHER, Friction(sigma0=150.0, sigma1=3.0, viscous=0.05)])
 def test_friction_is_identified_from_the_limit_cycle(true: Friction) -> None:
     """Twelve seconds without compensation determine the friction from a start 30 % off."""
@@ -66,27 +56,6 @@ def test_a_fit_needs_observed_friction() -> None:
     resting[:, 4] = np.nan
     with pytest.raises(ParameterError, match="observes no friction"):
         fit_friction(resting, STEP, 1e-3, NOMINAL)
-
-
-@pytest.mark.parametrize(("true", "factor"), [(NOMINAL, 0.7), (OTHER, 1.3)])
-def test_tuning_is_close_to_an_exhaustive_search(true: Friction, factor: float) -> None:
-    """From a start 30 % off, the result is within 20 % of the best of a grid around the truth."""
-    start = ObserverParameters("lugre", scaled(factor, true)._replace(asymmetry=0.0))
-    rig = SimulatedLoop(Loop(plant(true, 33), observer=start))
-    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), silent)
-    assert tuned.seconds <= 200.0
-    assert tuned.after.amplitude < 0.5 * tuned.before.amplitude
-    seeds = range(60, 62)
-    grid = [
-        true._replace(
-            alpha0=level * true.alpha0, sigma1=damping * true.sigma1, sigma0=stiffness * true.sigma0
-        )
-        for level, damping, stiffness in product(
-            (0.98, 1.0, 1.02), (1.0, 1.2, 1.4, 1.7), (0.7, 1.0, 1.4)
-        )
-    ]
-    best = min(amplitude(friction, true, seeds) for friction in grid)
-    assert amplitude(tuned.after.observer.friction, true, seeds) < 1.2 * best
 
 
 class DangerousRig:
