@@ -13,7 +13,6 @@ from furuta.limit_cycles import joint as joints
 from furuta.limit_cycles import limit_cycle as cycles
 from furuta.limit_cycles import periodic_orbit
 from furuta.limit_cycles.joint import Joint, JointCycle
-from furuta.limit_cycles.linear_system import matrices
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import Part, checked_loop, ideal_loop, with_parts
@@ -98,7 +97,7 @@ def friction_joint(
         ParameterError: The system is not linear with one force and one speed, or the law is not
             analysed.
     """
-    return joints.joint(*matrices(system), friction, law, offset)
+    return joints.joint(*joints.matrices(system), friction, law, offset)
 
 
 @overload

@@ -73,13 +73,10 @@ class Lanes:
         row, layout = field_of(self.layout, name)
         return self.data[row : row + rows_of(layout)]
 
-    def values(self, path: str, lane: int) -> Any:
-        """A field in a lane, such as observer.bristle; a record is a tuple of its fields."""
-        first, layout = 0, self.layout
-        for name in path.split("."):
-            row, layout = field_of(layout, name)
-            first += row
-        return _values(layout, self.data[first:, lane])
+    def values(self, name: str, lane: int) -> Any:
+        """A field in a lane; a record is a tuple of its fields."""
+        row, layout = field_of(self.layout, name)
+        return _values(layout, self.data[row:, lane])
 
 
 def _values(layout: Layout, numbers: np.ndarray) -> Any:
