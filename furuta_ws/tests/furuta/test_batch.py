@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from furuta.lanes.batch import batch
-from furuta.oscillation import fell, measure_oscillation
+from furuta.oscillation import measure_oscillation
 from furuta.outcomes import SETTLED, Outcome, outcome
 from furuta_control.control import ControllerParameters
-from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI
-from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 SECONDS = 3.0
@@ -68,34 +67,6 @@ def test_outcome_equals_that_of_the_series(kind: str) -> None:
     if kind == "none":
         # The midpoint comes from an earlier part of the run and differs by a few milliradians.
         assert found.period_s == pytest.approx(expected.period_s, rel=1e-3)
-
-
-@pytest.mark.parametrize("seed", [0, 1, 264])
-def test_period_from_a_few_cycles(seed: int) -> None:
-    """A run of few cycles has a period, although noise changes their size."""
-    loop = Loop(PlantParameters(seed=seed), EstimatorParameters(method="lowpass"))
-    assert outcome(loop, 30.0).period_s == pytest.approx(2.68, rel=0.01)
-
-
-def test_fall_is_detected_at_any_time() -> None:
-    """Also before the settled part."""
-    fallen = Loop(PlantParameters(initial=InitialState(theta=1.0)))
-    found = outcome(fallen, 20.0)
-    assert found.fell
-    assert found.fell == fell(simulate(fallen, 20.0).state)
-    assert not outcome(Loop(), 5.0).fell
-
-
-def test_rest_has_no_period() -> None:
-    """An arm at rest: zero peak to peak, no period, stuck all the time."""
-    loop = Loop(
-        PlantParameters(initial=InitialState(theta=0.0)),
-        controller=ControllerParameters(enabled=False),
-    )
-    found = outcome(loop, 1.0)
-    assert found.phi_peak_to_peak_rad == 0.0
-    assert np.isnan(found.period_s)
-    assert found.stuck_fraction == 1.0
 
 
 def test_batch_consumes_its_loops_step_by_step() -> None:

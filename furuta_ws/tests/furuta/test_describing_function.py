@@ -83,18 +83,6 @@ def test_static_laws_by_quadrature(kind: str, p: Friction, amplitude: float) -> 
     )
 
 
-def test_closed_forms_by_hand() -> None:
-    """4Fc/(πA) for Coulomb and stiction; α₀ + α₁ at small and α₀ at large A for Stribeck."""
-    for kind in ("coulomb", "stiction"):
-        assert describing_function(0.5, 1.0, friction_law(kind)) == pytest.approx(
-            4 * 0.21 / (np.pi * 0.5)
-        )
-    stribeck = friction_law("stribeck")
-    assert describing_function(1e-6, 1, stribeck) == pytest.approx(4e6 * 0.232 / np.pi)
-    assert describing_function(100.0, 1, stribeck) == pytest.approx(0.04 * 0.21 / np.pi, rel=1e-5)
-    assert bias(1.0, friction_law("coulomb", UNEQUAL)) == pytest.approx(0.25 * 0.21)
-
-
 @pytest.mark.parametrize(
     ("amplitude", "omega", "p"),
     [(1e-3, 30.0, DAMPED), (0.05, 1.0, Friction()), (2.0, 1.0, DAMPED)],

@@ -53,43 +53,11 @@ def test_a_function_checks_its_arguments_once() -> None:
             assert not hasattr(value.__wrapped__, "__wrapped__")
 
 
-def test_limit_cycle_agrees_with_a_simulation() -> None:
-    loop = furuta.make_loop({"sensors.ideal": True})
-    cycle, run = furuta.limit_cycle(loop), furuta.measure(loop, 30.0)
-    assert cycle.kind == "oscillation"
-    assert run.phi_peak_to_peak_rad == pytest.approx(cycle.phi_peak_to_peak_rad, rel=0.01)
-    assert run.period_s == pytest.approx(cycle.period_s, rel=0.01)
-    period = furuta.trace_cycle(loop, cycle)
-    assert period.time[-1] == pytest.approx(cycle.period_s)
-    assert np.ptp(period.state[:, 0]) == pytest.approx(cycle.phi_peak_to_peak_rad, rel=1e-3)
-
-
-def test_closed_forms() -> None:
-    law = furuta.friction_law("coulomb", furuta.Friction(alpha0=0.3))
-    assert furuta.describing_function(2.0, 5.0, law) == pytest.approx(4 * 0.3 / (pi * 2.0))
-    pendulum = furuta.FurutaPendulum()
-    model = furuta.linearize(pendulum)
-    gain = furuta.place_poles(pendulum, furuta.DesiredPoles(7.0, 0.7, 5.0, 0.7))
-    poles = np.linalg.eigvals(model.A - model.B * gain)
-    assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 7.0, 7.0])
-
-
 @pytest.mark.parametrize("rig", ["paper", "qube_servo_2"])
 def test_linearized_loop_has_the_placed_poles(rig: str) -> None:
     """Also with viscous friction, of which pole placement knows."""
     poles = furuta.linearize(furuta.make_loop({"omega1": 9.0}, rig=rig)).poles()
     assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 9.0, 9.0])
-
-
-def test_linearized_loop_hunts_as_the_ideal_one() -> None:
-    """From the torque to the arm's speed it is a loop to which friction can be added."""
-    ideal = furuta.ideal_loop(law="stribeck", linear=True)
-    exact = furuta.limit_cycle(ideal)
-    for loop in (None, ideal):
-        joint = furuta.friction_joint(furuta.linearize(loop)[1, 0], ideal.law.parameters)
-        cycle = furuta.limit_cycle(joint)
-        assert cycle.peak_to_peak == pytest.approx(exact.phi_peak_to_peak_rad, rel=1e-6)
-        assert cycle.period_s == pytest.approx(exact.period_s, rel=1e-6)
 
 
 def test_rig_reaches_every_node() -> None:
