@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from furuta.describing_functions.predicted_cycles import Prediction, predict_joint
+from furuta.describing_functions.predicted_cycles import PredictedCycle, Prediction
 from furuta.describing_functions.predicted_cycles import predict_cycles as predicted
+from furuta.describing_functions.steady_rotation import steady_rotations
 from furuta.limit_cycles import joint as joints
 from furuta.limit_cycles import limit_cycle as cycles
 from furuta.limit_cycles import periodic_orbit
-from furuta.limit_cycles.joint import Joint, JointCycle
+from furuta.limit_cycles.joint import Joint, JointCycle, Units
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import Part, checked_loop, ideal_loop, with_parts
 from furuta.outcomes import Outcome, outcome
-from furuta.transfer import transfer
+from furuta.transfer import joint_transfer, transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_ros.time_stamps import MOST_SECONDS
@@ -173,9 +174,50 @@ def predict_cycles(loop: Loop | IdealLoop | Joint | None = None) -> Prediction:
         ParameterError: The friction law is not analysed.
     """
     if isinstance(loop, Joint):
-        return predict_joint(loop)
+        return _predict_joint(loop)
     ideal = _ideal(loop)
     return predicted(transfer(ideal.body, ideal.gains), ideal.law)
+
+
+def _predict_joint(given: Joint) -> Prediction:
+    """All solutions of 1 + G(jω)N(A, ω) = 0 with ω > 0, in the user's units."""
+    loop, units = given.loop, given.units
+    scaled = predicted(joint_transfer(loop.a, loop.b), loop.law)
+    low, high = scaled.omega_range_rad_s
+    least, largest = scaled.phi_amplitude_range_rad
+    return scaled._replace(
+        cycles=tuple(_in_units(cycle, units) for cycle in scaled.cycles),
+        omega_range_rad_s=(low / units.time, high / units.time),
+        phi_amplitude_range_rad=(least * units.position, largest * units.position),
+    )
+
+
+def _in_units(cycle: PredictedCycle, units: Units) -> PredictedCycle:
+    return PredictedCycle(
+        cycle.omega_rad_s / units.time,
+        cycle.velocity_amplitude_rad_s * units.speed,
+        cycle.phi_peak_to_peak_rad * units.position,
+        cycle.period_s * units.time,
+        cycle.stable,
+        cycle.bias_v * units.force,
+    )
+
+
+def prediction_report(loop: IdealLoop, prediction: Prediction) -> dict[str, Any]:
+    """The predicted cycles and rotations of a loop, and what was searched."""
+    rotations = steady_rotations(loop.body, loop.gains, loop.law)
+    return {
+        "law": loop.law.name,
+        "feedback": loop.gains,
+        "stable_without_friction": transfer(loop.body, loop.gains).stable,
+        "cycles": [cycle._asdict() for cycle in prediction.cycles],
+        "rotations": [rotation._asdict() for rotation in rotations],
+        "searched": {
+            "omega_rad_s": prediction.omega_range_rad_s,
+            "phi_amplitude_rad": prediction.phi_amplitude_range_rad,
+        },
+        "complete": prediction.complete,
+    }
 
 
 def tune(

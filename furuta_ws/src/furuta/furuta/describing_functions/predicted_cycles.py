@@ -16,7 +16,7 @@ with G = B/D, must be stable too.
 """
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,10 +27,7 @@ from furuta.describing_functions.describing_function import (
     static_describing_function,
 )
 from furuta.describing_functions.lugre_cycles import search
-from furuta.describing_functions.steady_rotation import steady_rotations
-from furuta.limit_cycles.joint import Joint, Units
-from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.transfer import Transfer, joint_transfer, transfer
+from furuta.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
 
 
@@ -81,30 +78,6 @@ def predict_cycles(g: Transfer, law: FrictionLaw) -> Prediction:
     )
 
 
-def predict_joint(given: Joint) -> Prediction:
-    """All solutions of 1 + G(jω)N(A, ω) = 0 with ω > 0, in the user's units."""
-    loop, units = given.loop, given.units
-    scaled = predict_cycles(joint_transfer(loop.a, loop.b), loop.law)
-    low, high = scaled.omega_range_rad_s
-    least, largest = scaled.phi_amplitude_range_rad
-    return scaled._replace(
-        cycles=tuple(_in_units(cycle, units) for cycle in scaled.cycles),
-        omega_range_rad_s=(low / units.time, high / units.time),
-        phi_amplitude_range_rad=(least * units.position, largest * units.position),
-    )
-
-
-def _in_units(cycle: PredictedCycle, units: Units) -> PredictedCycle:
-    return PredictedCycle(
-        cycle.omega_rad_s / units.time,
-        cycle.velocity_amplitude_rad_s * units.speed,
-        cycle.phi_peak_to_peak_rad * units.position,
-        cycle.period_s * units.time,
-        cycle.stable,
-        cycle.bias_v * units.force,
-    )
-
-
 def _amplitude(gain: float, law: FrictionLaw) -> float | None:
     """A [rad/s] at which N(A) is ``gain`` [V s/rad], or None. N falls with A, so A is unique.
 
@@ -149,20 +122,3 @@ def _others_decay(amplitude: float, omega: float, g: Transfer, law: FrictionLaw)
 
 def _sorted(cycles: list[PredictedCycle]) -> tuple[PredictedCycle, ...]:
     return tuple(sorted(cycles, key=lambda cycle: cycle.phi_peak_to_peak_rad))
-
-
-def prediction_report(loop: IdealLoop, prediction: Prediction) -> dict[str, Any]:
-    """The predicted cycles and rotations of a loop, and what was searched."""
-    rotations = steady_rotations(loop.body, loop.gains, loop.law)
-    return {
-        "law": loop.law.name,
-        "feedback": loop.gains,
-        "stable_without_friction": transfer(loop.body, loop.gains).stable,
-        "cycles": [cycle._asdict() for cycle in prediction.cycles],
-        "rotations": [rotation._asdict() for rotation in rotations],
-        "searched": {
-            "omega_rad_s": prediction.omega_range_rad_s,
-            "phi_amplitude_rad": prediction.phi_amplitude_range_rad,
-        },
-        "complete": prediction.complete,
-    }

@@ -70,7 +70,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
     from furuta.figures.series import draw_demo
     from furuta.studies.phases import COMPENSATIONS, evaluate
-    from furuta.studies.tuning.tuning import SEARCH
+    from furuta.studies.tuning.plan import SEARCH
     from furuta_bringup.demo_run import run_demo
     from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers

@@ -83,7 +83,8 @@ def command(
 
 
 def _prediction(options: AnalysisOptions, out: Path | None) -> dict[str, Any]:
-    from furuta.describing_functions.predicted_cycles import predict_cycles, prediction_report
+    from furuta.describing_functions.predicted_cycles import predict_cycles
+    from furuta.motions import prediction_report
     from furuta.transfer import transfer
 
     ideal = options.ideal_loop()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import scipy
+
 from furuta_model.parameters import ParameterError, values
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ FRICTION_RECORDING_TIME = 12.0
 RECOVERY_TIME = 3.0
 # Compensations that are tried with the fitted friction, besides the LuGre observer.
 RIVALS = ("coulomb", "stiction", "adaptive")
+# COBYQA needs fewer evaluations; scipy has it since 1.14, and Ubuntu 24.04 has scipy 1.11.
+SEARCH = "COBYQA" if tuple(map(int, scipy.__version__.split(".")[:2])) >= (1, 14) else "COBYLA"
 # Number of best candidates that are measured once more, and the least time [s] for each.
 FINALISTS = 3
 FINAL_MEASURING_TIME = 12.0
@@ -104,8 +108,6 @@ class TuningResult(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """The result as a JSON object."""
-        from furuta.studies.tuning.tuning import SEARCH
-
         return {
             "parameters": observer_parameters(self.after.observer),
             "before": self.before.as_json(),

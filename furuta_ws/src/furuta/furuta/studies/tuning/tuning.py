@@ -22,7 +22,6 @@ from math import log
 from typing import Protocol
 
 import numpy as np
-import scipy
 
 from furuta.studies.tuning.observed_friction import fit_friction
 from furuta.studies.tuning.plan import (
@@ -32,6 +31,7 @@ from furuta.studies.tuning.plan import (
     MEASURING_TIME,
     RECOVERY_TIME,
     RIVALS,
+    SEARCH,
     SETTLING_TIME,
     Trial,
     TuningPlan,
@@ -48,8 +48,6 @@ from furuta_sim.simulation.closed_loop import Loop, Simulation
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
 
-# COBYQA needs fewer evaluations; scipy has it since 1.14, and Ubuntu 24.04 has scipy 1.11.
-SEARCH = "COBYQA" if tuple(map(int, scipy.__version__.split(".")[:2])) >= (1, 14) else "COBYLA"
 # One step of the search multiplies σ₁ by a factor.
 STEP_FACTOR = 1.5
 # First and last radius of the trust region, in steps.
