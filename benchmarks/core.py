@@ -1,17 +1,14 @@
-"""Speed and error of the loop without ROS, compared with MuJoCo, scipy and python-control.
+"""Speed and error of the loop without ROS, compared with MuJoCo and scipy.
 
 The simulators are measured in alternation, so that they meet the same load on the machine.
 """
 
-import warnings
 from statistics import median
 from time import thread_time
 
-import control
 import numpy as np
 from batches import ideal_batch_rate
 from experiment import (
-    FEEDBACK,
     LOOP,
     RELEASE,
     SECONDS,
@@ -23,11 +20,7 @@ from experiment import (
 from mujoco_loop import MujocoLoop
 from scipy.integrate import solve_ivp
 
-from furuta.limit_cycles.limit_cycle import limit_cycle
-from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.oscillation import Oscillation
 from furuta.outcomes import outcome
-from furuta_model.friction.laws import friction_law
 
 ROUNDS = 7
 # Pendulum time for the slow simulators [s].
@@ -44,7 +37,6 @@ def speed() -> dict[str, float]:
         "mujoco_python_tuned": mujoco.tuned_rate,
         "mujoco_c": mujoco.c_rate,
         "scipy": _scipy_rate,
-        "python_control": _control_rate,
     }
     outcome(LOOP, 1.0)  # loads the compiled code
     ideal_batch_rate()
@@ -68,33 +60,17 @@ def speed() -> dict[str, float]:
 
 
 def errors() -> dict[str, float]:
-    """Relative errors of the limit cycle at a step of 1 ms against an accurate solution."""
+    """Relative errors of the amplitude at a step of 1 ms against an accurate solution."""
     reference = accurate_limit_cycle()
-    law = friction_law("lugre", LOOP.plant.friction.parameters)
-    l1, l2, l3, l4 = FEEDBACK
-    exact = limit_cycle(IdealLoop(LOOP.plant.model, law, l1, l2, l3, l4))
-    results = {
-        "reference_amplitude_rad": reference.phi_peak_to_peak_rad,
-        "reference_period_s": reference.period_s,
-        "continuous_amplitude_rad": exact.phi_peak_to_peak_rad,
-        "continuous_period_s": exact.period_s,
+    measured = {
+        "amplitude_error": simulated_limit_cycle(),
+        "amplitude_error_mujoco": MujocoLoop().limit_cycle(),
+        "amplitude_error_mujoco_rk4": MujocoLoop("RK4").limit_cycle(),
     }
-    for name, measured in {
-        "": simulated_limit_cycle(),
-        "_mujoco": MujocoLoop().limit_cycle(),
-        "_mujoco_rk4": MujocoLoop("RK4").limit_cycle(),
-    }.items():
-        amplitude, period = _error(measured, reference)
-        results |= {f"amplitude_error{name}": amplitude, f"period_error{name}": period}
-    return results
-
-
-def _error(measured: Oscillation, reference: Oscillation) -> tuple[float, float]:
-    """Relative errors of amplitude and period."""
-    return (
-        abs(measured.phi_peak_to_peak_rad / reference.phi_peak_to_peak_rad - 1.0),
-        abs(measured.period_s / reference.period_s - 1.0),
-    )
+    return {
+        name: abs(cycle.phi_peak_to_peak_rad / reference.phi_peak_to_peak_rad - 1.0)
+        for name, cycle in measured.items()
+    }
 
 
 def _our_rate() -> float:
@@ -111,16 +87,3 @@ def _scipy_rate() -> float:
         state_rate, (0.0, SOLVER_SECONDS), START, method="LSODA", t_eval=times, **TOLERANCES
     )
     return len(solution.t) / (thread_time() - start)
-
-
-def _control_rate() -> float:
-    """The same closed loop in python-control, with the same solver and tolerances."""
-    system = control.nlsys(lambda t, x, u, _: state_rate(t, x), None, inputs=1, outputs=5, states=5)
-    times = np.arange(0.0, SOLVER_SECONDS, STEP)
-    start = thread_time()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        response = control.input_output_response(
-            system, times, 0, START, solve_ivp_method="LSODA", solve_ivp_kwargs=TOLERANCES
-        )
-    return len(response.time) / (thread_time() - start)

@@ -5,8 +5,7 @@ Graph and chain are measured in alternation in one process.
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
-from time import monotonic, perf_counter, perf_counter_ns, sleep, thread_time
+from time import monotonic, perf_counter, perf_counter_ns, sleep
 from typing import Any
 
 import numpy as np
@@ -45,39 +44,15 @@ def lockstep() -> dict[str, float]:
 
         rates()  # warm-up
         rounds = np.array([rates() for _ in range(ROUNDS)])
-        costs = _costs(graph)
         raw.close()
     ours, typed, serialised = rounds.T
-    return costs | {
+    return {
         "lockstep_vs_bare_chain": float(np.median(ours / typed)),
         "lockstep_vs_raw_chain": float(np.median(ours / serialised)),
         "lockstep_samples_per_s": float(np.median(ours)),
         "bare_chain_samples_per_s": float(np.median(typed)),
         "raw_chain_samples_per_s": float(np.median(serialised)),
     }
-
-
-def _costs(graph: SimulatedGraph) -> dict[str, float]:
-    """CPU time per sample [µs] of each node's callbacks, including publishing, and in total."""
-    spent = dict.fromkeys((node.get_name() for node in graph.nodes), 0.0)
-
-    def timed(name: str, callback: Callable[..., None]) -> Callable[..., None]:
-        @wraps(callback)
-        def call(*arguments: Any) -> None:
-            start = thread_time()
-            callback(*arguments)
-            spent[name] += thread_time() - start
-
-        return call
-
-    for node in graph.nodes:
-        for subscription in node.subscriptions:
-            subscription.callback = timed(node.get_name(), subscription.callback)
-    samples, start = graph.plant.sample, thread_time()
-    _graph_rate(graph)
-    samples = graph.plant.sample - samples
-    costs = {f"cost_{name}_us": seconds / samples * 1e6 for name, seconds in spent.items()}
-    return costs | {"cost_sample_us": (thread_time() - start) / samples * 1e6}
 
 
 def realtime() -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""``make bench``: all benchmarks in one run, written as JSON and as a Markdown table.
+"""``make bench``: all benchmarks in one run, written as JSON and printed as a table.
 
 The last line printed is the path of the JSON file. Ratios are ours over theirs. Rates of the core
 are per second of one core's CPU time, so that other processes do not affect them.
@@ -21,44 +21,26 @@ MEANING = {
     "batch_vs_mujoco_python": "a batch in lanes over MuJoCo in a Python loop with numpy, per core",
     "core_vs_mujoco_c": "core's closed loop over MuJoCo's C stepping alone, without feedback",
     "core_vs_scipy": "core over scipy's LSODA",
-    "core_vs_python_control": "core over python-control's input_output_response",
     "core_samples_per_s": "closed-loop samples/s of one core",
     "mujoco_python_samples_per_s": "MuJoCo, Python loop with numpy",
     "mujoco_python_tuned_samples_per_s": "MuJoCo, fastest Python loop",
     "mujoco_c_samples_per_s": "MuJoCo, mj_step with nstep",
     "scipy_samples_per_s": "LSODA to 1e-6, output every 1 ms",
-    "python_control_samples_per_s": "the same solver and tolerance",
     "amplitude_error": "limit cycle's amplitude at a 1 ms step, relative",
     "amplitude_error_mujoco": "the same, MuJoCo (Euler, the one whose speed is above)",
     "amplitude_error_mujoco_rk4": "the same, MuJoCo's RK4, a third as fast",
-    "period_error": "limit cycle's period at a 1 ms step, relative",
-    "period_error_mujoco": "the same, MuJoCo (Euler)",
-    "period_error_mujoco_rk4": "the same, MuJoCo's RK4",
-    "reference_amplitude_rad": "accurate solution with feedback held for 1 ms, peak to peak",
-    "reference_period_s": "the same, period",
-    "continuous_amplitude_rad": "exact cycle with continuous feedback, for comparison",
-    "continuous_period_s": "the same, period",
     "batch_2000_loops_seconds": "2000 runs of 30 s, sensors and LuGre observer, on all cores",
     "batch_samples_per_s": "the same in samples/s",
-    "batch_cores": "cores available",
-    "batch_cost_10000_vs_100_runs": "CPU time per run, 10 000 runs of 3 s over 100",
-    "batch_memory_growth_mb": "peak memory of 10 000 runs, minus memory after 100 [MB]",
     "batch_vs_single_ideal": "samples/s per core, batch over single runs, ideal sensors",
     "batch_vs_single_sensors": "the same with sensors, Kalman filter and LuGre observer",
     "vector_width_bits": "width of the processor's vectors",
     "million_loops_seconds": "10⁶ ideal loops of 10 s on all cores, extrapolated",
     "million_loops_from": "from so many loops",
-    "million_loops_samples_per_s": "the same in samples/s",
     "lockstep_vs_bare_chain": "lock-step samples/s, graph over bare chain",
     "lockstep_vs_raw_chain": "the same over a bare chain that passes serialised messages",
     "lockstep_samples_per_s": "lock-step samples/s of the graph",
     "bare_chain_samples_per_s": "lock-step samples/s of the bare chain",
     "raw_chain_samples_per_s": "the same with serialised messages",
-    "cost_plant_us": "CPU time per sample in the plant's callback, including publishing [µs]",
-    "cost_estimator_us": "the same, estimator",
-    "cost_friction_observer_us": "the same, friction observer",
-    "cost_controller_us": "the same, controller (two callbacks)",
-    "cost_sample_us": "total CPU time per sample [µs]; the rest is executor and middleware",
     "latency_p50_s": "measurement to command at 1 kHz, median",
     "latency_p99_s": "measurement to command at 1 kHz, 99th percentile",
     "latency_p50_vs_bare_chain": "median latency, graph over bare chain",
@@ -70,7 +52,7 @@ MEANING = {
 
 
 def main() -> None:
-    """Run all benchmarks, print the table and write the files."""
+    """Run all benchmarks, print the table and write the file."""
     os.environ.setdefault("ROS_DOMAIN_ID", "101")  # not the domain of a running graph
     results = core.speed() | core.errors() | batches.batches() | graph.lockstep() | graph.realtime()
     table = Table(title="benchmarks, all in one run on this machine")
@@ -82,9 +64,6 @@ def main() -> None:
     Console().print(table)
     OUT.parent.mkdir(parents=True, exist_ok=True)
     OUT.write_text(json.dumps(results, indent=2) + "\n")
-    rows = [f"| `{name}` | {value:.4g} | {MEANING[name]} |" for name, value in results.items()]
-    markdown = "\n".join(["| figure | value | meaning |", "|---|---|---|", *rows, ""])
-    OUT.with_suffix(".md").write_text(markdown)
     print(OUT)
 
 

@@ -38,7 +38,6 @@ NOT_RUN = {
     r"^(make course|jupyter lab)$": "opens JupyterLab; make course CHECK=1 runs the notebooks",
     r"pictures\.py": "changes the pages' pictures, for some minutes",
     r"standard_errors\.py": "takes more than an hour",
-    r"benchmarks/view\.py": "needs Chromium, for up to an hour",
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",
     r"/dev/tty|--port P\b": "needs a rig",
     r"\b(log|step|sine|swing)\.csv": "needs a recording of another rig",
