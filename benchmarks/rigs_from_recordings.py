@@ -101,17 +101,12 @@ def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     }
 
 
-def parsed(description: str | None, rigs: int = 10) -> argparse.Namespace:
-    """The command line: number of rigs, and seed of the first."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--rigs", type=int, default=rigs)
-    parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
-    return parser.parse_args()
-
-
 def main() -> None:
     """Run the study and print a line for each rig."""
-    options = parsed(__doc__)
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--rigs", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
+    options = parser.parse_args()
     stood, seeds = 0, range(options.first, options.first + options.rigs)
     for seed in seeds:
         residuals = study(seed)
