@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from furuta_identification.fitting.free_swing import FreeSwing, identify_free_swing
+from furuta_identification.fitting.free_swing import FreeSwing, free_part, identify_free_swing
 from furuta_identification.identify import free_swing_of_files
 from furuta_identification.options import Options
-from furuta_identification.preparation.free_part import free_part
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.recording import Recording
