@@ -150,7 +150,7 @@ def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Sc
     gravity = GRAVITY if travel > GRAVITY_TRAVEL else ()
     offsets = [f"offset {number}" for number in range(len(recordings))]
     fits = []
-    for model in first_models(recordings, bool(gravity)):
+    for model in first_models(recordings, even, bool(gravity)):
         scales = Scales(torque, model.alpha0, speed, travel, length)
         names = (*ALWAYS, *offsets, *gravity)
         fits.append((fit(cut, model, unknowns(names, scales, model), enough=COARSE), scales))

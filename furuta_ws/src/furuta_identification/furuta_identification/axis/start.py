@@ -16,19 +16,20 @@ SLIDES = 0.05
 WINDOWS = (1.0, 4.0)
 
 
-def first_models(recordings: Sequence[Recording], gravity: bool) -> Iterator[AxisModel]:
+def first_models(
+    recordings: Sequence[Recording], even: Sequence[Smoothed], gravity: bool
+) -> Iterator[AxisModel]:
     """First models, one for each smoothing time in which the torque accelerates the axis.
+
+    ``even`` are the recordings, smoothed for the first states.
 
     Raises:
         ParameterError: There is none.
     """
     found = False
     for factor in WINDOWS:
-        smooth = []
-        for recording in recordings:
-            window = smoothed(recording).window
-            smooth.append(smoothed(recording, factor * window))
-        model = _regression(smooth, gravity)
+        pairs = zip(recordings, even, strict=True)
+        model = _regression([smoothed(r, factor * each.window) for r, each in pairs], gravity)
         if model.inertia > 0.0:
             found = True
             yield model
